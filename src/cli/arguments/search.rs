@@ -52,7 +52,7 @@ pub struct SearchArguments {
     /// Resume the search that was stopped in this folder
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
-    /// Seconds between checkpoints; 0 writes one at the start and one when stopped
+    /// Seconds between checkpoints; with 0, only at the start and when the search is stopped
     #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "5")]
     pub checkpoint: f64,
     /// Progress on stderr [default: a bar on a terminal, otherwise one line of JSON per second]

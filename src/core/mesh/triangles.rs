@@ -22,7 +22,9 @@ pub fn is_beyond(coordinate: f64) -> bool {
 }
 
 pub fn too_many() -> String {
-    format!("more than {MAX_TRIANGLES} triangles: simplify it, a coarse mesh collides much faster")
+    format!(
+        "more than {MAX_TRIANGLES} triangles: simplify the mesh, because collision checks of a coarse mesh are much faster"
+    )
 }
 
 /// Merges vertices at the same place, in the order of first use.

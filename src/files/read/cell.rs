@@ -111,7 +111,7 @@ fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
         && !read.has_placement_tolerance()
     {
         let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment";
-        t.error(node.at, "`robust`, but everything is placed exactly", help);
+        t.error(node.at, "`robust` is set, but no placement has a tolerance", help);
     }
 }
 

@@ -99,7 +99,11 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
     let values = value::numbers(row, &what, n, NumberRange::Finite, t.lib)?;
     if values[i] != 1.0 || values[i + 1..].iter().any(|&v| v != 0.0) {
         let message = format!("{what} must have 1 as number {} and 0 after it", i + 1);
-        t.error(row.at, message, "a coordinate follows its own actuator and those before it");
+        t.error(
+            row.at,
+            message,
+            "a coordinate is its own actuator plus multiples of the actuators before it",
+        );
     }
     Some(values)
 }

@@ -80,7 +80,7 @@ fn refuse_length(joint: &UrdfJoint, lib: &mut Library<'_>) {
     let longest = joint.origin.translation.amax();
     if longest > TOO_LONG {
         let message = format!("the origin of joint `{}` is {longest} m away", shown(&joint.name.name));
-        lib.error(joint.origin_at, message, "lengths of a URDF are in m: is it in mm?");
+        lib.error(joint.origin_at, message, "a URDF states lengths in m: is this origin in mm?");
     }
 }
 
