@@ -65,8 +65,8 @@ fn size(low: &Vector2<f64>, high: &Vector2<f64>, ratio: f64) -> (f64, f64) {
     (size.x, size.y)
 }
 
-/// Returns the sheet with the robot at the spot of an operation, or at home. It shows the errors under the
-/// model and the reading of the cell.
+/// Returns the sheet with the robot at the spot of an operation, or at home. The sheet shows the errors under
+/// the model and the reading of the cell.
 pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     let views = [ABOVE, FRONT].map(|eye| seen(drawing, operation, &eye));
     let bounds = [0, 1].map(|k| bounds(drawing, &views[k], k == 0));
