@@ -25,15 +25,14 @@ use toml::reader::Table;
 use toml::tree::Value;
 use toml::{from, setting};
 
-/// A cell with everything that was read for it.
+/// Cell as read, with every file that was read for it.
 #[derive(Debug, Clone)]
 pub struct Loaded {
     pub cell: Cell,
     /// Every file read, the cell file first, in the order of reading.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
-    /// Whether neither file nor command line states the reading, so that it follows from the kind of the
-    /// error set.
+    /// Whether neither file nor command line states the reading. The kind of the error set then decides it.
     pub follows_errors: bool,
 }
 
@@ -74,7 +73,7 @@ pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> R
     }
 }
 
-/// A robot with everything that was read for it.
+/// Robot as read, with every file that was read for it.
 #[derive(Debug, Clone)]
 pub struct LoadedRobot {
     pub robot: Robot,

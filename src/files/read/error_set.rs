@@ -10,7 +10,7 @@ use crate::files::keys::robot::robot;
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Value;
 
-/// Reads every `[errors.NAME]`; returns none if the number of axes is unknown.
+/// Reads every `[errors.NAME]`; returns no error set if the number of axes is unknown.
 pub fn read_all(
     t: &mut Table,
     axes: Option<usize>,
@@ -73,7 +73,8 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
 
 /// Refuses errors of the base and of joint 1 that duplicate those of row 1 in modified convention.
 ///
-/// Modified rows begin with the common normal, so dalpha, dl and dbeta of row 1 describe the same errors.
+/// Modified rows begin with the common normal, so dalpha, dl and dbeta of row 1 already describe these errors
+/// of the base and of joint 1.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
     let of_base = (
         error_set::BASE,
@@ -92,7 +93,7 @@ fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_
     }
 }
 
-/// Checks that an error of a joint coordinate has the unit of that joint.
+/// Checks that an error of a joint coordinate is given in the unit of that joint.
 fn check_joint_kinds(t: &mut Table, key: &Key, values: &[f64], arm: ErrorRows<'_>, kind: JointKind) {
     let Some(node) = t.get(key) else { return };
     let (is, right) = match kind {

@@ -36,9 +36,9 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
     t.named(&cell::OPERATION, |name, t| read(name, t, &around))
 }
 
-/// Parts of the cell that an operation may refer to.
+/// Parts of the cell that an operation may name.
 struct References<'c> {
-    /// Whether every table could be read, so that an unknown name is a fault.
+    /// Whether every table could be read. Only then is an unknown name a fault.
     complete: bool,
     /// Equipment that could be read.
     equipment: &'c [Equipment],
@@ -104,7 +104,7 @@ impl References<'_> {
     }
 }
 
-/// Reads `on = "NAME"`; returns the index of that equipment or obstacle. It must have a work surface.
+/// Reads `on = "NAME"`; returns the index of that equipment or obstacle, which must have a work surface.
 fn read_surface_choice(t: &mut Table, around: &References<'_>) -> Option<usize> {
     let node = t.get(&operation::ON)?;
     let name = t.text(&operation::ON)?;
@@ -175,7 +175,7 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
 
 /// Reads `relative_to = "NAME"`; returns the index of that operation.
 ///
-/// It must come before this one, have a single spot and not be relative to another operation.
+/// That operation must come before this one, have a single spot and not be relative to another operation.
 fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<usize> {
     let node = t.get(&operation::RELATIVE_TO)?;
     let other = t.text(&operation::RELATIVE_TO)?;

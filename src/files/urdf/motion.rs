@@ -1,4 +1,4 @@
-//! Joints between base and tip: which of them move, their limits and their coupling.
+//! Joints between base and tip: which joints move, their limits and their coupling.
 
 use super::dh;
 
@@ -36,11 +36,12 @@ pub struct MovingJoint {
 pub struct Motion {
     pub axes: Vec<Axis>,
     pub movers: Vec<MovingJoint>,
-    /// Tip link in the frame of the last moving joint.
+    /// Pose of the tip link in the frame of the last moving joint.
     pub flange: Pose,
 }
 
-/// Reads the joints between base and tip and records every fault. The result is valid only if there is none.
+/// Reads the joints between base and tip and records every fault. The result is valid only if no fault was
+/// recorded.
 pub fn read(urdf: &Urdf, way: &LinkChain, lib: &mut Library<'_>) -> Option<Motion> {
     let before = lib.errors();
     let joints: Vec<_> = way.joints.iter().map(|&j| &urdf.joints[j]).collect();

@@ -19,7 +19,7 @@ pub struct Carried {
     link: usize,
     /// Number of joints that move the link.
     frame: usize,
-    /// Pose in the base link with all coordinates at 0.
+    /// Pose of the link in the base link with all coordinates at 0.
     pose: Pose,
 }
 
