@@ -22,9 +22,7 @@ pub fn is_beyond(coordinate: f64) -> bool {
 }
 
 pub fn too_many() -> String {
-    format!(
-        "more than {MAX_TRIANGLES} triangles: simplify the mesh, because collision checks of a coarse mesh are much faster"
-    )
+    format!("more than {MAX_TRIANGLES} triangles: simplify the mesh, then collision checks are much faster")
 }
 
 /// Merges vertices at the same place, in the order of first use.

@@ -78,7 +78,7 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
 
 /// Reads the matrix `coupling`: row i gives D-H coordinate i as a combination of the actuators.
 ///
-/// Without the matrix, every coordinate equals that of its actuator.
+/// If the matrix is missing, every coordinate equals its actuator's coordinate.
 pub fn read_coupling(t: &mut Table, n: usize) -> Option<Vec<Vec<f64>>> {
     let Some(node) = t.get(&robot::COUPLING) else {
         let unit = |i| (0..n).map(|j| f64::from(u8::from(i == j))).collect();

@@ -149,7 +149,8 @@ fn read_sense(t: &mut Table, around: &References<'_>) -> Option<Sense> {
     around.senses.get(word.as_str()).map(|sense| (*sense).clone())
 }
 
-/// Reads `limit_mm` or `limit_deg`, depending on the unit of the sense.
+/// Reads `limit_mm` or `limit_deg`, depending on the unit of the sense; returns Some(None) if there is no
+/// limit.
 fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
     let mut limit = Some(None);
     for (key, unit) in [(operation::LIMIT_MM, Unit::Length), (operation::LIMIT_DEG, Unit::Angle)] {

@@ -176,8 +176,8 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     merge_over(entries, under);
 }
 
-/// Removes `reading = "signed"` of the file if settings choose other errors or another registration, but no
-/// reading.
+/// Removes `reading = "signed"` of the file if a flag chooses other errors or another registration, and
+/// nothing chooses a reading.
 ///
 /// The kind of the errors then decides the reading, because a tolerance has no signed sample.
 fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {

@@ -64,8 +64,8 @@ const SHORTEST: f64 = 1e-13;
 /// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Least sine of the angle between the last joint axis and the z axis of the tip. At smaller angles that are
-/// not 0, the last row is empty.
+/// Least sine of the angle between the last joint axis and the z axis of the tip. If the sine is less but not
+/// 0, the last row is empty.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.
@@ -225,7 +225,7 @@ fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     Pose { rotation, translation: Vector3::new(row.l * c, row.l * s, row.r + slide) }
 }
 
-/// Returns sine and cosine of an angle as the chain computes them: exactly 0 at right angles.
+/// Returns sine and cosine of an angle as the chain computes them, without rounding errors at right angles.
 fn exact(angle: f64) -> (f64, f64) {
     let zero = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
     (zero(angle.sin()), zero(angle.cos()))

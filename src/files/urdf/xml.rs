@@ -70,7 +70,7 @@ pub fn numbers<const N: usize>(
     Some(all)
 }
 
-/// Returns the child element with a tag; records a fault if there are several.
+/// Returns the child element with the tag `name`; records a fault if there are several.
 pub fn only<'a, 'i>(e: Node<'a, 'i>, name: &str, faults: &mut Faults) -> Option<Node<'a, 'i>> {
     let mut all = e.children().filter(|c| c.has_tag_name(name));
     let first = all.next();
