@@ -126,8 +126,8 @@ const MAX_CANDIDATES: usize = 100;
 
 /// Returns the candidate nearest to a mistyped `word`, if one is near enough to suggest.
 ///
-/// A candidate is near if it names the same quantity in another unit or without one (`x` or `x_m` for
-/// `x_mm`), or if it differs by a few letters.
+/// A candidate is near if it differs by a few letters. It is also near if it names the same quantity in
+/// another unit or without a unit (`x_m` or `x` for `x_mm`).
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = word.chars().count();
     let quantity = word.rsplit_once('_').map_or(word, |(stem, _)| stem);

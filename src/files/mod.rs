@@ -1,6 +1,6 @@
 //! Readers that turn cell, robot, equipment and tool files into a validated [`Cell`].
 //!
-//! Files are TOML. Lengths are in mm and angles in degrees, and the name of every such key ends with its
+//! Files are TOML. Lengths are in mm and angles in degrees. The name of a key with a unit ends with that
 //! unit. [`load`] never touches the file system: the caller passes a function that reads a file. It reports
 //! every fault of every file in one pass, each with file, line, column, message and help.
 

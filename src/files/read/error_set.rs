@@ -73,8 +73,8 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
 
 /// Refuses errors of the base and of joint 1 that duplicate those of row 1 in modified convention.
 ///
-/// Modified rows begin with the common normal, so dalpha, dl and dbeta of row 1 already describe these errors
-/// of the base and of joint 1.
+/// Modified rows begin with the common normal. So dalpha, dl and dbeta of row 1 already describe these
+/// errors.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
     let of_base = (
         error_set::BASE,

@@ -212,8 +212,8 @@ fn printable() -> Value {
     json!({ "minLength": 1, "maxLength": MAX_NAME, "pattern": pattern })
 }
 
-/// Returns the schemas of a rule: first the one for tables that are not merged over another file, then those
-/// for all tables.
+/// Returns the schemas of a rule. The first is for tables that are not merged over another file, the others
+/// are for all tables.
 fn of_rule(rule: &Rule, table: &'static KeyTable) -> (Option<Value>, Vec<Value>) {
     match rule {
         Rule::AnyOf(keys) => {

@@ -195,7 +195,7 @@ impl Reader {
     }
 }
 
-/// Merges `own` over `under`: keys of `own` win, a table that both have is merged, a list is replaced as a
+/// Merges `own` over `under`: keys of `own` win. A table that both have is merged; a list is replaced as a
 /// whole.
 pub fn laid_over(own: Vec<Entry>, mut under: Vec<Entry>) -> Vec<Entry> {
     let known: HashMap<String, usize> = under.iter().enumerate().map(|(i, e)| (e.0.clone(), i)).collect();

@@ -216,8 +216,8 @@ fn moved(axis: &Axis, q: f64) -> Pose {
     }
 }
 
-/// Returns the transform of a row: `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`, where R is a rotation
-/// about an axis and T a translation along an axis.
+/// Returns the transform of a row: `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`, where R rotates about an
+/// axis and T translates along one.
 fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     let (s, c) = (row.theta + turn).sin_cos();
     let (sa, ca) = exact(row.alpha);
@@ -263,8 +263,8 @@ fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     in_sense(r, l, alpha, (x / l, y / l))
 }
 
-/// Returns a D-H row in which x rotates by less than a right angle, if necessary by reversing the new x axis.
-/// The module documentation gives the rule for right angles.
+/// Returns a D-H row that rotates x by less than a right angle; reverses the new x axis if necessary. The
+/// module documentation gives the rule for right angles.
 fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     let square = x.abs() <= MAX_ROUNDING;
     let turn_round = if !square {

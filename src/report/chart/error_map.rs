@@ -1,7 +1,7 @@
 //! Picture of the error maps of a layout in plan (Figs. 4 to 7 of the seed paper).
 //!
-//! Nodes have the colour of their error, arrows show the error in the plane, and a symbol on every unusable
-//! node tells why it cannot be used.
+//! Nodes have the colour of their error, and arrows show the error in the plane. A symbol on every unusable
+//! node tells why the node cannot be used.
 
 use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::error_map_legend::{draw_legend, reach_line};

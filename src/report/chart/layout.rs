@@ -18,8 +18,8 @@ use nalgebra::Vector3;
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (66.0, WIDTH - EDGE, 560.0);
 
-/// Draws the layout from above in world axes, with the envelope at the height of the TCP and the TCP at the
-/// spot of the operation.
+/// Draws the layout from above in world axes, with the TCP at the spot of the operation. The envelope is
+/// drawn at the height of the TCP.
 pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) -> String {
     let rings = a.reachable(operation);
     let envelope = rings.iter().map(|r| r.iter().map(|p| (mm_from_m(p.0), mm_from_m(p.1))).collect());

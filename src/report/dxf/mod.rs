@@ -43,7 +43,7 @@ const LAYERS: [Layer; 15] = [
 /// Least cosine of the angle between the normals of two coplanar faces. The edge between such faces is not
 /// drawn.
 const PLANE: f64 = 1.0 - 1e-9;
-/// Height of a text as a share of the longer side of the cell, and the least height of a text, m.
+/// Text height as a share of the longer side of the cell, and the least text height, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
 /// Length of the axes at the frame of an equipment, m.
 const AXIS: f64 = 0.1;

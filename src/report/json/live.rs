@@ -1,5 +1,5 @@
-//! State of the live page of `view`: the part of a cell that does not depend on the layout (the form), and a
-//! compact document for the value of a layout.
+//! State of the live page of `view`: the form and the evaluation of a layout. The form is the part of a cell
+//! that does not depend on the layout.
 
 use super::live_records::{
     AnswerNodes, AnswerOperation, AnswerRecord, FormEquipment, FormGroup, FormNumber, FormRecord, LensChoice,

@@ -124,8 +124,8 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     vec![section]
 }
 
-/// Returns the section with the comparison table that the terminal shows, and rows for requirement, clearance
-/// and gap to the proven bound.
+/// Returns the section with the comparison table that the terminal shows. Further rows show requirement,
+/// clearance and gap to the proven bound.
 fn side_by_side(comparison: &Comparison<'_>, told: &[SearchFacts]) -> Section {
     let text = vec![
         "Lengths are in mm and angles in degrees. Parentheses give the change from the first layout. Clearance is the \

@@ -1,6 +1,6 @@
 //! Drawing of the cell on paper: plan and front view to scale, with dimensions and a title block.
 //!
-//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216) with a scale of ISO 5455 and lines
+//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216), with a scale of ISO 5455. Lines are
 //! 0.35 and 0.18 mm wide (ISO 128). Print it at 100 %.
 
 mod dimensions;

@@ -75,8 +75,8 @@ pub fn findings(r: &Readings<'_>) -> Vec<String> {
     regret(r).into_iter().chain(registered(r)).collect()
 }
 
-/// Describes the regret of choosing the spot by the signed sample: how many times the least value it costs
-/// under another reading.
+/// Describes the regret of choosing the spot by the signed sample. The regret is the value of that spot under
+/// another reading, divided by the least value under it.
 fn regret(r: &Readings<'_>) -> Vec<String> {
     if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
         return vec![format!(
