@@ -16,10 +16,10 @@ pub struct ErrorRows<'j> {
 impl ErrorRows<'_> {
     /// Returns the parameters that hold dl, dalpha and dbeta of a modified row 1.
     ///
-    /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T is a translation along an axis
-    /// and R a rotation about it. dl and dbeta become errors of the frame of joint 1, after the twist; dalpha
-    /// becomes an error of the base frame, before it. This is exact, because Tx and Rx commute and each of
-    /// the two frames has one rotation only.
+    /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T translates along an axis and R
+    /// rotates about one. dl and dbeta become errors of the frame of joint 1, after the twist; dalpha becomes
+    /// an error of the base frame, before it. This is exact, because Tx and Rx commute and each of the two
+    /// frames has one rotation only.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         [joint, base + 3, joint + 4]

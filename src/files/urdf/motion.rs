@@ -161,7 +161,8 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     Some((lower, upper))
 }
 
-/// Reads a mimic joint as a row of the coupling and an offset. It follows a joint before it on the chain.
+/// Reads a mimic joint as a row of the coupling and an offset. A mimic joint follows a joint before it on the
+/// chain.
 fn read_mimic(
     i: usize,
     joint: &UrdfJoint,

@@ -9,7 +9,8 @@ use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector2;
 use std::fmt::Write;
 
-/// Distance between the view and the first dimension line, mm on paper; the next lines are [`LINE_SPACING`] apart.
+/// Distance between the view and the first dimension line, mm on paper. The next lines are [`LINE_SPACING`]
+/// apart.
 const FIRST_LINE: f64 = 7.0;
 const LINE_SPACING: f64 = 6.0;
 /// Length of the head of an arrow, mm on paper.
