@@ -1,5 +1,5 @@
-//! sweetspot finds where in a robot workcell a precision operation should happen, and where worktable and
-//! conveyor must stand so that it can.
+//! sweetspot finds where in a robot workcell a precision operation has the least error, and where worktable
+//! and conveyor must stand for it.
 //!
 //! # The problem
 //!

@@ -85,7 +85,8 @@ fn say_notes(loaded: &Loaded, settings: &[Setting]) {
             ErrorSet::Signed(_) => "the errors of the equipment are".to_string(),
         };
         output::talk(&format!(
-            "note: {whose} a tolerance: read as worst-case (use --reading statistical for random variables)"
+            "note: {whose} a tolerance, so the reading is worst-case \
+             (--reading statistical treats it as random)"
         ));
     }
     if states("quantity") && cell.reading != Reading::Statistical {

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Severity of a fault: an error refuses the file, a warning lets it through.
+/// Severity of a fault: an error makes the file invalid, a warning does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -41,7 +41,7 @@ pub struct Fault {
     /// Line of the file, for display. A long line is cut to the part around the fault.
     #[serde(skip)]
     pub excerpt: String,
-    /// Number of characters of the excerpt before the fault.
+    /// Position of the fault in the excerpt: the number of characters before it.
     #[serde(skip)]
     pub caret: usize,
 }
@@ -87,7 +87,7 @@ impl Fault {
     }
 }
 
-/// Number of characters before the fault above which the start of the line is cut off.
+/// Largest number of characters shown before the fault; the start of a longer line is cut off.
 const WIDEST: usize = 100;
 
 impl fmt::Display for Fault {
@@ -126,8 +126,8 @@ const MAX_CANDIDATES: usize = 100;
 
 /// Returns the candidate nearest to a mistyped `word`, if one is near enough to suggest.
 ///
-/// A candidate is near if it is the same quantity in another unit or none (`x` or `x_m` for `x_mm`), or if it
-/// differs by a few letters.
+/// A candidate is near if it differs by a few letters. It is also near if it names the same quantity in
+/// another unit or without a unit (`x_m` or `x` for `x_mm`).
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = word.chars().count();
     let quantity = word.rsplit_once('_').map_or(word, |(stem, _)| stem);

@@ -19,9 +19,9 @@ pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
     known
 }
 
-/// Reads the mesh in the file at `path` and multiplies its coordinates by `scale` to get m.
+/// Reads the mesh in the file at `path` and multiplies its coordinates by `scale` to convert them to m.
 ///
-/// `at` is the place that names the file; faults point to it.
+/// `at` is the place where the file is named; faults point to this place.
 pub fn load(path: &str, at: At, scale: &Vector3<f64>, pose: Pose, lib: &mut Library<'_>) -> Option<Shape> {
     let (mut vertices, mut triangles) = read_file(path, at, scale.amax(), lib)?;
     let even = scale / scale.amax();

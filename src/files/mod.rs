@@ -1,6 +1,6 @@
 //! Readers that turn cell, robot, equipment and tool files into a validated [`Cell`].
 //!
-//! Files are TOML. Lengths are in mm and angles in degrees, and the name of every such key ends with its
+//! Files are TOML. Lengths are in mm and angles in degrees. The name of a key with a unit ends with that
 //! unit. [`load`] never touches the file system: the caller passes a function that reads a file. It reports
 //! every fault of every file in one pass, each with file, line, column, message and help.
 
@@ -25,15 +25,14 @@ use toml::reader::Table;
 use toml::tree::Value;
 use toml::{from, setting};
 
-/// A cell with everything that was read for it.
+/// Cell as read, with every file that was read for it.
 #[derive(Debug, Clone)]
 pub struct Loaded {
     pub cell: Cell,
     /// Every file read, the cell file first, in the order of reading.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
-    /// Whether neither file nor command line states the reading, so that it follows from the kind of the
-    /// error set.
+    /// Whether neither file nor command line states the reading. The kind of the error set then decides it.
     pub follows_errors: bool,
 }
 
@@ -74,7 +73,7 @@ pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> R
     }
 }
 
-/// A robot with everything that was read for it.
+/// Robot as read, with every file that was read for it.
 #[derive(Debug, Clone)]
 pub struct LoadedRobot {
     pub robot: Robot,

@@ -8,7 +8,8 @@ use crate::record::{
 use crate::search::SearchRecord;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
-/// Writes the nodes of all operations as CSV with a header. World frame, mm and degrees.
+/// Writes the nodes of all operations as CSV with a header. Positions are in the world frame, in mm and
+/// degrees.
 ///
 /// # Errors
 /// Fails if the csv writer fails, which is not expected because it writes to memory.
@@ -41,16 +42,15 @@ pub fn or_empty(value: Option<f64>) -> String {
     value.map_or(String::new(), |v| v.to_string())
 }
 
-/// Writes one row.
+/// Writes one row of a CSV file.
 ///
-/// # Errors
-/// Fails if the csv writer does.
+/// # Errors Fails if the csv writer fails.
 pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
     writer.write_record(row).map_err(|e| e.to_string())
 }
 
-/// Writes the kept layouts of a search as CSV with a header. The goals come first, then the free coordinates
-/// (mm, degrees).
+/// Writes the layouts that a search kept as CSV with a header. The goals come first, then the free
+/// coordinates (mm, degrees).
 ///
 /// # Errors
 /// Fails if the csv writer fails, which is not expected because it writes to memory.
@@ -75,7 +75,7 @@ pub fn front(cell: &Cell, record: &SearchRecord) -> Result<Vec<u8>, String> {
     writer.into_inner().map_err(|e| e.to_string())
 }
 
-/// Returns the name of a free coordinate, owner and key of the cell file, such as "table x_mm".
+/// Returns the name of a free coordinate: its owner and its key in the cell file, such as "table x_mm".
 fn variable(cell: &Cell, slot: Slot) -> String {
     let owner = match slot {
         Slot::Base(_) => "base",
@@ -85,7 +85,8 @@ fn variable(cell: &Cell, slot: Slot) -> String {
     format!("{owner} {}", coordinate_name(slot))
 }
 
-/// Writes the readings of all operations, with a header. World frame, mm and degrees.
+/// Writes the readings of all operations as CSV with a header. Positions are in the world frame, in mm and
+/// degrees.
 ///
 /// # Errors
 /// Fails if the csv writer fails, which is not expected because it writes to memory.

@@ -16,9 +16,9 @@ use std::fmt::Write;
 pub struct PaperFigure {
     /// Name of the file.
     pub name: String,
-    /// Figure of the paper that the picture corresponds to.
+    /// Figure of the seed paper that the picture corresponds to.
     pub of: &'static str,
-    /// Caption that describes the figure of the paper.
+    /// Caption that describes the figure of the seed paper.
     pub paper: &'static str,
     /// Caption that describes this picture.
     pub ours: String,
@@ -33,7 +33,7 @@ pub struct Format {
     pub dark: bool,
 }
 
-/// Error map of the paper: file name, figure, component drawn, and caption in the paper.
+/// Error map of the seed paper: file name, figure, component drawn, and caption in the paper.
 type Map = (&'static str, &'static str, Show, &'static str);
 const COMPONENT: &str = "One component of the error at every node of the worktop as an arrow; circles on the \
                          nodes that the robot cannot reach.";
@@ -51,8 +51,8 @@ const MAPS: [Map; 5] = [
     ),
 ];
 
-/// Draws all figures. The maps show the first operation; the map of Fig. 7 shows all operations together.
-/// Every file name begins with `prefix`.
+/// Draws all figures of a cell. The maps show the first operation; the map of Fig. 7 shows all operations
+/// together. Every file name begins with `prefix`.
 ///
 /// # Errors
 /// Fails if a picture cannot be drawn.

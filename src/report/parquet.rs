@@ -75,8 +75,8 @@ impl ColumnValues {
     }
 }
 
-/// Writes the nodes of all operations in one row group. World frame, mm and degrees; the names of the columns
-/// state the units.
+/// Writes the nodes of all operations in one row group. Positions are in the world frame; the names of the
+/// columns state the units.
 ///
 /// # Errors
 /// Fails if the Parquet writer fails, which is not expected because it writes to memory.

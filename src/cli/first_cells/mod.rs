@@ -162,7 +162,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
         )
     },
     small(
-        ["puma560", "six axes of the textbooks, bench and feeder", "puma560"],
+        ["puma560", "the six-axis arm of many textbooks (PUMA 560), bench and feeder", "puma560"],
         (0, 550),
         (700, 500, 900),
         900,

@@ -22,7 +22,7 @@ pub fn is_beyond(coordinate: f64) -> bool {
 }
 
 pub fn too_many() -> String {
-    format!("more than {MAX_TRIANGLES} triangles: simplify it, a coarse mesh collides much faster")
+    format!("more than {MAX_TRIANGLES} triangles: simplify the mesh, then collision checks are much faster")
 }
 
 /// Merges vertices at the same place, and keeps the order in which each place first occurs.

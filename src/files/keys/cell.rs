@@ -1,4 +1,4 @@
-//! Keys of the file of a cell, and of `[search]`.
+//! Keys of a cell file, and of its table `[search]`.
 
 use super::constraints::{fence, margins, transfer};
 use super::equipment::{equipment, keep_out, obstacle};

@@ -5,7 +5,7 @@ use super::key::*;
 use super::parts::*;
 use crate::cell::{Distribution, MAX_JOINTS, PER_FRAME, Spread};
 
-/// Meaning of the numbers of an error set.
+/// Meaning of the numbers of an error set: signed errors or tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorForm {
     /// Errors of one robot, with their signs.
@@ -40,10 +40,10 @@ const SIGMAS: Key = number(
 )
 .default(Literal::Number(Spread::SIGMAS));
 
-/// One word for all joints, or one for each.
+/// One word for all joints, or a list with one word for each joint.
 const BY_JOINT: ValueKind = ValueKind::Either(&[SPREAD, ValueKind::List(&SPREAD, (1, MAX_JOINTS), "words")]);
 
-/// One word for a frame, or one for each of its components.
+/// One word for a frame, or a list with one word for each component of the frame.
 const BY_COMPONENT: ValueKind =
     ValueKind::Either(&[SPREAD, ValueKind::List(&SPREAD, (PER_FRAME, PER_FRAME), "words")]);
 

@@ -13,14 +13,14 @@ pub const MAX_NAME: usize = 60;
 /// Largest number of allowed values of a coordinate.
 pub const MAX_VALUES: usize = 1000;
 
-/// Maximum of a list without an upper limit on its length.
+/// Largest number of items of a list whose length has no upper limit.
 pub const MANY: usize = usize::MAX;
 
 /// Kind of value that a key has.
 #[derive(Debug, Clone, Copy)]
 pub enum ValueKind {
     Number(NumberRange),
-    /// Whole number from the first to the second.
+    /// Whole number from the first bound to the second.
     Whole(u64, u64),
     Boolean,
     Text,
@@ -30,9 +30,9 @@ pub enum ValueKind {
     Path,
     /// One of a closed set of words.
     Word(fn() -> Vec<String>),
-    /// This one word.
+    /// Fixed text; no other value is accepted.
     Exactly(&'static str),
-    /// Number that may be searched, within these bounds: fixed, a range, or a list of values.
+    /// Coordinate within these bounds: a fixed number, a range to search, or a list of values to choose from.
     Coordinate(f64, f64),
     Table(&'static KeyTable),
     /// Table of values under names chosen by the user, with the least number of entries.
@@ -40,11 +40,11 @@ pub enum ValueKind {
     /// List of items: kind of the items, least and greatest number of items, and noun for messages.
     List(&'static ValueKind, (usize, usize), &'static str),
     Either(&'static [ValueKind]),
-    /// Kind with additions to its JSON Schema.
+    /// Value of another kind, with additions to its JSON Schema.
     Checked(&'static ValueKind, fn() -> Value),
 }
 
-/// Requirement of a key: whether it must be given, and its default if not.
+/// Requirement of a key: whether the key must be given, and the default if it need not.
 #[derive(Debug, Clone, Copy)]
 pub enum Need {
     Required,
@@ -73,9 +73,9 @@ pub struct Key {
     pub need: Need,
     /// Explanation of the key for users: a sentence, without the unit.
     pub help: &'static str,
-    /// Example of a value, as TOML. If it is empty, any value of the kind is shown.
+    /// Example of a value, as TOML. If this is empty, any value of the kind is shown.
     pub example: &'static str,
-    /// Help text for a missing key. If it is empty, the text says to add the example.
+    /// Help text for a missing key. If this is empty, the help text says to add the example.
     pub remedy: &'static str,
 }
 
@@ -105,7 +105,7 @@ impl Key {
         Self { remedy, ..self }
     }
 
-    /// Returns the unit that the ending of the name gives.
+    /// Returns the unit that the ending of the key's name states.
     pub fn unit(&self) -> KeyUnit {
         let endings = [
             ("mm_per_deg", KeyUnit::MillimetresPerDegree),
@@ -161,12 +161,12 @@ impl KeyTable {
         Self { own_refused, ..self }
     }
 
-    /// Returns all keys.
+    /// Returns all keys of the table, with those of the tables that it extends.
     pub fn keys(&'static self) -> impl Iterator<Item = &'static Key> {
         self.and_extended().flat_map(|table| table.own)
     }
 
-    /// Returns all rules.
+    /// Returns all rules of the table, with those of the tables that it extends.
     pub fn rules_of_keys(&'static self) -> impl Iterator<Item = &'static Rule> {
         self.and_extended().flat_map(|table| table.own_rules)
     }
@@ -197,9 +197,9 @@ pub struct Refused {
 /// Rule about several keys of a table.
 #[derive(Debug)]
 pub enum Rule {
-    /// At least one of the keys must be given.
+    /// At least one of these keys must be given.
     AnyOf(&'static [&'static str]),
-    /// At most one of the keys may be given.
+    /// At most one of these keys may be given.
     OneAtMost(&'static [&'static str]),
     /// If the first key is given, none of the others may be given.
     Excludes(&'static str, &'static [&'static str]),
@@ -207,14 +207,14 @@ pub enum Rule {
     OnlyWith(&'static str, &'static [&'static str]),
     /// If the first key is given, the second must be given.
     Needs(&'static str, &'static str),
-    /// If `key` has one of `words`, `needs` must be given and `never` must not.
+    /// If the value of `key` is one of `words`, the keys `needs` must be given and the keys `never` must not.
     When {
         key: &'static str,
         words: fn() -> Vec<String>,
         needs: &'static [&'static str],
         never: &'static [&'static str],
     },
-    /// If the key has this word, no number of the table is negative.
+    /// If the key has this word as its value, no number of the table may be negative.
     NotNegativeWhen(&'static str, &'static str),
 }
 
@@ -228,17 +228,17 @@ impl ValueKind {
         }
     }
 
-    /// Returns the kind of a word out of a closed set.
+    /// Returns the kind of value that is one word of a closed set.
     pub const fn word<W: Word>() -> Self {
         ValueKind::Word(words_of::<W>)
     }
 
-    /// Returns the kind without the additions to its JSON Schema.
+    /// Returns the kind of the value without additions to its JSON Schema.
     pub fn plain(&self) -> &ValueKind {
         if let ValueKind::Checked(kind, _) = self { kind.plain() } else { self }
     }
 
-    /// Returns the table in a value of this kind, or in its items.
+    /// Returns the keys of the table that a value of this kind is, or that its items are.
     pub fn table(&self) -> Option<&'static KeyTable> {
         match self {
             ValueKind::Table(table) => Some(table),

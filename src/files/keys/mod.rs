@@ -1,4 +1,4 @@
-//! All keys of the files, in one table for each kind of table.
+//! All keys of the files: one table of keys for each kind of TOML table.
 //!
 //! The reader, the JSON Schemas and the reference for users are all made from these tables.
 

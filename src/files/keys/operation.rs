@@ -12,13 +12,13 @@ pub const MAX_NODES: u64 = 1_000_000;
 /// Largest number of spins of one operation.
 pub const MAX_SPINS: usize = 72;
 
-/// Largest tolerance of the tool axis, degrees.
+/// Largest tolerance on the direction of the tool axis, degrees.
 pub const MAX_TOLERANCE: f64 = 45.0;
 
-/// Largest elevation up or down, degrees. Beyond 90 degrees the tool leans back.
+/// Largest elevation of the tool axis, up or down, degrees. Beyond 90 degrees the tool leans back.
 pub const MAX_BEND: f64 = 135.0;
 
-/// Returns the names of the built-in senses, without a frame and in every frame.
+/// Returns the names of the built-in senses: each without a frame, and with every frame after an `@`.
 fn plain_senses() -> Vec<String> {
     let framed = PLAIN.iter().flat_map(|p| Frame::ALL.map(|f| format!("{p}@{}", f.name())));
     PLAIN.iter().map(|p| p.to_string()).chain(framed).collect()

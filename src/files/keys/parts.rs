@@ -20,7 +20,7 @@ macro_rules! key_table {
 }
 pub(crate) use key_table;
 
-/// Bounds of a coordinate that may be anywhere.
+/// Coordinate that may have any value that a file may contain.
 const ANYWHERE: ValueKind = ValueKind::Coordinate(-LARGEST, LARGEST);
 
 pub const FINITE: ValueKind = ValueKind::Number(NumberRange::Finite);
@@ -82,7 +82,7 @@ pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
     Key::new(name, ValueKind::word::<W>(), help)
 }
 
-/// Returns the key `from`, which names the file that this one builds on.
+/// Returns the key `from`, which names the file whose keys this file includes.
 pub const fn from(example: &'static str) -> Key {
     let help =
         "File that this one builds on; keys given here override its keys, and lists are replaced whole.";

@@ -12,11 +12,11 @@ pub enum NumberRange {
     Finite,
     Positive,
     NotNegative,
-    /// Half the width of a tolerance: not negative.
+    /// Plus-or-minus value, half the width of a range: not negative.
     PlusMinus,
     /// From 0 to this value.
     UpTo(f64),
-    /// From 0 on, and less than this value.
+    /// At least 0, and less than this value.
     Below(f64),
 }
 

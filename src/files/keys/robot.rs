@@ -83,7 +83,7 @@ key_table! {
 key_table! {
     held, "`held`", "Part that the robot holds at an operation; it is checked for collision, too.", {
         SOLID = Key::new("solid", SOLIDS, "Solids of the part, in the frame of the TCP.").required().remedy("add solid = [{ name = \"part\", box = { centre_mm = [0, 0, 0], size_mm = [50, 50, 50] } }]");
-        TOUCHES = boolean("touches_surface", false, "Whether the part rests on the surface; it is then not checked against that equipment.");
+        TOUCHES = boolean("touches_surface", false, "Whether the part rests on the surface; it is then not checked for collision with the equipment of that surface.");
     }
 }
 

@@ -4,10 +4,10 @@ use super::key::*;
 use super::parts::*;
 use crate::cell::{Frame, PLAIN};
 
-/// Keys that say what a term measures.
+/// Keys that say which component of the error a term measures.
 pub const WAYS: [&str; 4] = ["of", "direction", "plane", "axis"];
 
-/// Keys that define a sense: those of one term, or a list of terms.
+/// Keys that define a sense: the keys of one term, or `term`, a list of terms.
 pub const WAYS_OF_SENSE: [&str; 5] = ["of", "direction", "plane", "axis", "term"];
 
 fn plain() -> Vec<String> {

@@ -112,7 +112,7 @@ key_table! {
     rules [Rule::AnyOf(&SHAPES), Rule::OneAtMost(&SHAPES)];
     refused [Refused {
         name: "leg",
-        message: "what moves cannot be a leg",
+        message: "only a solid of equipment or of an obstacle can be a leg",
         remedy: "give it one of: box, sphere, capsule, cylinder, mesh",
     }];
 }

@@ -1,6 +1,6 @@
 //! Closed sets of words.
 
-/// Closed set of values, each with its word in the files.
+/// Closed set of values, each with the word that stands for it in the files.
 pub trait Word: Copy + 'static {
     fn all() -> &'static [Self];
     fn word(self) -> &'static str;

@@ -13,7 +13,7 @@ use crate::files::toml::value::{is_name, text, word};
 
 /// Reads a whole cell. The result is valid only if no fault was recorded.
 ///
-/// `stem` is the name of the cell if the file gives none.
+/// `stem` becomes the name of the cell if the file gives none.
 pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     Table::read(root, cell::TABLE.what, &cell::TABLE, lib, |t| {
         header(t, &cell::SCHEMA)?;
@@ -67,10 +67,10 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     })
 }
 
-/// Settings of a cell that say how its errors are modelled and interpreted.
+/// Settings that say how the errors of a cell are modelled and interpreted.
 struct Question {
     model: Model,
-    /// Reading that the file states; None if it follows from the errors.
+    /// Reading that the file states; None if the kind of the errors decides it.
     reading: Option<Reading>,
     quantity: Quantity,
     registration: Registration,
@@ -111,13 +111,13 @@ fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
         && !read.has_placement_tolerance()
     {
         let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment";
-        t.error(node.at, "`robust`, but everything is placed exactly", help);
+        t.error(node.at, "`robust` is set, but no placement has a tolerance", help);
     }
 }
 
 /// Reads `errors = "NAME"` and returns the index of that error set of the robot.
 ///
-/// The name is looked up among the entries of the file.
+/// The name is looked up among the entries of the file, which include sets that could not be read.
 fn read_error_choice(t: &mut Table) -> Option<usize> {
     let node = t.get(&cell::ERRORS)?;
     let name = text(node, cell::ERRORS.name, t.lib)?;

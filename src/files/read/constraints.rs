@@ -45,7 +45,7 @@ fn in_file(kind: JointKind, q: f64) -> f64 {
     units::rounded(if kind == JointKind::Revolute { units::deg_from_rad(q) } else { units::mm_from_m(q) }, 6)
 }
 
-/// Reads `[transfer]`; the inner None if transfers are not checked.
+/// Reads `[transfer]`; returns Some(None) if transfers are not checked.
 pub fn read_transfer(
     t: &mut Table,
     robot: Option<&Robot>,
@@ -65,7 +65,7 @@ pub fn read_transfer(
     })
 }
 
-/// Reads one posture, or a list of them.
+/// Reads `via`: one posture, or a list of postures.
 fn read_via(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) -> Option<Vec<JointVector>> {
     let lists = node.value.items().filter(|items| items.iter().all(|item| item.value.items().is_some()));
     let postures = lists.unwrap_or(std::slice::from_ref(node));
@@ -95,7 +95,7 @@ fn read_posture(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) ->
     Some(posture)
 }
 
-/// Reads `[fence]`; the inner None if there is no fence.
+/// Reads `[fence]`; returns Some(None) if there is no fence.
 pub fn read_fence(t: &mut Table) -> Option<Option<Fence>> {
     t.table_or(&cell::FENCE, None, |t| {
         let height = t.if_given(&fence::HEIGHT, Table::number);

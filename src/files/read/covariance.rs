@@ -17,7 +17,8 @@ const ROUNDING: f64 = 1e-9;
 
 /// Reads `covariance`.
 ///
-/// `values` are the plus-or-minus of all parameters; they must be 0 for the parameters of the covariance.
+/// `values` are the plus-or-minus values of all parameters. They must be 0 for the parameters of the
+/// covariance.
 pub fn read(t: &mut Table, arm: ErrorRows<'_>, values: Option<&SignedErrors>) -> Option<Covariance> {
     let (names, rows) = (t.get(&covariance::PARAMETERS), t.get(&covariance::MATRIX));
     let items = names.and_then(|names| items_of(names, arm, t))?;
@@ -98,7 +99,7 @@ fn read_parameter(item: &Node, names: &[String], arm: ErrorRows<'_>, t: &mut Tab
     found
 }
 
-/// Returns a help text for an unknown name: similar names, or all that are allowed.
+/// Returns a help text for an unknown name: similar names, or all allowed names.
 fn nearest(name: &str, names: &[String], arm: ErrorRows<'_>) -> String {
     if let Some(first) = of_joint(name, 1).filter(|first| names.contains(first)) {
         let last = of_joint(name, arm.axes).unwrap_or_default();
@@ -110,13 +111,13 @@ fn nearest(name: &str, names: &[String], arm: ErrorRows<'_>) -> String {
     }
 }
 
-/// Returns the name of this parameter for another joint.
+/// Returns the name of a joint's parameter with the joint replaced by joint `number`.
 fn of_joint(name: &str, number: usize) -> Option<String> {
     let (before, rest) = name.split_at(name.find(|c: char| c.is_ascii_digit())?);
     Some(format!("{before}{number}{}", rest.trim_start_matches(|c: char| c.is_ascii_digit())))
 }
 
-/// Records a fault for every parameter that has a plus-or-minus besides its covariance.
+/// Records a fault for every parameter that has both a plus-or-minus value and a covariance.
 fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, t: &mut Table) {
     let values = values.values();
     for item in places.iter().zip(items).filter(|(place, _)| values[**place] != 0.0).map(|(_, item)| item) {
@@ -128,7 +129,7 @@ fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, t: &mut 
     }
 }
 
-/// Matrix as the file gives it, with the place of every entry.
+/// Covariance matrix as the file gives it, with the place of every entry.
 struct Matrix<'n> {
     node: &'n Node,
     rows: Vec<Vec<f64>>,
@@ -178,7 +179,8 @@ impl<'n> Matrix<'n> {
         }
     }
 
-    /// Checks an entry left of the diagonal against its counterpart and against the standard deviations.
+    /// Checks an entry left of the diagonal against its mirror image, and its correlation against the limit
+    /// of 1.
     fn check_pair(&self, i: usize, j: usize, names: &[String], t: &mut Table) {
         let (a, b) = (self.at(i, j), self.at(j, i));
         let (of, and) = (&names[i], &names[j]);

@@ -14,7 +14,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::Vector3;
 
-/// Reads `[equipment.NAME]` or `[obstacle.NAME]`, usually `from` an equipment file.
+/// Reads `[equipment.NAME]` or `[obstacle.NAME]`, most keys of which usually come `from` an equipment file.
 pub fn read(name: &str, t: &mut Table, role: Role) -> Option<Equipment> {
     header(t, &body::SCHEMA)?;
     t.if_given(&body::NAME, Table::text);

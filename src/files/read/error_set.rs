@@ -10,7 +10,7 @@ use crate::files::keys::robot::robot;
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Value;
 
-/// Reads every `[errors.NAME]`; returns none if the number of axes is unknown.
+/// Reads every `[errors.NAME]`; returns no error set if the number of axes is unknown.
 pub fn read_all(
     t: &mut Table,
     axes: Option<usize>,
@@ -73,20 +73,27 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
 
 /// Refuses errors of the base and of joint 1 that duplicate those of row 1 in modified convention.
 ///
-/// Modified rows begin with the common normal, so dalpha, dl and dbeta of row 1 describe the same errors.
+/// Modified rows begin with the common normal. So dalpha, dl and dbeta of row 1 already describe these
+/// errors.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
-    let of_base = (error_set::BASE, base[3] != 0.0, "rx of `base` is dalpha", "number 1 of dalpha_deg");
+    let of_base = (
+        error_set::BASE,
+        base[3] != 0.0,
+        "rx of `base` is the same error as dalpha",
+        "the first number of dalpha_deg",
+    );
     let is_joint = joints.first().is_some_and(|joint| joint[0] != 0.0 || joint[4] != 0.0);
-    let place = "number 1 of dl_mm and dbeta_deg";
-    let of_joint = (error_set::JOINTS, is_joint, "x and ry of joint 1 are dl and dbeta", place);
+    let place = "the first number of dl_mm (for x) or dbeta_deg (for ry)";
+    let of_joint =
+        (error_set::JOINTS, is_joint, "x and ry of joint 1 are the same errors as dl and dbeta", place);
     for (key, _, what, place) in [of_base, of_joint].into_iter().filter(|of| of.1) {
         let at = t.get(&key).map_or(t.at, |node| node.at);
         let message = format!("{what} of row 1, because this robot has modified rows");
-        t.error(at, message, format!("give it as {place}"));
+        t.error(at, message, format!("state this error as {place}"));
     }
 }
 
-/// Checks that an error of a joint coordinate has the unit of that joint.
+/// Checks that an error of a joint coordinate is given in the unit of that joint.
 fn check_joint_kinds(t: &mut Table, key: &Key, values: &[f64], arm: ErrorRows<'_>, kind: JointKind) {
     let Some(node) = t.get(key) else { return };
     let (is, right) = match kind {

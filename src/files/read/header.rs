@@ -9,8 +9,8 @@ use crate::files::toml::value;
 
 /// Reads `schema` and `units`.
 ///
-/// Returns None for a file of another kind; no other key of it is then read. A part written inside a cell has
-/// neither key: it uses those of the cell.
+/// Returns None for a file of another kind, of which no other key is then read. A part written inside a cell
+/// has neither key: it uses those of the cell.
 pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
     let given = t.get(schema);
     if given.is_some_and(|node| !is_schema(node, t, schema)) {
@@ -35,7 +35,7 @@ pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
 
 /// Returns whether the file is of the required kind; records a fault if not.
 ///
-/// If it is another file that has the wrong kind, the fault is at the place that names that file.
+/// If the included file has the wrong kind, the fault is where the including file names it.
 fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     let ValueKind::Exactly(wanted) = schema.kind else { return false };
     let Some(given) = value::text(node, "schema", t.lib) else { return false };

@@ -11,10 +11,10 @@ use crate::files::toml::value::plain;
 use crate::units;
 use std::collections::HashSet;
 
-/// Limit in degrees. If no joint has a larger one, the limits are probably in radians.
+/// Joint limit, degrees. If no joint has a larger limit, the limits are probably in radians.
 const SUSPICIOUS_LIMIT_DEG: f64 = 7.0;
 
-/// Reads the D-H rows.
+/// Reads the D-H rows of a robot.
 pub fn read_all(t: &mut Table) -> Option<Vec<Joint>> {
     let (node, rows) = (t.get(&robot::JOINT)?, t.items(&robot::JOINT)?);
     let joints: Option<Vec<Joint>> = t.tables(&robot::JOINT, read)?.into_iter().collect();
@@ -78,7 +78,7 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
 
 /// Reads the matrix `coupling`: row i gives D-H coordinate i as a combination of the actuators.
 ///
-/// If it is missing, every coordinate equals its actuator.
+/// If the matrix is missing, every coordinate equals its actuator's coordinate.
 pub fn read_coupling(t: &mut Table, n: usize) -> Option<Vec<Vec<f64>>> {
     let Some(node) = t.get(&robot::COUPLING) else {
         let unit = |i| (0..n).map(|j| f64::from(u8::from(i == j))).collect();
@@ -99,7 +99,11 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
     let values = value::numbers(row, &what, n, NumberRange::Finite, t.lib)?;
     if values[i] != 1.0 || values[i + 1..].iter().any(|&v| v != 0.0) {
         let message = format!("{what} must have 1 as number {} and 0 after it", i + 1);
-        t.error(row.at, message, "a coordinate follows its own actuator and those before it");
+        t.error(
+            row.at,
+            message,
+            "a coordinate is its own actuator plus multiples of the actuators before it",
+        );
     }
     Some(values)
 }

@@ -36,9 +36,9 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
     t.named(&cell::OPERATION, |name, t| read(name, t, &around))
 }
 
-/// Parts of the cell that an operation may refer to.
+/// Parts of the cell that an operation may name.
 struct References<'c> {
-    /// Whether every table could be read, so that an unknown name is a fault.
+    /// Whether every table could be read. Only then is an unknown name a fault.
     complete: bool,
     /// Equipment that could be read.
     equipment: &'c [Equipment],
@@ -104,7 +104,7 @@ impl References<'_> {
     }
 }
 
-/// Reads `on = "NAME"`; returns the index of that equipment or obstacle. It must have a work surface.
+/// Reads `on = "NAME"`; returns the index of that equipment or obstacle, which must have a work surface.
 fn read_surface_choice(t: &mut Table, around: &References<'_>) -> Option<usize> {
     let node = t.get(&operation::ON)?;
     let name = t.text(&operation::ON)?;
@@ -149,7 +149,8 @@ fn read_sense(t: &mut Table, around: &References<'_>) -> Option<Sense> {
     around.senses.get(word.as_str()).map(|sense| (*sense).clone())
 }
 
-/// Reads `limit_mm` or `limit_deg`, depending on the unit of the sense.
+/// Reads `limit_mm` or `limit_deg`, depending on the unit of the sense; returns Some(None) if there is no
+/// limit.
 fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
     let mut limit = Some(None);
     for (key, unit) in [(operation::LIMIT_MM, Unit::Length), (operation::LIMIT_DEG, Unit::Angle)] {
@@ -175,7 +176,7 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
 
 /// Reads `relative_to = "NAME"`; returns the index of that operation.
 ///
-/// It must come before this one, have a single spot and not be relative to another operation.
+/// That operation must come before this one, have a single spot and not be relative to another operation.
 fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<usize> {
     let node = t.get(&operation::RELATIVE_TO)?;
     let other = t.text(&operation::RELATIVE_TO)?;
@@ -201,7 +202,7 @@ fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<u
         }
         Some(k) if is_everywhere(&around.operations[k].2) => {
             let message = format!("`{}` happens at every one of its nodes", shown(&other));
-            (message, "name an operation with one spot: over = \"best\"".to_string())
+            (message, "name an operation that has one spot, such as one with over = \"best\"".to_string())
         }
         Some(k) => return Some(k),
     };

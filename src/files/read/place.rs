@@ -17,7 +17,7 @@ const EDGE_ROUNDING: f64 = 1e-9;
 /// on hitachi_cell.
 const NODE_COST: (f64, f64) = (1.2e-4, 1600.0);
 
-/// Reads the nodes of an operation, and how their errors are aggregated.
+/// Reads the nodes of an operation, and how the errors at the nodes become one value.
 ///
 /// `surface` is the work surface of the equipment, if it could be read.
 pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, NodeAggregation)> {
@@ -43,7 +43,7 @@ pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, NodeAgg
     Some((Place::Grid { area: area?.unwrap_or(whole), divisions: divisions? }, over?))
 }
 
-/// Reads a rectangle in the surface.
+/// Reads a rectangle that must lie in the work surface.
 fn read_region(t: &mut Table, surface: Option<Rectangle>) -> Option<Rectangle> {
     let node = t.get(&operation::REGION)?;
     let region = t.table(&operation::REGION, solid::read_rectangle)?;

@@ -34,7 +34,7 @@ fn read_number(t: &mut Table, key: &Key) -> Option<f64> {
     None
 }
 
-/// Reads the plus-or-minus of x, y, z and yaw. A missing one is 0.
+/// Reads the plus-or-minus values of x, y, z and yaw. A missing value is 0.
 pub fn read_tolerance(t: &mut Table) -> Option<PlacementTolerance> {
     let keys =
         [placement_tolerance::X, placement_tolerance::Y, placement_tolerance::Z, placement_tolerance::YAW];

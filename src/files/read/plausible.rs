@@ -1,7 +1,7 @@
 //! Warnings about sizes that are probably in a wrong unit.
 //!
-//! A size is suspicious if it is more than 20 times the reach, or less than a twentieth of it. A tolerance is
-//! suspicious if it is more than a twentieth of the reach, or less than a millionth of it.
+//! A size is suspicious if it is more than 20 times the robot's reach, or less than a twentieth of the reach.
+//! A tolerance is suspicious if it is more than a twentieth of the reach, or less than a millionth of it.
 
 use crate::cell::Coordinate;
 use crate::cell::{Cell, Equipment, Role};
@@ -14,13 +14,14 @@ use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
 
-/// Largest depth below, or distance beside, the supporting surface that counts as rounding, m.
+/// Largest distance, m, of equipment from its supporting surface that counts as rounding. The distance is
+/// measured below the surface or beside it.
 const MAX_STAND_GAP: f64 = 1e-6;
 
-/// Share of the reach below which a tolerance is too small to be manufactured.
+/// Share of the robot's reach below which a tolerance is too small to be manufactured.
 const LEAST_DEVIATION: f64 = 1e-6;
 
-/// Object with a size, m, and the place to warn at.
+/// Object with a size, m, and the place in the file at which a warning points.
 struct SizedObject {
     what: String,
     at: At,

@@ -1,4 +1,4 @@
-//! Checks of the settings that belong together: errors, reading, quantity, senses and limits.
+//! Checks of settings that depend on each other: errors, reading, quantity, senses and limits.
 
 use crate::cell::{About, Cell};
 use crate::files::toml::document::Library;

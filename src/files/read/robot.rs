@@ -139,7 +139,8 @@ fn read_rows(t: &mut Table) -> Mechanism {
     Mechanism { axes, convention, mount: Pose::identity(), joints, coupling, joint_frames }
 }
 
-/// Takes the rows derived from a URDF. Records a fault if the robot file has rows of its own, too.
+/// Returns the joints with the rows derived from a URDF. Records a fault if the robot file has rows of its
+/// own, too.
 fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mechanism {
     for key in [robot::JOINT, robot::COUPLING, robot::CONVENTION] {
         if t.get(&key).is_some() {
@@ -154,7 +155,7 @@ fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mec
     Mechanism { axes, convention: Some(Convention::Standard), mount, joints, coupling, joint_frames }
 }
 
-/// Joins the solids of a URDF and those of the robot file.
+/// Joins the solids of a URDF and the solids of the robot file.
 ///
 /// Names are made unique, because messages name the solids.
 fn joined(mut drawn: Vec<LinkSolid>, own: Vec<LinkSolid>) -> Vec<LinkSolid> {
@@ -170,8 +171,9 @@ fn joined(mut drawn: Vec<LinkSolid>, own: Vec<LinkSolid>) -> Vec<LinkSolid> {
 
 /// Converts modified D-H rows to standard rows; returns the mount of the chain on the base.
 ///
-/// The common normal and twist of a row move to the row before it. Those of the first row become the mount.
-/// The conversion is exact because Tx and Rx commute.
+/// The common normal and twist of a row move to the row before it. The common normal and twist of the first
+/// row become the mount. The conversion is exact, because a translation along x and a rotation about x
+/// commute.
 fn standard_rows(joints: &mut [Joint]) -> Pose {
     let mount = common_normal(&joints[0]);
     for i in 0..joints.len() {
@@ -191,7 +193,8 @@ fn onto_standard_rows(solids: &mut [LinkSolid], rows: &[Joint]) {
     }
 }
 
-/// Returns the transform `Tx(l) Rx(alpha)` of a row.
+/// Returns the transform `Tx(l) Rx(alpha)` of a row: a rotation about x by alpha, then a translation along x
+/// by l.
 fn common_normal(row: &Joint) -> Pose {
     Pose::from_translation_rpy(Vector3::new(row.l, 0.0, 0.0), Vector3::new(row.alpha, 0.0, 0.0))
 }

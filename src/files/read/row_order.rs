@@ -9,16 +9,17 @@ pub struct ErrorRows<'j> {
     pub axes: usize,
     /// Joints; empty if the robot could not be read.
     pub joints: &'j [Joint],
-    /// Whether the rows are in modified convention, beginning with the common normal.
+    /// Whether the rows are in modified convention, in which a row begins with the common normal.
     pub modified: bool,
 }
 
 impl ErrorRows<'_> {
     /// Returns the parameters that hold dl, dalpha and dbeta of a modified row 1.
     ///
-    /// The row is `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`. dl and dbeta become errors of the frame of joint
-    /// 1, after the twist; dalpha becomes an error of the base frame, before it. This is exact, because Tx
-    /// and Rx commute and each of the two frames has one rotation only.
+    /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T translates along an axis and R
+    /// rotates about one. dl and dbeta become errors of the frame of joint 1, after the twist; dalpha becomes
+    /// an error of the base frame, before it. This is exact, because Tx and Rx commute and each of the two
+    /// frames has one rotation only.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         [joint, base + 3, joint + 4]
@@ -39,7 +40,8 @@ impl ErrorRows<'_> {
     /// Reorders a list from the rows of the file to the order of [`Parameter::of_robot`].
     ///
     /// dl, dalpha and dbeta of a modified row belong to the standard row before it. Values of the first row
-    /// move to the parameters of [`Self::of_first_row`]; the values of these move to [`Self::unused`].
+    /// move to the parameters of [`Self::of_first_row`]; the values that these parameters had move to
+    /// [`Self::unused`].
     pub fn in_order<T>(&self, list: &mut [T]) {
         let Some(last) = self.unused() else { return };
         for (k, first) in self.of_first_row().into_iter().enumerate() {

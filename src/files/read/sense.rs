@@ -46,7 +46,7 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))
 }
 
-/// Term of a sense. Its rows have length 1 and are not yet weighted.
+/// Term of a sense. The rows have length 1 and are not yet weighted.
 struct Term {
     at: At,
     rows: Vec<Row>,
@@ -78,7 +78,7 @@ fn weighted(terms: &[Term]) -> Vec<Row> {
 
 /// Reads the keys of one term.
 ///
-/// `ways` are the keys of which a term needs one, for the message if none is given.
+/// A term needs one of the keys `ways`; the message names them if none is given.
 fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
     let keys = [any_term::OF, any_term::DIRECTION, any_term::PLANE, any_term::AXIS];
     let given: Vec<_> = keys.into_iter().filter_map(|key| t.get(&key).map(|node| (key, node))).collect();
@@ -130,7 +130,7 @@ fn read_axes(node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     rows
 }
 
-/// Reads a vector; returns rows along it, in the plane perpendicular to it, or about it.
+/// Reads a vector; returns the rows of the error along it, in the plane perpendicular to it, or about it.
 fn read_rows(key: &Key, node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     let way = key.name;
     let vector = value::numbers(node, &format!("`{way}`"), 3, NumberRange::Finite, t.lib)?;

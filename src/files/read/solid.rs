@@ -124,7 +124,7 @@ fn read_bar(kind: &str, t: &mut Table) -> Option<Shape> {
 /// Reads `footprint`; if it is missing, returns the plan extent of the solids and the surface.
 ///
 /// Records a fault if a solid or the surface reaches beyond the footprint, or if nothing gives a footprint.
-/// `needed` are the keys of which one must then be given.
+/// In the latter case, the message says that one of the keys `needed` must be given.
 pub fn read_footprint(
     t: &mut Table,
     key: &Key,

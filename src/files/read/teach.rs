@@ -12,7 +12,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::Vector2;
 
-/// Reads the points, m. If the surface is unknown, does not check that they lie on it.
+/// Reads the points, m. Checks that they lie on the work surface if the surface is known.
 pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<[(f64, f64); 3]> {
     let node = t.get(&operation::TEACH)?;
     let items = t.items(&operation::TEACH)?;
@@ -39,7 +39,7 @@ fn read_point(i: usize, node: &Node, surface: Option<Rectangle>, t: &mut Table) 
     Some(point)
 }
 
-/// Returns the smallest height of a triangle: on its longest side.
+/// Returns the smallest height of a triangle, which is the height over its longest side.
 fn height(a: Vector2<f64>, b: Vector2<f64>, c: Vector2<f64>) -> f64 {
     let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
     if longest > 0.0 { (b - a).perp(&(c - a)).abs() / longest } else { 0.0 }

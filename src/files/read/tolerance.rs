@@ -9,7 +9,7 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Value;
 use crate::files::toml::value;
 
-/// Returns the range of the numbers of an error set: not negative in a tolerance.
+/// Returns the range of the numbers of an error set; those of a tolerance are not negative.
 pub fn range_of(form: Option<ErrorForm>) -> NumberRange {
     if form == Some(ErrorForm::Tolerance) { NumberRange::PlusMinus } else { NumberRange::Finite }
 }
@@ -36,7 +36,7 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
     Some(Tolerance { name: values.name, spreads, covariance })
 }
 
-/// Refuses keys that only a tolerance has in a signed set. A set of unknown kind gets no fault.
+/// Refuses in a signed set the keys that only a tolerance has. A set of unknown kind gets no fault.
 pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
     for key in [error_set::DISTRIBUTION, error_set::SIGMAS, error_set::COVARIANCE] {
         if let Some(node) = t.get(&key)

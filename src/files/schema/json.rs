@@ -44,7 +44,8 @@ pub fn schema(kind: FileKind) -> Value {
     schema
 }
 
-/// Merges the second schema into the first. Its keys replace those of the first; objects in both are merged.
+/// Merges the second schema into the first. Keys of the second schema replace those of the first; an object
+/// that both have is merged.
 fn with(mut schema: Value, more: Value) -> Value {
     if let (Value::Object(keys), Value::Object(more)) = (&mut schema, more) {
         for (key, value) in more {
@@ -58,7 +59,7 @@ fn with(mut schema: Value, more: Value) -> Value {
     schema
 }
 
-/// Returns the schema of a table with its keys and no others.
+/// Returns the schema of a table, which allows no keys but those of the table.
 fn of_table(table: &'static KeyTable) -> Value {
     let keys: Map<_, _> = table.keys().map(|key| (key.name.to_string(), of_key(key))).collect();
     let mut schema = json!({
@@ -88,7 +89,8 @@ fn of_table(table: &'static KeyTable) -> Value {
     schema
 }
 
-/// Returns the key in [`Need::Unless`]: a table without it must give the key that has this need.
+/// Returns the other key that [`Need::Unless`] names. A table without that other key must give the key with
+/// this need.
 fn other_key(need: Need) -> Option<&'static str> {
     if let Need::Unless(other) = need { Some(other) } else { None }
 }
@@ -210,8 +212,8 @@ fn printable() -> Value {
     json!({ "minLength": 1, "maxLength": MAX_NAME, "pattern": pattern })
 }
 
-/// Returns the schemas of a rule: one for tables that are not merged over another file, and those that always
-/// apply.
+/// Returns the schemas of a rule. The first is for tables that are not merged over another file, the others
+/// are for all tables.
 fn of_rule(rule: &Rule, table: &'static KeyTable) -> (Option<Value>, Vec<Value>) {
     match rule {
         Rule::AnyOf(keys) => {

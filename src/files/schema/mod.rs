@@ -23,7 +23,7 @@ pub enum FileKind {
 impl FileKind {
     pub const ALL: [Self; 4] = [Self::Cell, Self::Robot, Self::Equipment, Self::Tool];
 
-    /// Returns the word of the kind, as in `schema = "sweetspot/cell/1"`.
+    /// Returns the word for the kind, such as `cell` in `schema = "sweetspot/cell/1"`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cell => "cell",
@@ -33,7 +33,7 @@ impl FileKind {
         }
     }
 
-    /// Returns the keys at the top of such a file.
+    /// Returns the keys at the top of a file of this kind.
     fn keys(self) -> &'static KeyTable {
         match self {
             Self::Cell => &cell::TABLE,

@@ -18,7 +18,7 @@ const PACKAGE: &str = "give the folder of the package: --package NAME=DIR";
 
 const NAMING: &str = "write its path relative to the folder of the file that names it";
 
-/// A file as it was read.
+/// File as it was read: its path and bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
     /// Path relative to the folder of the cell file, with forward slashes.

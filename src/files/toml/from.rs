@@ -1,8 +1,8 @@
 //! The key `from = "other.toml"`: a table takes the keys that it does not have from another file.
 //!
 //! A table that states its own `from` does not take the `from` of the included table. So a cell may include
-//! another cell and name its own robot file; it then takes nothing from the other robot file. `from` is
-//! allowed at the top of a file, in the robot and its tool, in equipment and in obstacles.
+//! another cell and name a robot file of its own. It then takes nothing from the robot file of the other
+//! cell. `from` is allowed at the top of a file, in the robot and its tool, in equipment and in obstacles.
 
 use super::document::Library;
 use super::setting;
@@ -10,7 +10,7 @@ use super::setting::Setting;
 use super::tree::{At, Entry, Node, Value, laid_over};
 use crate::files::fault::shown;
 
-/// Longest chain of files.
+/// Largest number of files in a chain, in which each file includes the next one through `from`.
 const MAX_CHAIN: usize = 16;
 
 /// Returns the tree of a file, with every `from` followed and the settings applied; None if there are faults.
@@ -35,10 +35,10 @@ pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<N
     Some(root)
 }
 
-/// Follows the `from` of a robot and of its tool.
+/// Takes the missing keys of a robot and of its tool from the files that their `from` names.
 ///
-/// A tool with its own `from` replaces the tool of the robot file completely. A mix of the two would be
-/// neither tool.
+/// A tool with its own `from` replaces the tool of the robot file completely. A mix of both tools would
+/// describe neither.
 fn lay_robot(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
     let Value::Table(entries) = &mut node.value else { return lay_part(node, chain, lib) };
     let is_own = |e: &Entry| e.0 == "tool" && e.2.value.get("from").is_some();

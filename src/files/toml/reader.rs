@@ -22,7 +22,7 @@ pub struct Table<'n, 'l, 'a> {
     pub lib: &'l mut Library<'a>,
     keys: &'static KeyTable,
     entries: &'n [Entry],
-    /// Keys that do not apply, such as the limits in mm of a joint that turns.
+    /// Keys that do not apply, such as the limits in mm of a revolute joint.
     excluded: Vec<&'static str>,
     /// Groups of keys of which one is required and none is given, each with a remedy.
     missing: Vec<(Vec<&'static str>, String)>,
@@ -110,7 +110,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         }
     }
 
-    /// Excludes the keys that the rules of the table forbid beside a given one.
+    /// Excludes the keys that the rules of the table forbid together with the key `given`.
     pub fn exclude_beside(&mut self, given: &Key) {
         for rule in self.keys.rules_of_keys() {
             if let Rule::Excludes(key, others) = rule
@@ -151,7 +151,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         value.map(|value| key.unit().si(value))
     }
 
-    /// Reads a list of numbers, in SI. The kind of the key gives the length.
+    /// Reads a list of numbers, in SI. The kind of the key states how many numbers it has.
     pub fn numbers(&mut self, key: &Key) -> Option<Vec<f64>> {
         match key.kind.plain() {
             ValueKind::List(ValueKind::Number(range), (len, _), _) => self.numbers_of(key, *len, *range),
@@ -246,7 +246,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         Table::read(node, &format!("`{}`", key.name), keys, self.lib, read)
     }
 
-    /// Reads a table under a key that need not be given.
+    /// Reads a table under a key; returns `default` if the key is missing.
     pub fn table_or<T>(
         &mut self,
         key: &Key,

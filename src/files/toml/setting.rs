@@ -1,4 +1,4 @@
-//! Settings: keys of a cell stated on the command line instead of in its file, `--set` and flags alike.
+//! Settings: keys of a cell stated on the command line instead of in the file, by `--set` or by another flag.
 //!
 //! The settings are read like a small file that overrides the cell file, before anything is checked. So every
 //! check of the cell applies to them, and a fault in one names the flag as its place.
@@ -51,7 +51,7 @@ impl Setting {
         format!("{}={}", self.path, self.value)
     }
 
-    /// Returns the setting as typed, which its faults give as their place.
+    /// Returns the setting as typed. Faults of the setting give this text as their place.
     fn place(&self) -> String {
         self.flag.clone().unwrap_or_else(|| format!("--set {}", self.words()))
     }
@@ -111,7 +111,7 @@ impl Choices {
         Ok(Self { path, values })
     }
 
-    /// Returns whether both set the same key, or one sets a key inside the other's table.
+    /// Returns whether both choices set the same key, or one sets a key inside the table that the other sets.
     pub fn meets(&self, other: &Self) -> bool {
         let (a, b) = (keys(&self.path), keys(&other.path));
         a.iter().zip(&b).all(|(a, b)| a == b)
@@ -176,9 +176,10 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     merge_over(entries, under);
 }
 
-/// Removes `reading = "signed"` of the file if a flag chooses other errors or registration, but no reading.
+/// Removes `reading = "signed"` of the file if a flag chooses other errors or another registration, and
+/// nothing chooses a reading.
 ///
-/// The reading then follows from the errors, because a tolerance has no signed sample.
+/// The kind of the errors then decides the reading, because a tolerance has no signed sample.
 fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     let is_set = |key: &str| settings.iter().any(|s| s.path == key);
     let chooses = |s: &Setting| s.flag.is_some() && (s.path == "errors" || s.path == "registration");
@@ -248,7 +249,8 @@ fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     }
 }
 
-/// Replaces the file and line of each fault of a setting by its flag; removes the settings from the sources.
+/// Replaces the file and line of each fault of a setting by the flag that states the setting; removes the
+/// settings from the sources.
 pub fn put_in_words(settings: &[Setting], faults: &mut [Fault], sources: &mut Vec<Source>) {
     sources.retain(|s| s.path != PLACE);
     for fault in faults.iter_mut().filter(|f| f.file == PLACE) {

@@ -17,7 +17,7 @@ const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file is nes
 /// Largest number of syntax faults that are examined.
 const MAX_SLIPS: usize = 5_000;
 
-/// Help text for a key that is given twice.
+/// Help text of the fault that a key is given twice.
 const TWICE: &str = "remove or rename one of the two";
 
 /// Place in a source: index of the file and byte offset.
@@ -195,7 +195,8 @@ impl Reader {
     }
 }
 
-/// Merges `own` over `under`: own keys win, tables in both are merged, lists are replaced whole.
+/// Merges `own` over `under`: keys of `own` win. A table that both have is merged; a list is replaced as a
+/// whole.
 pub fn laid_over(own: Vec<Entry>, mut under: Vec<Entry>) -> Vec<Entry> {
     let known: HashMap<String, usize> = under.iter().enumerate().map(|(i, e)| (e.0.clone(), i)).collect();
     for (key, at, node) in own {

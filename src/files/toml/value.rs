@@ -5,7 +5,7 @@ use super::tree::{At, Node, Value};
 use crate::files::fault::{did_you_mean, shown};
 use crate::files::keys::key::{Key, MANY, MAX_NAME, NumberRange, ValueKind, Word, quoted, words_of};
 
-/// Returns a number in plain notation; with an exponent only if it is very large or very small.
+/// Returns a number as text, with an exponent only if the number is very large or very small.
 pub fn plain(value: f64) -> String {
     let exponent = value != 0.0 && value.is_finite() && !(1e-6..1e15).contains(&value.abs());
     if value.is_nan() {

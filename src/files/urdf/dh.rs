@@ -20,15 +20,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Moving joint at coordinate 0.
 ///
-/// `origin` is its frame in the frame of the joint before it, and `direction` is a unit vector in its own
-/// frame.
+/// `origin` is the frame of the joint in the frame of the joint before it. `direction` is a unit vector along
+/// the joint axis, in the frame of the joint.
 pub struct Axis {
     pub kind: JointKind,
     pub origin: Pose,
     pub direction: Vector3<f64>,
 }
 
-/// One D-H row, rad and m, with the variables of [`crate::cell::Joint`].
+/// One D-H row, rad and m, with the symbols of [`crate::cell::Joint`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UrdfDhRow {
     pub theta: f64,
@@ -47,8 +47,8 @@ pub struct Derived {
     pub frames: Vec<Pose>,
     /// Frame of joint k in frame k - 1.
     pub joint_frames: Vec<Pose>,
-    /// Largest difference of the tip pose between the rows and the URDF, m. A rotation of 1 rad counts as
-    /// about 1 m.
+    /// Largest difference between the tip pose of the rows and the tip pose of the URDF, m. A rotation of 1
+    /// rad counts as about 1 m.
     pub gap: f64,
 }
 
@@ -64,13 +64,14 @@ const SHORTEST: f64 = 1e-13;
 /// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Least sine of the angle between the last axis and the tip's z axis for which the last row is made.
+/// Least sine of the angle between the last joint axis and the z axis of the tip. If the sine is less but not
+/// 0, the last row is empty.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.
 const POSTURES: usize = 24;
 
-/// Returns the D-H rows of a chain. `flange` is the tip link in the frame of the last joint.
+/// Returns the D-H rows of a chain. `flange` is the pose of the tip link in the frame of the last joint.
 pub fn derive(axes: &[Axis], flange: &Pose) -> Derived {
     let model = ArmModel { axes, flange };
     let mut best: Option<Derived> = None;
@@ -133,7 +134,7 @@ impl ArmModel<'_> {
         self.derived(mount, rows)
     }
 
-    /// Returns the tip link in the base link with all coordinates at 0.
+    /// Returns the pose of the tip link in the base link with all coordinates at 0.
     fn tip(&self) -> Pose {
         joint_poses(self.axes).last().map_or(*self.flange, |last| *last * *self.flange)
     }
@@ -152,7 +153,8 @@ impl ArmModel<'_> {
         derived
     }
 
-    /// Makes values near 0 and right angles exact, if the rows reproduce the URDF as well as before.
+    /// Rounds values near 0 and near right angles to these, if the rows then reproduce the URDF as well as
+    /// before.
     fn rounded(&self, derived: Derived) -> Derived {
         let mut best = self.derived(tidy(derived.mount), derived.rows);
         for k in 0..best.rows.len() {
@@ -197,13 +199,13 @@ impl ArmModel<'_> {
 
 /// Returns coordinate k of sample posture i in [-1, 1].
 ///
-/// The multiples of square roots spread evenly (Weyl 1916).
+/// Fractional parts of the multiples of the square root of a prime are evenly distributed (Weyl 1916).
 fn coordinate(i: usize, k: usize) -> f64 {
     const PRIMES: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
     2.0 * ((i + 1) as f64 * PRIMES[k % 8].sqrt()).fract() - 1.0
 }
 
-/// Returns the displacement of a joint in its own frame.
+/// Returns the displacement of a joint at the coordinate `q`, in the frame of the joint.
 fn moved(axis: &Axis, q: f64) -> Pose {
     match axis.kind {
         JointKind::Revolute => {
@@ -214,7 +216,8 @@ fn moved(axis: &Axis, q: f64) -> Pose {
     }
 }
 
-/// Returns the transform of a row: `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`.
+/// Returns the transform of a row: `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`, where R rotates about an
+/// axis and T translates along one.
 fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     let (s, c) = (row.theta + turn).sin_cos();
     let (sa, ca) = exact(row.alpha);
@@ -222,7 +225,7 @@ fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     Pose { rotation, translation: Vector3::new(row.l * c, row.l * s, row.r + slide) }
 }
 
-/// Returns sine and cosine as the chain computes them: exact at right angles.
+/// Returns sine and cosine of an angle as the chain computes them, without rounding errors at right angles.
 fn exact(angle: f64) -> (f64, f64) {
     let zero = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };
     (zero(angle.sin()), zero(angle.cos()))
@@ -234,7 +237,8 @@ fn first_frame(z: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
     Pose { rotation: Matrix3::from_columns(&[x, z.cross(&x), *z]), translation: point - z * z.dot(point) }
 }
 
-/// Returns the row to an axis through `p` along the unit vector `d`, both in the frame before the row.
+/// Returns the D-H row that leads to the axis through `p` along the unit vector `d`; both are in the frame
+/// before the row.
 fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
     let s = d.x.hypot(d.y);
     if s <= parallel {
@@ -247,9 +251,9 @@ fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
     in_sense(r, p.dot(&normal), s.atan2(d.z), (normal.x, normal.y))
 }
 
-/// Returns the row to an axis parallel to z, at `(x, y)` and with the axial offset `r`.
+/// Returns the D-H row that leads to an axis parallel to z through `(x, y)`, with the axial offset `r`.
 ///
-/// `along` is the x axis of the new frame if the axis is z itself.
+/// If that axis is the z axis itself, `along` is the x axis of the new frame.
 fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     let alpha = if up < 0.0 { PI } else { 0.0 };
     let l = x.hypot(y);
@@ -259,7 +263,8 @@ fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     in_sense(r, l, alpha, (x / l, y / l))
 }
 
-/// Chooses the direction of the x axis by the rule in the module documentation.
+/// Returns a D-H row that rotates x by less than a right angle; reverses the new x axis if necessary. The
+/// module documentation gives the rule for right angles.
 fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     let square = x.abs() <= MAX_ROUNDING;
     let turn_round = if !square {
@@ -273,7 +278,8 @@ fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     UrdfDhRow { theta: y.atan2(x), r, l, alpha: if alpha == -PI { PI } else { alpha } }
 }
 
-/// Returns the row after the last axis. `tip` is the tip link in the frame before the row.
+/// Returns the D-H row after the last joint axis. `tip` is the pose of the tip link in the frame before the
+/// row.
 fn last(tip: &Pose) -> UrdfDhRow {
     let (x, d, p) = (tip.rotation.column(0), tip.rotation.column(2).into_owned(), tip.translation);
     let s = d.x.hypot(d.y);

@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Name in a file, with its place.
+/// Name in a file, with the place where it stands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Named {
     pub name: String,
@@ -94,7 +94,7 @@ pub struct UrdfJoint {
     pub mimic: Option<Mimic>,
 }
 
-/// Relation of a mimic joint: its coordinate is `multiplier` times that of `joint`, plus `offset`.
+/// Relation of a mimic joint: the coordinate is `multiplier` times the coordinate of `joint`, plus `offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mimic {
     pub joint: Named,

@@ -1,4 +1,4 @@
-//! Joints between base and tip: which of them move, their limits and their coupling.
+//! Joints between base and tip: which joints move, their limits and their coupling.
 
 use super::dh;
 
@@ -36,11 +36,12 @@ pub struct MovingJoint {
 pub struct Motion {
     pub axes: Vec<Axis>,
     pub movers: Vec<MovingJoint>,
-    /// Tip link in the frame of the last moving joint.
+    /// Pose of the tip link in the frame of the last moving joint.
     pub flange: Pose,
 }
 
-/// Reads the joints between base and tip and records every fault. The result is valid only if there is none.
+/// Reads the joints between base and tip and records every fault. The result is valid only if no fault was
+/// recorded.
 pub fn read(urdf: &Urdf, way: &LinkChain, lib: &mut Library<'_>) -> Option<Motion> {
     let before = lib.errors();
     let joints: Vec<_> = way.joints.iter().map(|&j| &urdf.joints[j]).collect();
@@ -80,7 +81,7 @@ fn refuse_length(joint: &UrdfJoint, lib: &mut Library<'_>) {
     let longest = joint.origin.translation.amax();
     if longest > TOO_LONG {
         let message = format!("the origin of joint `{}` is {longest} m away", shown(&joint.name.name));
-        lib.error(joint.origin_at, message, "lengths of a URDF are in m: is it in mm?");
+        lib.error(joint.origin_at, message, "a URDF states lengths in m: is this origin in mm?");
     }
 }
 
@@ -160,7 +161,8 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     Some((lower, upper))
 }
 
-/// Reads a mimic joint, which follows a joint before it on the chain, as a row of the coupling and an offset.
+/// Reads a mimic joint as a row of the coupling and an offset. A mimic joint follows a joint before it on the
+/// chain.
 fn read_mimic(
     i: usize,
     joint: &UrdfJoint,

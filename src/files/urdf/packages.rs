@@ -6,7 +6,7 @@ use crate::files::toml::document::Library;
 
 const SCHEME: &str = "package://";
 
-/// Folders of packages by name, inside the folder of the cell.
+/// Names of ROS packages with their folders, which lie inside the folder of the cell.
 #[derive(Default)]
 pub struct RosPackages(pub Vec<(String, String)>);
 

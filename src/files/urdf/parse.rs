@@ -18,7 +18,7 @@ const MAX_UNUSED_TAGS: usize = 20;
 /// Least size of a collision shape, m.
 const SMALLEST: f64 = 1e-9;
 
-/// Parses the text and records every fault. The result is valid only if there is none.
+/// Parses the text and records every fault. The result is valid only if no fault was recorded.
 pub fn parse(text: &str, faults: &mut Faults) -> Option<Urdf> {
     if let Some(wrong) = scan::refuse(text, faults) {
         faults.push(wrong);
@@ -216,7 +216,7 @@ fn end(e: Node<'_, '_>, tag: &str, faults: &mut Faults) -> Option<Named> {
     xml::text(end, "link", faults)
 }
 
-/// Returns `lower` and `upper` of `<limit>`; the inner None if neither is given.
+/// Returns `lower` and `upper` of `<limit>`; Some(None) if neither is given.
 ///
 /// If only one of them is missing, it is 0, as URDF defines it.
 #[allow(clippy::option_option)]

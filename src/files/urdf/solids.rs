@@ -19,7 +19,7 @@ pub struct Carried {
     link: usize,
     /// Number of joints that move the link.
     frame: usize,
-    /// Pose in the base link with all coordinates at 0.
+    /// Pose of the link in the base link with all coordinates at 0.
     pose: Pose,
 }
 
@@ -84,7 +84,7 @@ fn shape(
     };
     if size.max(collision.pose.translation.amax()) > TOO_LONG {
         let message = format!("a collision shape of link `{}` is larger than {TOO_LONG} m", shown(link));
-        lib.error(collision.at, message, "lengths of a URDF are in m: is it in mm?");
+        lib.error(collision.at, message, "a URDF states lengths in m: is this shape in mm?");
         return None;
     }
     Some(match &collision.geometry {

@@ -6,13 +6,13 @@ use crate::files::toml::document::Library;
 use crate::files::toml::tree::At;
 use std::collections::HashMap;
 
-/// Indices into the links and joints of a URDF.
+/// Tree of links: indices of the joints above and below each link.
 pub struct Tree<'u> {
     urdf: &'u Urdf,
     links: HashMap<&'u str, usize>,
-    /// Joint whose child is the link, for every link.
+    /// Index of the joint whose child is the link, for every link.
     above: Vec<Option<usize>>,
-    /// Joints whose parent is the link, for every link.
+    /// Indices of the joints whose parent is the link, for every link.
     pub below: Vec<Vec<usize>>,
 }
 

@@ -30,7 +30,8 @@ pub fn text(e: Node<'_, '_>, name: &str, faults: &mut Faults) -> Option<Named> {
     Some(Named { name: value.to_string(), at })
 }
 
-/// Returns the numbers of an attribute; `default` if it is missing. Without a default it is required.
+/// Returns the numbers of an attribute; `default` if it is missing. An attribute without a default is
+/// required.
 pub fn numbers<const N: usize>(
     e: Node<'_, '_>,
     name: &str,
@@ -69,7 +70,7 @@ pub fn numbers<const N: usize>(
     Some(all)
 }
 
-/// Returns the only child element of a name; records a fault if there are several.
+/// Returns the child element with the tag `name`; records a fault if there are several.
 pub fn only<'a, 'i>(e: Node<'a, 'i>, name: &str, faults: &mut Faults) -> Option<Node<'a, 'i>> {
     let mut all = e.children().filter(|c| c.has_tag_name(name));
     let first = all.next();
@@ -80,7 +81,7 @@ pub fn only<'a, 'i>(e: Node<'a, 'i>, name: &str, faults: &mut Faults) -> Option<
     first
 }
 
-/// Refuses unknown attributes, because a misspelt one would be read as 0.
+/// Refuses unknown attributes, because a misspelt attribute would count as missing and be read as 0.
 pub fn refuse_unknown(e: Node<'_, '_>, known: &[&'static str], faults: &mut Faults) {
     for a in e.attributes().filter(|a| a.namespace().is_none() && !known.contains(&a.name())) {
         let help = match did_you_mean(a.name(), known.iter().copied()) {

@@ -28,7 +28,7 @@ impl AxisScale {
         Self { low, high, px, is_log: true }
     }
 
-    /// Returns the position of a value, px. Values beyond an end are moved to that end.
+    /// Returns the position of a value, px. A value beyond an end of the axis gets the position of that end.
     pub fn at(&self, value: f64) -> f64 {
         let value = if value.is_nan() { self.low } else { value.clamp(self.low, self.high) };
         let share = match self.is_log {
@@ -38,7 +38,7 @@ impl AxisScale {
         self.px.0 + share * (self.px.1 - self.px.0)
     }
 
-    /// Returns about `about` round numbers with their texts.
+    /// Returns about `about` round values on the axis, each with its label.
     pub fn ticks(&self, about: f64) -> Vec<(f64, String)> {
         if self.is_log {
             return self.decades();
@@ -47,7 +47,8 @@ impl AxisScale {
         round_numbers(self.low, self.high, step).map(|v| (v, words::number(v, step))).collect()
     }
 
-    /// Returns the powers of ten on the axis; for less than three decades also 2 and 5 times each power.
+    /// Returns the powers of ten on the axis; an axis of less than three decades also has 2 and 5 times each
+    /// power.
     fn decades(&self) -> Vec<(f64, String)> {
         let few = (self.high / self.low).log10() < 3.0;
         let parts = if few { &[1.0, 2.0, 5.0][..] } else { &[1.0] };
@@ -73,7 +74,8 @@ pub fn round_numbers(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64
     (0..count as usize).map(move |k| (first + k as f64) * step)
 }
 
-/// Draws both axes of a plot with gridlines, numbers and names: x to the right, y up.
+/// Draws both axes of a plot with gridlines, numbers and names. The x axis points to the right, the y axis
+/// up.
 pub fn draw(canvas: &mut ChartCanvas, x: &AxisScale, y: &AxisScale, names: (&str, &str)) {
     across(canvas, x, y, names.0);
     upwards(canvas, x, y, names.1);

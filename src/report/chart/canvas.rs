@@ -7,14 +7,15 @@ use std::fmt::Write;
 
 /// Margin at the left and the right, px.
 pub const EDGE: f64 = 16.0;
-/// Size of heading text, px.
+/// Font size of the heading, px.
 pub const HEAD: f64 = 16.0;
 pub const BODY: f64 = 13.0;
 /// Width of bold letters relative to regular ones.
 const BOLD: f64 = 1.14;
 pub const SMALL: f64 = 12.0;
 
-/// Colour of a chart: a value on white, a value on black, and a class that a style sheet can repaint.
+/// Colour role in a chart, with one colour on white paper and one on black. A style sheet can repaint it
+/// through a CSS class.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ink {
     Paper,
@@ -50,7 +51,7 @@ impl Ink {
         Ink::Spot,
     ];
 
-    /// Returns the class, the colour on white and the colour on black.
+    /// Returns the CSS class, the colour on white and the colour on black.
     const fn told(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Ink::Paper => ("paper", "#ffffff", "#14181d"),
@@ -69,13 +70,13 @@ impl Ink {
         }
     }
 
-    /// Returns the attributes of a filled shape.
+    /// Returns the SVG attributes of a filled shape.
     pub fn fill(self) -> String {
         let (class, light, _) = self.told();
         format!("class=\"fill-{class}\" fill=\"{light}\"")
     }
 
-    /// Returns the attributes of a text with a halo in the colour of the paper.
+    /// Returns the SVG attributes of a text with a halo in the colour of the paper.
     fn haloed(self) -> String {
         let ((class, light, _), (paper, white, _)) = (self.told(), Ink::Paper.told());
         format!(
@@ -84,7 +85,7 @@ impl Ink {
         )
     }
 
-    /// Returns the attributes of a line with a width in px.
+    /// Returns the SVG attributes of a line of the given width, px.
     pub fn line(self, width: f64) -> String {
         let (class, light, _) = self.told();
         format!("class=\"line-{class}\" fill=\"none\" stroke=\"{light}\" stroke-width=\"{width}\"")
@@ -129,12 +130,12 @@ pub struct ChartCanvas {
     name: String,
     body: String,
     width: f64,
-    /// Lower end of what has been drawn so far, px.
+    /// Position of the lower end of everything drawn so far, px.
     pub y: f64,
 }
 
 impl ChartCanvas {
-    /// Begins a chart with a heading and lines under it.
+    /// Begins a chart with a heading and lines of text under it.
     pub fn new(heading: &str, under: &[String]) -> Self {
         Self::wide(heading, under, WIDTH)
     }

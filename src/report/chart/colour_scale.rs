@@ -1,4 +1,4 @@
-//! Colour scale of a heat map: bands of colour and their bar.
+//! Colour scale of a heat map: colour bands, and the bar that explains them.
 
 use super::axes::{AxisScale, round_numbers, step};
 use super::canvas::{Anchor, ChartCanvas, Ink};
@@ -8,7 +8,7 @@ use crate::colours::viridis_hex;
 /// Number of colour bands from one iso-line to the next.
 const BANDS: f64 = 4.0;
 
-/// Span of values that the colours cover, in the unit of the chart.
+/// Colour scale over a span of values in the unit of the chart.
 pub struct ColourScale {
     low: f64,
     high: f64,
@@ -50,7 +50,7 @@ impl ColourScale {
         below.map_or_else(|| viridis_hex(0.5), |(_, colour)| colour.clone())
     }
 
-    /// Draws the colour bar with its values. Returns its lower end, px.
+    /// Draws the colour bar with its values. Returns the position of the lower end of the bar, px.
     pub fn draw_bar(&self, canvas: &mut ChartCanvas, word: &str, (left, top): (f64, f64), tall: f64) -> f64 {
         let Self { low, high, .. } = *self;
         if high <= low {

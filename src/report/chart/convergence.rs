@@ -11,7 +11,7 @@ use crate::svg_text::{PathEnd, path_data};
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 300.0;
-/// Ratio of greatest to least value above which the axis is logarithmic.
+/// Ratio of the greatest to the least objective above which the axis is logarithmic.
 const LOGARITHMIC_SPAN: f64 = 30.0;
 
 /// Convergence history of a search; objectives in m, rad or shares.
@@ -80,7 +80,8 @@ fn steps(course: &ConvergenceHistory<'_>) -> Vec<(f64, f64)> {
     corners
 }
 
-/// Draws the gap: the range between the bound and the best objective, in which a better layout may lie.
+/// Draws the gap between the lower bound and the best objective. A better layout can only have an objective
+/// in this range.
 fn gap(canvas: &mut ChartCanvas, course: &ConvergenceHistory<'_>, x: &AxisScale, y: &AxisScale) {
     let (Some(best), Some(bound)) = (course.best(), course.bound) else { return };
     let (best, bound) = (y.at(course.unit.from_si(best)), y.at(course.unit.from_si(bound)));
@@ -96,7 +97,7 @@ fn dashed() -> String {
     format!("{} stroke-dasharray=\"7 4\"", Ink::Green.line(2.0))
 }
 
-/// Draws start and end with their values.
+/// Marks the objective of the layout as drawn and the best objective, with their values.
 fn marks(canvas: &mut ChartCanvas, course: &ConvergenceHistory<'_>, x: &AxisScale, y: &AxisScale) {
     let unit = course.unit;
     let said = |si: f64| format!("{} {}", words::figure(unit.from_si(si)), unit.word());

@@ -12,8 +12,8 @@ use crate::units::mm_from_m;
 
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 420.0);
-/// Colour of the best end of the scale (blue); [`WORSE`] is the other end. Colour-blind readers can tell them
-/// apart.
+/// Colour of the best end of the scale (blue); [`WORSE`] is the other end. Colour-blind readers can tell the
+/// two colours apart.
 const BETTER: [f64; 3] = [0.0, 90.0, 160.0];
 const EQUAL: [f64; 3] = [240.0, 240.0, 236.0];
 const WORSE: [f64; 3] = [190.0, 75.0, 0.0];
@@ -21,7 +21,8 @@ const WORSE: [f64; 3] = [190.0, 75.0, 0.0];
 const STEPS: usize = 24;
 
 /// Draws the nodes of an operation in the frame of its equipment. Blue nodes have less error in the layout
-/// `names.1` than in `names.0`; orange nodes have more. `most` (m, rad or a share) is the end of the scale.
+/// `names.1` than in `names.0`; orange nodes have more. The scale goes from `-most` to `most` (m, rad or a
+/// share).
 pub fn difference(cell: &Cell, d: &OperationDifference, names: (&str, &str), most: f64) -> String {
     let (operation, unit) = (&cell.operations[d.operation], cell.unit());
     let heading = format!("{}: {} against {} in {}", operation.name, names.1, names.0, operation.sense.name);
@@ -91,7 +92,7 @@ fn told(pair: &NodePair, unit: Unit) -> String {
     format!("{} against {}{}", value(pair.other), value(pair.first), by.unwrap_or_default())
 }
 
-/// Returns the colour of a difference from -1 (better) to 1 (worse).
+/// Returns the colour of a difference divided by the end of the scale: from -1 (better) to 1 (worse).
 pub fn colour(share: f64) -> String {
     let t = share.clamp(-1.0, 1.0);
     let end = if t < 0.0 { BETTER } else { WORSE };
@@ -99,7 +100,8 @@ pub fn colour(share: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Draws the colour bar with the worse end above. Returns its lower end, px.
+/// Draws the colour bar, whose upper end is the worse one. Returns the position of the lower end of the bar,
+/// px.
 fn draw_bar(canvas: &mut ChartCanvas, unit: Unit, most: f64, (left, top): (f64, f64)) -> f64 {
     let tall = 8.0 * STEPS as f64;
     for k in 0..STEPS {

@@ -10,7 +10,7 @@ use crate::kinematic_error::{Discrepancy, discrepancy as between};
 use crate::svg_text::{PathEnd, path_data};
 
 const PANEL: f64 = 260.0;
-/// Span of the axis, percent. Smaller values lie on the lower edge.
+/// Span of the axis, percent. Smaller values are drawn on the lower edge.
 const AXIS_PERCENT: (f64, f64) = (1e-3, 1e2);
 /// Largest number of nodes in a panel.
 const MAX_NODES: usize = 2000;
@@ -24,7 +24,7 @@ const CURVES: [Curve; 4] = [
     ("resultant", Ink::Text, |d| d.resultant),
 ];
 
-/// Draws one panel per operation: usable nodes from left to right, percent on a logarithmic axis.
+/// Draws one panel per operation: the usable nodes from left to right, their discrepancy in percent upwards.
 pub fn discrepancy(a: &Assessment<'_>) -> String {
     let heading = format!(
         "{}, errors {}: linear against nonlinear model",

@@ -16,7 +16,7 @@ const PANEL_HEIGHT: f64 = 460.0;
 const PANEL_LEFT: f64 = 66.0;
 const MIN_WIDTH: f64 = 760.0;
 
-/// Dashes of the base axis and of the cutting plane.
+/// Dashes of the lines that show the base axis and the section plane.
 const DASH_DOT: &str = "stroke-dasharray=\"12 4 2 4\"";
 
 /// Panel with a section of the envelope, mm.

@@ -1,7 +1,7 @@
 //! Picture of the error maps of a layout in plan (Figs. 4 to 7 of the seed paper).
 //!
-//! Nodes have the colour of their error, arrows show the error in the plane, and every unusable node has a
-//! sign.
+//! Nodes have the colour of their error, and arrows show the error in the plane. A symbol on every unusable
+//! node tells why the node cannot be used.
 
 use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::error_map_legend::{draw_legend, reach_line};
@@ -22,9 +22,9 @@ use crate::svg_text::{PathEnd, escaped, path_data};
 const MAX_NODES: usize = 4000;
 /// Longer side of the drawing area, px.
 const LONGER_SIDE: f64 = 820.0;
-/// Least width of the picture, px, which heading and legend need.
+/// Least width of the picture, px, at which heading and legend have room.
 const MIN_WIDTH: f64 = 740.0;
-/// Width of the floor shown round all objects, m.
+/// Width of the strip of floor shown round all objects, m.
 const SURROUNDINGS: f64 = 0.25;
 /// Length of the longest arrow, px.
 const LONGEST_ARROW: f64 = 34.0;
@@ -104,7 +104,7 @@ impl<'a> ErrorMapPicture<'a> {
     }
 
     /// Draws the reach of the arm at the height of each operation, clipped at the frame of the drawing.
-    /// Returns for each drawn outline the names of its operations.
+    /// Returns, for each outline, the names of the operations that share it.
     fn draw_envelopes(&mut self) -> Vec<String> {
         let (a, view) = (self.a, self.view);
         self.canvas.put(&format!(
@@ -253,7 +253,7 @@ fn thinning(map: &OperationMap) -> usize {
     (1..).find(|every| kept(*every) <= MAX_NODES).unwrap_or(1)
 }
 
-/// Returns the path of an arrow: shaft and head.
+/// Returns the SVG path of an arrow with shaft and head.
 fn arrow((x, y): (f64, f64), (dx, dy): (f64, f64)) -> String {
     let head = |turn: f64| {
         let (sin, cos) = turn.sin_cos();

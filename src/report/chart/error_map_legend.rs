@@ -1,4 +1,4 @@
-//! Legend of the error map: colour scale, signs in the picture, scale bar.
+//! Legend of the error map: colour scale, symbols in the picture, scale bar.
 
 use super::canvas::{Anchor, BODY, Ink, LegendEntry};
 use super::error_map_picture::{ErrorMapPicture, MARGIN, MapScales};
@@ -9,14 +9,14 @@ use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
 
 use crate::units::{m_from_mm, mm_from_m, rounded};
 
-/// Line styles for the reach at different heights, used in turn.
+/// Line styles of the reach outlines, used in turn for the outlines at different heights.
 const REACH: [(Ink, &str); 4] =
     [(Ink::Blue, "7 3"), (Ink::Green, "2 3"), (Ink::Purple, "12 3 2 3"), (Ink::Orange, "14 5")];
 
 /// Longest scale bar, px.
 const MAX_BAR: f64 = 160.0;
 
-/// Returns the attributes of the k-th line of the reach.
+/// Returns the SVG attributes of the k-th outline of the reach.
 pub(super) fn reach_line(k: usize) -> String {
     let (ink, dash) = REACH[k % REACH.len()];
     format!("{} stroke-dasharray=\"{dash}\"", ink.line(1.4))
@@ -37,7 +37,7 @@ pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     plan.canvas.legend(&all);
 }
 
-/// Returns the legend entries of all signs and lines in the picture.
+/// Returns the legend entries of all symbols and lines in the picture.
 fn entries(plan: &ErrorMapPicture<'_>, scales: &MapScales) -> Vec<LegendEntry> {
     let a = plan.a;
     let spot = |mark: String, said: &str| LegendEntry { mark, said: said.to_string() };

@@ -12,14 +12,14 @@ pub(super) const MARGIN: f64 = 24.0;
 pub(super) struct ErrorMapPicture<'a> {
     pub a: &'a Assessment<'a>,
     pub canvas: ChartCanvas,
-    /// View of the world plan, m.
+    /// Part of the plan that the picture shows (world frame, m).
     pub view: PlaneView,
     pub width: f64,
     /// Boxes of the labels placed so far.
     pub taken: OccupiedBoxes,
 }
 
-/// Scales of the map, and its thinning.
+/// Colour scale, arrow scale and thinning of the error maps, and the drawn outlines of the reach.
 pub(super) struct MapScales {
     /// Ends of the colour scale in the unit of the cell.
     pub range: (f64, f64),

@@ -1,4 +1,4 @@
-//! Heat map of the error over a work surface: colour bands, iso-lines, signs of unusable nodes.
+//! Heat map of the error over a work surface: colour bands, iso-lines, symbols of unusable nodes.
 
 use super::axes;
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry, SMALL};
@@ -17,7 +17,8 @@ use nalgebra::Vector3;
 
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
-/// Least span from which the margin of the plot is computed, mm.
+/// Least length, mm, of which the margin of the plot is a share; a surface with longer sides has a wider
+/// margin.
 const MIN_SPAN: f64 = 100.0;
 /// Largest number of nodes with tooltips. A map with more nodes has none.
 const MAX_TITLES: usize = 400;
@@ -25,7 +26,7 @@ const MAX_TITLES: usize = 400;
 /// Draws an error map under one model and reading in one sense.
 ///
 /// `take` is the index into [`Field::takes`], `sense` the index into [`Field::senses`]. The colours span
-/// `range` (m or rad), which several maps may share. The axes are those of the surface.
+/// `range` (m or rad), which several maps may share. The axes of the plot are those of the work surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);
@@ -148,7 +149,8 @@ impl<'a> HeatMap<'a> {
         canvas.path(&outline, &Ink::Axis.line(1.2));
     }
 
-    /// Draws the bands from the lowest up, each one over the lower ones, so that no seam is visible.
+    /// Draws the colour bands, the lowest values first. Each band covers the bands below it, so no seam is
+    /// visible.
     fn draw_bands(&self, canvas: &mut ChartCanvas, surface: &IsoSurface) {
         let Some((least, most)) = surface.range() else { return };
         let bands = self.scale.bands();
@@ -289,7 +291,7 @@ fn distance(a: PlanePoint, b: PlanePoint) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
-/// Returns a point of the world in a frame seen from above, mm.
+/// Converts a point of the world (m) to its x and y in `frame`, mm.
 fn in_mm(frame: &Pose, p: &Vector3<f64>) -> PlanePoint {
     let p = frame.inverse().transform(p);
     (mm_from_m(p.x), mm_from_m(p.y))

@@ -10,7 +10,8 @@ use crate::cell::Cell;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 250.0;
-/// Limit of the axis in multiples of the greatest sample. Figures beyond the axis are named at its edge.
+/// Largest value on the axis, in multiples of the greatest sample. Figures beyond the axis are named at its
+/// edge.
 const AXIS_LIMIT: f64 = 1.7;
 
 /// Marked figure of the histogram: name, value in the unit of the chart, ink.
@@ -89,8 +90,8 @@ fn names(marks: &[&HistogramMark], x: &AxisScale, word: &str) -> Vec<Name> {
     placed.into_iter().zip(rows).map(|((said, _, x, _), row)| Name { said, x, row }).collect()
 }
 
-/// Returns the rows of names beside their lines, counted upwards. A mark is the position of its line and the
-/// left and right end of its name, px. No name crosses a line or another name.
+/// Returns a row for each name, such that no name crosses a line or another name; row 0 is the lowest. A mark
+/// holds the x of its line, then the left and the right end of its name, px.
 pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let mut rows = vec![0; marks.len()];
     let crosses =

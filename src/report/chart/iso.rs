@@ -1,9 +1,9 @@
 //! Iso-lines of a field on a grid with holes, and the areas above them.
 //!
-//! A grid cell with four values consists of four triangles round its centre, whose value is their mean (the
-//! bilinear value). A cell with three values is one triangle; a cell with fewer is a hole. The field is
-//! linear in a triangle. A level therefore crosses a triangle in one straight line, and the centre value
-//! resolves a saddle.
+//! A grid cell with four values consists of four triangles round its centre. The value at the centre is the
+//! mean of the four (the bilinear value). A cell with three values is one triangle; a cell with fewer is a
+//! hole. The field is linear in a triangle. A level therefore crosses a triangle in one straight line, and
+//! the centre value resolves a saddle.
 
 use crate::geometry::{PlanePoint, join_edges};
 
@@ -116,7 +116,7 @@ impl IsoSurface {
         (ax + t * (bx - ax), ay + t * (by - ay))
     }
 
-    /// Returns the lines along which the field has a value; a closed one repeats its first point.
+    /// Returns the lines along which the field has a value; a closed line repeats its first point.
     pub fn lines(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let is_in = |k: usize| self.values[k] >= level;
         // A level crosses two edges of a triangle or none. All triangles turn one way, so that segments

@@ -18,8 +18,8 @@ use nalgebra::Vector3;
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (66.0, WIDTH - EDGE, 560.0);
 
-/// Draws the layout from above in world axes, with the envelope at the height of the TCP and the robot at its
-/// spot.
+/// Draws the layout from above in world axes, with the TCP at the spot of the operation. The envelope is
+/// drawn at the height of the TCP.
 pub fn layout_plan(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usize) -> String {
     let rings = a.reachable(operation);
     let envelope = rings.iter().map(|r| r.iter().map(|p| (mm_from_m(p.0), mm_from_m(p.1))).collect());
@@ -157,8 +157,8 @@ impl LayoutView<'_> {
         rings.map(|ring| ring.iter().map(|p| view.at(p)).collect())
     }
 
-    /// Returns all visible parts with the tool at the spot in the order of drawing: by kind, then the
-    /// farthest from the eye first.
+    /// Returns all visible parts, with the tool at the spot. They are in the order of drawing: by kind, then
+    /// from the farthest to the nearest.
     fn parts(&self) -> Vec<VisiblePart<'_>> {
         let movement = &self.drawing.movement;
         let frames = movement.at(self.operation).unwrap_or(movement.home());
@@ -204,7 +204,7 @@ impl LayoutView<'_> {
         }
     }
 
-    /// Draws the name of each equipment where it covers no other name.
+    /// Draws the name of each equipment at a place where it covers no other name.
     fn draw_names(
         &self,
         canvas: &mut ChartCanvas,

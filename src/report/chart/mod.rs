@@ -47,5 +47,5 @@ pub use misplacement::misplacement;
 pub use pareto::pareto;
 pub use tornado::tornado;
 
-/// Width of a chart, px; a page scales the chart to its own width.
+/// Width of a chart, px; a page scales the chart to the width of the page.
 pub const WIDTH: f64 = 720.0;

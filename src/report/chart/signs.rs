@@ -1,4 +1,4 @@
-//! Signs on a chart: nodes that cannot be used, and the spots.
+//! Symbols on a chart: of nodes that cannot be used, and of the spots.
 
 use super::canvas::{Ink, LegendEntry};
 use crate::drawing::{GlyphRing, GlyphTone, NodeGlyph, node_glyph};
@@ -6,7 +6,8 @@ use crate::error_map::NodeSign;
 use crate::svg_text::{PathEnd, path_data};
 use std::f64::consts::SQRT_2;
 
-/// Returns the sign of a node, centred on a point and about `2 r` wide; empty for a usable node.
+/// Returns the symbol that tells why a node cannot be used, centred on a point and about `2 r` wide. Returns
+/// an empty text for a usable node.
 pub fn sign(sign: NodeSign, at: (f64, f64), r: f64) -> String {
     node_glyph(sign).map_or(String::new(), |glyph| draw_glyph(&glyph, at, r))
 }
@@ -30,24 +31,24 @@ fn draw_glyph(glyph: &NodeGlyph, at: (f64, f64), r: f64) -> String {
     circle + &glyph.strokes.iter().map(stroke).collect::<String>()
 }
 
-/// Returns the ring round the spot.
+/// Returns the ring that marks the spot.
 pub fn spot(at: (f64, f64)) -> String {
     ring(at, 8.0, &Ink::Paper.line(5.0)) + &ring(at, 8.0, &Ink::Spot.line(2.4))
 }
 
-/// Returns the diamond on the spot refined between the nodes.
+/// Returns the diamond that marks the spot refined between the nodes.
 pub fn refined(at: (f64, f64)) -> String {
     let corners = [(-5.0, 0.0), (0.0, 5.0), (5.0, 0.0), (0.0, -5.0), (-5.0, 0.0), (0.0, 5.0)];
     path(at, &corners, &Ink::Paper.line(4.5)) + &path(at, &corners, &Ink::Spot.line(2.0))
 }
 
-/// Returns the dashed ring round the spot of a reading that is not the reading of the cell.
+/// Returns the dashed ring that marks the spot under a reading which is not the reading of the cell.
 pub fn other_spot(at: (f64, f64)) -> String {
     let dashed = format!("{} stroke-dasharray=\"4 3\"", Ink::Text.line(2.0));
     ring(at, 8.0, &Ink::Paper.line(5.0)) + &ring(at, 8.0, &dashed)
 }
 
-/// Returns one legend entry per sign that occurs, with its number of nodes; usable nodes get no entry.
+/// Returns one legend entry per symbol that occurs, with the number of its nodes. Usable nodes get no entry.
 pub fn entries(signs: impl Iterator<Item = NodeSign>) -> Vec<LegendEntry> {
     let all: Vec<NodeSign> = signs.collect();
     let entry = |known: NodeSign| {

@@ -15,7 +15,7 @@ pub const KINDS: [PartKind; 7] = [
     PartKind::Tool,
 ];
 
-/// Returns the index of a kind in [`KINDS`].
+/// Returns the position of a kind in the order of drawing, [`KINDS`].
 pub fn rank(kind: PartKind) -> usize {
     KINDS.iter().position(|k| *k == kind).unwrap_or(KINDS.len())
 }
@@ -35,8 +35,8 @@ fn look(kind: PartKind) -> (String, String) {
     }
 }
 
-/// Returns SVG paths of closed rings (px): the line, then the fill over it. The fill follows the nonzero
-/// rule.
+/// Returns SVG paths of closed rings (px): the line, then the fill over it. The fill follows the `nonzero`
+/// rule of SVG.
 pub fn drawn(rings: impl Iterator<Item = Vec<(f64, f64)>>, kind: PartKind) -> String {
     let d: String = rings.map(|ring| path_data(ring.into_iter(), PathEnd::Closed, 1)).collect();
     if d.is_empty() {

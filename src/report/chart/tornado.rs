@@ -55,7 +55,8 @@ pub fn tornado(a: &BudgetReport<'_>) -> String {
     canvas.finish()
 }
 
-/// Returns the function that picks the share under the reading: of the variance or of the worst case.
+/// Returns the function that picks the share to draw: of the variance under the statistical reading,
+/// otherwise of the worst case.
 fn share_of(a: &BudgetReport<'_>) -> fn(&Share) -> f64 {
     match a.context.evaluator.reading {
         Reading::Statistical => |s| s.of_variance,
@@ -75,7 +76,7 @@ fn under(a: &BudgetReport<'_>, count: usize) -> Vec<String> {
     )]
 }
 
-/// Returns the texts of a bar and its share: name with tolerance, share, and gain of halving.
+/// Returns the name of a bar with its tolerance, the drawn share, and the label with the gain of halving.
 fn row(a: &BudgetReport<'_>, share: &Share, part: f64) -> (String, f64, String) {
     let cell = a.context.cell;
     let unit = names::unit(cell, share.parameter);

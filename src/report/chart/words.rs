@@ -1,7 +1,7 @@
 //! Width, shortening and line breaks of texts.
 
-/// Returns an upper estimate of the width of a text, px, because the font is not known. Wide characters
-/// (Chinese, Japanese, Korean, emoji) count double.
+/// Returns an upper estimate of the width of a text, px; the font is not known. Wide characters (Chinese,
+/// Japanese, Korean, emoji) count double.
 pub fn width(text: &str, size: f64) -> f64 {
     text.chars().map(|c| ems(c) * size).sum()
 }
@@ -23,7 +23,7 @@ fn is_wide(c: char) -> bool {
         | 0xff00..=0xff60 | 0xffe0..=0xffe6 | 0x1f300..=0x1faff | 0x20000..=0x3fffd)
 }
 
-/// Returns a text that is cut with an ellipsis if it does not fit.
+/// Returns the text; if it is wider than `room` (px), cuts it and adds an ellipsis.
 pub fn shortened(text: &str, size: f64, room: f64) -> String {
     if width(text, size) <= room {
         return text.to_string();
@@ -73,7 +73,7 @@ fn line_end(text: &str, size: f64, room: f64) -> usize {
 }
 
 /// Returns a number with enough decimals to tell multiples of `step` apart. Very large and very small numbers
-/// have a power of ten.
+/// are written with a power of ten.
 pub fn number(value: f64, step: f64) -> String {
     if value == 0.0 || value.abs() < step * 1e-6 {
         return "0".into();

@@ -1,7 +1,8 @@
 //! DXF file of release 2000 (AC1015): group codes, tables, blocks, objects.
 //!
 //! The writer follows the DXF reference of Autodesk. Every table, record, block and entity has a unique
-//! handle and names its owner. The dxf crate does not support this. Lengths are given in m and written in mm.
+//! handle and names its owner, which the dxf crate does not support. Lengths are given in m and written in
+//! mm.
 
 mod tables;
 
@@ -10,7 +11,7 @@ use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector3;
 use std::fmt::{Display, Write};
 
-/// Lines of group codes and values.
+/// Text of a DXF file under construction: lines of group codes and values.
 #[derive(Default)]
 struct Codes(String);
 
@@ -41,7 +42,7 @@ impl Codes {
 /// Layer: name and AutoCAD colour index.
 pub type Layer = (&'static str, u16);
 
-/// Space of entities: model space, paper space or the block of a dimension.
+/// Container of entities: model space, paper space or the block of a dimension.
 struct DxfSpace {
     name: String,
     /// Handle of the block record; `begin` and `end` are the handles of the BLOCK and ENDBLK entities.
@@ -66,7 +67,7 @@ impl DxfSpace {
 /// Handle of the root dictionary; the tables have smaller handles.
 const ROOT: u64 = 0xA;
 const GROUPS: u64 = 0xB;
-/// First handle of all other objects.
+/// First handle of the objects that are neither tables nor dictionaries.
 const FIRST_HANDLE: u64 = 0x10;
 
 /// Name of the dimension style.
@@ -136,7 +137,8 @@ impl DxfFile {
         [centre - half, centre + half].iter().for_each(|p| self.seen(p));
     }
 
-    /// Writes a triangle whose edges (from each corner to the next) may be invisible.
+    /// Writes a triangle. `hidden` tells for each edge, from a corner to the next one, whether it is
+    /// invisible.
     pub fn face(&mut self, layer: &str, corners: &[Vector3<f64>; 3], hidden: [bool; 3]) {
         let out = self.entity("3DFACE", layer);
         out.put(100, "AcDbFace");
@@ -199,7 +201,8 @@ impl DxfFile {
     }
 
     /// Writes the dimension from `a` to `b` along x, or along y if `upright`. The dimension line passes
-    /// through `through`. AutoCAD reads an associative dimension; other programs draw its block.
+    /// through `through`. AutoCAD reads an associative dimension; other programs draw the block that belongs
+    /// to it.
     pub fn dimension(
         &mut self,
         layer: &str,

@@ -40,16 +40,16 @@ const LAYERS: [Layer; 15] = [
     (TEXT, 7),
 ];
 
-/// Cosine of the angle between the normals of two faces. Above it the faces count as one plane, and the edge
-/// between them is not drawn.
+/// Least cosine of the angle between the normals of two coplanar faces. The edge between such faces is not
+/// drawn.
 const PLANE: f64 = 1.0 - 1e-9;
-/// Height of a text as a share of the cell's longer side, and the least height, m.
+/// Text height as a share of the longer side of the cell, and the least text height, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
 /// Length of the axes at the frame of an equipment, m.
 const AXIS: f64 = 0.1;
 
-/// Returns the drawing with the robot at the spot of an operation, or at home. It shows the errors under the
-/// model and the reading of the cell. Empty layers are left out.
+/// Returns the drawing with the robot at the spot of an operation, or at home. The drawing shows the errors
+/// under the model and the reading of the cell. Empty layers are left out.
 pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     let (low, high) = drawing.extent();
     let side = (high - low).x.max((high - low).y);

@@ -22,7 +22,7 @@ pub struct GlbSurface<'s> {
     pub positions: &'s [Vector3<f64>],
     /// Normals of triangles; empty for lines.
     pub normals: &'s [Vector3<f64>],
-    /// Linear red, green, blue; empty if the material has the colour.
+    /// Colour of each vertex (linear red, green, blue); empty if the material states one colour.
     pub colours: &'s [[f64; 3]],
     pub indices: Vec<u32>,
 }
@@ -54,8 +54,8 @@ impl GlbFile {
         Index::push(&mut self.root.buffer_views, view)
     }
 
-    /// Adds an accessor of elements of the type `kind`, such as vectors. States their bounds if `bounds` is
-    /// true.
+    /// Adds an accessor of elements of the type `kind`, such as vectors. If `bounds` is true, the accessor
+    /// states their least and greatest components.
     fn floats(&mut self, kind: Type, values: &[f32], of: Option<Target>, bounds: bool) -> Index<Accessor> {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let width = kind.multiplicity();
@@ -170,7 +170,7 @@ impl GlbFile {
         self.floats(Type::Scalar, &times, None, true)
     }
 
-    /// Adds the motion of a node. A rotation has four numbers per time, anything else three.
+    /// Adds the motion of a node. A rotation has four numbers per time; a translation or a scale has three.
     pub fn channel(
         &mut self,
         to: &mut Animation,
@@ -204,10 +204,9 @@ impl GlbFile {
         }
     }
 
-    /// Returns the file: header, JSON and buffer, each padded to whole 4-byte words.
+    /// Returns the bytes of the file: header, JSON and buffer, each padded to whole 4-byte words.
     ///
-    /// # Errors
-    /// Fails if the JSON writer does, or if the file exceeds 4 GB.
+    /// # Errors Fails if the JSON writer fails, or if the file exceeds 4 GB.
     pub fn bytes(mut self, top: Index<Node>, animation: Option<Animation>) -> Result<Vec<u8>, String> {
         let scene = Scene { extensions: None, extras: Default::default(), name: None, nodes: vec![top] };
         self.root.scene = Some(Index::push(&mut self.root.scenes, scene));
@@ -233,7 +232,7 @@ impl GlbFile {
     }
 }
 
-/// Returns the quaternion of a rotation in the order of the format: x, y, z, w.
+/// Returns the rotation of a node from a quaternion in the order of glTF: x, y, z, w.
 pub fn quaternion(q: [f32; 4]) -> Option<UnitQuaternion> {
     Some(UnitQuaternion(q))
 }

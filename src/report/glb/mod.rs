@@ -1,5 +1,5 @@
 //! 3-D scene of the cell with its motion: binary glTF 2.0 in m. The z axis of the world points up. The root
-//! node turns it to the y axis of the format.
+//! node rotates it to the y axis, which points up in glTF.
 
 mod file;
 
@@ -15,7 +15,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Look of a material: red, green, blue (sRGB, 0 to 255), opacity, roughness.
+/// Appearance of a material: red, green, blue (sRGB, 0 to 255), opacity, roughness.
 type Look = ([u8; 3], f64, f32);
 
 fn look(kind: PartKind) -> Look {
@@ -34,7 +34,7 @@ const REACH: Look = ([0, 114, 178], 1.0, 1.0);
 const OUT: Look = ([90, 98, 108], 1.0, 1.0);
 const SPOT: Look = ([204, 121, 167], 1.0, 0.4);
 
-/// Returns a colour (sRGB, 0 to 255) on the linear scale of the format (IEC 61966-2-1).
+/// Converts a colour (sRGB, 0 to 255) to the linear scale of glTF (IEC 61966-2-1).
 fn linear(colour: [u8; 3]) -> [f64; 3] {
     colour.map(|c| match f64::from(c) / 255.0 {
         c if c <= 0.04045 => c / 12.92,
@@ -57,7 +57,7 @@ impl GlbBuilder {
         *self.materials.entry(name.to_string()).or_insert_with(new)
     }
 
-    /// Adds a mesh as a node of its own, in the frame of its parent.
+    /// Adds a mesh as one glTF node, in the frame of the parent node.
     fn solid(&mut self, name: &str, mesh: &Mesh, (what, look): (&str, Look)) -> Option<Index<Node>> {
         let material = self.material(what, look);
         let indices = mesh.triangles.iter().flatten().copied().collect();
@@ -71,7 +71,7 @@ impl GlbBuilder {
         self.solid(&part.name, &part.mesh, (part.kind.name(), look(part.kind)))
     }
 
-    /// Adds closed lines (world frame, m) as a node of their own.
+    /// Adds closed lines (world frame, m) as one glTF node.
     fn rings(&mut self, name: &str, rings: &[Vec<Vector3<f64>>], what: (&str, Look)) -> Option<Index<Node>> {
         let mut indices = Vec::new();
         let mut first = 0;
@@ -91,8 +91,7 @@ impl GlbBuilder {
 /// Returns the scene with the robot at the spot of an operation, or at home. An animation goes from home to
 /// every spot and back. Arrows show the resultant errors under the model and the reading of the cell.
 ///
-/// # Errors
-/// Fails if the writer does.
+/// # Errors Fails if the glTF writer fails.
 pub fn glb(drawing: &Drawing<'_>, operation: Option<usize>) -> Result<Vec<u8>, String> {
     let animation = GlbFile::animation("home - spots - home");
     let mut scene = GlbBuilder { file: GlbFile::new(), materials: BTreeMap::new(), animation };
@@ -162,7 +161,8 @@ fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>
     scene.file.group(&drawing.cell.robot.name, links)
 }
 
-/// Adds the channels of a link. The sign of each quaternion is chosen to be near the previous one.
+/// Adds the channels of a link. Two quaternions describe the same rotation: at each time, the one nearer to
+/// the previous quaternion is used.
 fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
     let GlbBuilder { file, animation, .. } = scene;
     let places: Vec<f32> = poses.iter().flat_map(translation).collect();
@@ -203,7 +203,7 @@ fn held(
     Some(node)
 }
 
-/// Adds fence, keep-out spaces, and equipment and obstacles at their frames.
+/// Adds the fence, the keep-out spaces, the equipment and the obstacles, each at its frame.
 fn stands(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Vec<Index<Node>> {
     let mut all = Vec::new();
     for (k, equipment) in drawing.cell.equipment.iter().enumerate() {

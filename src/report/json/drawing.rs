@@ -1,4 +1,4 @@
-//! Drawings of one or several layouts as the 3-D viewer reads them.
+//! Drawings of one or several layouts in the form that the 3-D viewer reads.
 
 use super::viewer_records::{
     DrawingRecord, DrawingUnits, DrawingsRecord, EnvelopeRecord, EquipmentRecord, FieldRecord, LensRecord,
@@ -27,7 +27,8 @@ const TICK: f64 = 0.099;
 /// Tolerance of the simplified outlines of the envelope, m.
 const STRAIGHT: f64 = 1e-3;
 
-/// Returns the document of the viewer: the drawings in the given order, with each mesh once.
+/// Returns the document of the viewer: the drawings in the given order. A mesh that several drawings share is
+/// written once.
 pub fn drawings(drawings: &[Drawing<'_>]) -> Value {
     let mut meshes = MeshList::default();
     let drawings = drawings.iter().map(|d| drawing(d, &mut meshes)).collect();
@@ -49,7 +50,7 @@ struct MeshList {
 }
 
 impl MeshList {
-    /// Returns the index of a mesh, which is added if it is new.
+    /// Returns the index of a mesh; adds the mesh if it is new.
     fn index(&mut self, mesh: &Mesh) -> usize {
         let record = MeshRecord {
             positions: floats(mesh.positions.iter().flat_map(millimetres)),

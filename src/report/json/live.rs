@@ -1,5 +1,5 @@
-//! State of the live page of `view`: the part of a cell that does not depend on the layout (the form), and a
-//! compact document for the value of a layout.
+//! State of the live page of `view`: the form and the evaluation of a layout. The form is the part of a cell
+//! that does not depend on the layout.
 
 use super::live_records::{
     AnswerNodes, AnswerOperation, AnswerRecord, FormEquipment, FormGroup, FormNumber, FormRecord, LensChoice,
@@ -17,7 +17,7 @@ use serde_json::Value;
 
 /// Largest number of nodes of a map that are sent. A larger map is thinned to every second, third, ... node.
 const MAX_NODES: usize = 4000;
-/// Number of decimals of the mm and degrees that are sent; more would not be visible.
+/// Number of decimals of lengths (mm) and angles (degrees) that are sent; more would not be visible.
 const VISIBLE_DECIMALS: i32 = 4;
 
 /// Converts a record to a JSON value, which cannot fail for plain numbers and texts.
@@ -58,8 +58,8 @@ pub fn form(cell: &Cell) -> Value {
     })
 }
 
-/// Returns the coordinates that the page can change, by owner. Equipment also has the coordinates that the
-/// file fixes.
+/// Returns the coordinates that the page can change, by owner. For equipment, the coordinates that the file
+/// fixes are included.
 fn groups(cell: &Cell) -> Vec<FormGroup<'_>> {
     let four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
         c.iter().enumerate().map(|(axis, c)| form_number(slot(axis), c)).collect::<Vec<_>>()
@@ -96,7 +96,7 @@ fn form_number(slot: Slot, c: &Coordinate) -> FormNumber {
     }
 }
 
-/// Returns the coordinates of a layout under the names of [`form`].
+/// Returns the coordinates of a layout, with the owners and keys that [`form`] gives them.
 pub fn numbers(cell: &Cell, layout: &Layout) -> Value {
     let mut all = NumbersRecord::default();
     // To make a layout visits every number of the cell.
@@ -112,7 +112,7 @@ pub fn numbers(cell: &Cell, layout: &Layout) -> Value {
     value(&all)
 }
 
-/// Returns the value of a layout, with its maps.
+/// Returns the evaluation of a layout as the page reads it: its objective and its error maps.
 pub fn answer(a: &Assessment<'_>) -> Value {
     let cell = a.cell;
     value(&AnswerRecord {

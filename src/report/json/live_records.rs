@@ -41,7 +41,7 @@ pub struct FormEquipment<'a> {
 pub struct FormGroup<'a> {
     pub group: &'static str,
     pub name: &'a str,
-    /// Index of the equipment, if the owner is one.
+    /// Index of the equipment that owns the coordinates; None for another owner.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub index: Option<usize>,
     pub numbers: Vec<FormNumber>,
@@ -65,7 +65,7 @@ pub struct NumbersRecord {
     pub attitude: ByName<ByName<f64>>,
 }
 
-/// Value of a layout, with its maps. A placement is x, y, z (mm) and yaw (degrees).
+/// Evaluation of a layout: its objective and its error maps. A placement is x, y, z (mm) and yaw (degrees).
 #[derive(Serialize)]
 pub struct AnswerRecord<'a> {
     pub feasible: bool,
@@ -81,7 +81,7 @@ pub struct AnswerRecord<'a> {
     pub operations: Vec<AnswerOperation<'a>>,
 }
 
-/// Value of one operation, with its map.
+/// Evaluation of one operation: its value and its error map.
 #[derive(Serialize)]
 pub struct AnswerOperation<'a> {
     pub name: &'a str,
@@ -95,7 +95,7 @@ pub struct AnswerOperation<'a> {
     pub nodes: AnswerNodes,
 }
 
-/// Nodes of a map, one list per property. Positions and errors are in mm.
+/// Nodes of an error map: one list per property, with one entry per node. Positions and errors are in mm.
 #[derive(Default, Serialize)]
 pub struct AnswerNodes {
     pub ij: Vec<[usize; 2]>,
@@ -103,7 +103,7 @@ pub struct AnswerNodes {
     pub status: Vec<NodeSign>,
     pub value: Vec<Option<f64>>,
     pub error: Vec<Option<[f64; 3]>>,
-    /// Index of the reason in `reasons`.
+    /// Index into `reasons` for each node.
     pub why: Vec<usize>,
     pub reasons: Vec<String>,
     /// Thinning of the grid: every n-th node along each axis is sent.

@@ -11,7 +11,7 @@ use serde::Serialize;
 /// Pose as the three columns of the rotation matrix, then the origin.
 pub type PoseNumbers = [f64; 12];
 
-/// Layouts for the viewer, with each mesh once.
+/// Layouts for the viewer. A mesh that several layouts share is written once.
 #[derive(Serialize)]
 pub struct DrawingsRecord<'a> {
     pub schema: &'static str,
@@ -96,7 +96,7 @@ pub struct PartRecord<'a> {
     pub at: Option<PoseNumbers>,
     pub equipment: Option<usize>,
     pub operation: Option<usize>,
-    /// Index of the mesh.
+    /// Index into the meshes of the document.
     pub mesh: usize,
 }
 
@@ -108,13 +108,13 @@ pub struct LensRecord {
     pub signed: bool,
 }
 
-/// Error map of an operation: its nodes, one list per property.
+/// Error map of an operation: one list per property of its nodes.
 #[derive(Serialize)]
 pub struct FieldRecord<'a> {
     pub operation: usize,
     pub equipment: usize,
     pub senses: Vec<SenseEntry>,
-    /// Index of the sense of the operation.
+    /// Index into `senses` of the sense that the operation states.
     pub sense: usize,
     pub size: [usize; 2],
     /// Thinning of the grid: every n-th node along each axis is shown.
@@ -135,7 +135,7 @@ pub struct FieldRecord<'a> {
 pub struct TakeRecord {
     pub lens: usize,
     pub error: String,
-    /// Values of all nodes, one list per sense.
+    /// Values of all nodes: for each sense one text, the base64 of f32 numbers.
     pub values: Vec<String>,
     pub best: Option<usize>,
 }
@@ -153,7 +153,7 @@ pub struct MovementRecord<'a> {
     pub checked: bool,
     pub stops: Vec<StopRecord<'a>>,
     pub times_s: Vec<f64>,
-    /// Operation whose part is held at each time.
+    /// Index of the operation whose part the robot holds at each time; null if it holds none.
     pub holding: Vec<Option<usize>>,
     /// Number of link frames (poses) at each time.
     pub links: usize,

@@ -1,4 +1,4 @@
-//! Scripts, styles and templates of the pages. They use no library and make no request.
+//! Scripts, styles and templates of the pages. They use no library and make no network request.
 
 use crate::drawing::{GlyphRing, NodeGlyph, node_glyph};
 use crate::error_map::NodeSign;
@@ -57,11 +57,11 @@ pub const LIVE_HTML: &str = include_str!("live/page.html");
 #[cfg(feature = "view")]
 pub const LIVE_CSS: &str = include_str!("live/page.css");
 
-/// The sections of a page: paragraphs, figures, tables.
+/// Template of the sections of a page: paragraphs, figures, tables.
 pub const SECTIONS_HTML: &str = include_str!("sections.html");
 
-/// Template of the report. The style of the report includes the viewer's style, and its script follows the
-/// viewer's.
+/// Template of the report. The style of the report includes the viewer's style, and the script of the report
+/// follows the viewer's script.
 pub const REPORT_HTML: &str = include_str!("report.html");
 pub const REPORT_CSS: &str = concat!(include_str!("viewer/viewer.css"), include_str!("report.css"));
 pub const REPORT_JS: &str = include_str!("report.js");
@@ -72,7 +72,7 @@ pub const COMPARE_CSS: &str = include_str!("compare.css");
 pub const COMPARE_JS: &str = include_str!("compare.js");
 
 /// Returns the script of the 3-D viewer. The script defines `sweetspotViewer(host, document, options)` and no
-/// other global name. It begins with the table of node signs.
+/// other global name. It begins with the table of [`node_signs`].
 pub fn viewer_js() -> String {
     let table = node_signs();
     format!("\"use strict\";\n(() => {{\nconst NODE_SIGN_TABLE = {table};\n{VIEWER_PARTS}}})();\n")
@@ -84,7 +84,8 @@ pub fn live_js() -> String {
     format!("\"use strict\";\n(() => {{\n{LIVE_PARTS}}})();\n")
 }
 
-/// Returns the signs of nodes (`NodeSignRecord` in records.d.ts) by their names in documents.
+/// Returns the label and the symbol of each class of nodes (`NodeSignRecord` in records.d.ts). The keys are
+/// the names of the classes in documents.
 pub fn node_signs() -> Value {
     let glyph = |glyph: NodeGlyph| {
         let is_dashed = glyph.ring == GlyphRing::Dashed;

@@ -1,4 +1,4 @@
-//! Sections on the assumptions and the origin of the numbers.
+//! Sections on the assumptions of the report and the provenance of its numbers.
 
 use super::content::{PageTable, Section, plain};
 use super::subject::{Manifest, Subject};
@@ -9,7 +9,7 @@ use crate::record::{caveats, value_word};
 use crate::report::text::distrust;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Returns the section on assumptions, warnings included.
+/// Returns the section on assumptions, which includes the warnings.
 pub fn section(subject: &Subject<'_>) -> Section {
     let cell = subject.cell();
     let mut rows = vec![
@@ -115,7 +115,7 @@ fn placement(cell: &Cell) -> &'static str {
     }
 }
 
-/// Returns the section on the origin of the numbers.
+/// Returns the section on the provenance of the numbers: command, version and files.
 pub fn manifest(subject: &Subject<'_>) -> Section {
     let Manifest { command, version, seed, inputs, outputs, source, .. } = &subject.manifest;
     let command: Vec<String> = command.iter().map(|word| plain(word)).collect();

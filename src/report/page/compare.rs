@@ -40,7 +40,7 @@ struct ComparePage<'a> {
     version: &'static str,
 }
 
-/// Returns the page. `drawings` and `told` have one entry per column of the comparison.
+/// Returns the HTML of the comparison. `drawings` and `told` have one entry per column of the comparison.
 ///
 /// # Errors
 /// Fails if there is no layout or a part cannot be rendered.
@@ -81,7 +81,7 @@ pub fn compare(
     shell::rendered(assets::COMPARE_HTML, &page)
 }
 
-/// Returns the sentence on the layout with the least objective.
+/// Returns the sentence that names the layout with the least objective.
 fn answer(comparison: &Comparison<'_>) -> String {
     let told = |a: &Assessment<'_>| Some((a.objective()?, shown(&a.label), a.cell.unit().word()));
     let mut all: Vec<_> = comparison.columns.iter().filter_map(told).collect();
@@ -98,7 +98,8 @@ fn answer(comparison: &Comparison<'_>) -> String {
     }
 }
 
-/// Returns the section on the differences from the first layout, node by node, on one scale.
+/// Returns the section on the differences from the first layout, node by node. All its charts share one
+/// colour scale.
 fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let Some((first, others)) = comparison.columns.split_first() else { return Vec::new() };
     let text = format!(
@@ -123,8 +124,8 @@ fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     vec![section]
 }
 
-/// Returns the section with the comparison table that the terminal shows, and rows for requirement, clearance
-/// and gap.
+/// Returns the section with the comparison table that the terminal shows. Further rows show requirement,
+/// clearance and gap to the proven bound.
 fn side_by_side(comparison: &Comparison<'_>, told: &[SearchFacts]) -> Section {
     let text = vec![
         "Lengths are in mm and angles in degrees. Parentheses give the change from the first layout. Clearance is the \

@@ -39,7 +39,7 @@ impl PageFigure {
     }
 }
 
-/// Table: rows of text below a head.
+/// Table of a page: rows of text below a head.
 #[derive(Debug, Clone, Serialize)]
 pub struct PageTable {
     pub title: String,
@@ -49,7 +49,7 @@ pub struct PageTable {
     pub note: String,
     /// Whether each column contains numbers, which are aligned to the right.
     pub is_number: Vec<bool>,
-    /// Whether the table is folded.
+    /// Whether the table is folded until the reader opens it.
     pub is_folded: bool,
 }
 
@@ -86,7 +86,7 @@ fn is_number(rows: &[Vec<String>], column: usize) -> bool {
     some && all
 }
 
-/// Returns a text, not shortened, without characters that a terminal or a browser would not show.
+/// Returns the whole text; blanks replace characters that a terminal or a browser would not show.
 pub fn plain(text: &str) -> String {
     let hides = |c: char| {
         c.is_control()

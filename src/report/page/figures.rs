@@ -150,7 +150,7 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns the section on the error distribution of arms built to the tolerances.
+/// Returns the section on the error distribution of arms that are built within the tolerances.
 fn distributions(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "Monte Carlo simulation of arms with random errors within the tolerances. The nonlinear model gives the \

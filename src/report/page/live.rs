@@ -2,7 +2,7 @@
 
 use super::assets::{LIVE_CSS, LIVE_HTML, VIEWER_CSS, live_js, viewer_js};
 
-/// Returns the page. Scripts and styles carry `nonce`; the browser blocks all others.
+/// Returns the HTML of the live page. Scripts and styles carry `nonce`; the browser blocks all others.
 pub fn live(nonce: &str) -> String {
     let style = [VIEWER_CSS, LIVE_CSS].concat();
     let script = viewer_js() + &live_js();

@@ -22,7 +22,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Figures in the columns of the table.
+/// Functions that return the figures of a table row, one per column.
 const COLUMNS: [fn(&Figures) -> f64; 6] =
     [|f| f.error, |f| f.worst, |f| f.rms, |f| f.mean, |f| f.p95, |f| f.p99];
 
@@ -51,7 +51,7 @@ fn number(sense: &Sense, si: f64) -> String {
     format!("{:.4}", rounded(sense.unit.from_si(si), 4))
 }
 
-/// Returns whether Monte Carlo samples confirm the first-order figures.
+/// Returns the note that says whether Monte Carlo samples confirm the first-order figures.
 fn spread(a: &Assessment<'_>) -> String {
     let said = (0..a.maps.len()).filter_map(|k| {
         let samples = a.samples[k].as_ref()?;

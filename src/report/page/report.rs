@@ -34,7 +34,7 @@ struct ReportPage<'a> {
     version: &'static str,
 }
 
-/// Returns the page. `drawings` has one entry per layout, the layout as drawn first.
+/// Returns the report. `drawings` has one entry per layout; the first is the layout as drawn.
 ///
 /// # Errors
 /// Fails if a part cannot be rendered.
@@ -67,8 +67,8 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     Ok(Report { html, verdict })
 }
 
-/// Returns robot, error set, model, reading and registration. The name of the cell is left out, because the
-/// page shows it in its heading.
+/// Returns robot, error set, model, reading and registration in words. The name of the cell is left out,
+/// because the page shows it in its heading.
 fn question(cell: &Cell) -> String {
     let line = headline(cell);
     line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)

@@ -9,8 +9,8 @@ use crate::layout::combined;
 use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
 
-/// Returns the best other layout that the search kept. Without one, returns the next best node of the
-/// operation whose value increases least at that node.
+/// Returns the best other layout that the search kept. If there is none, compares the spot of each operation
+/// with its next best node. Returns the next best node at which the value increases least.
 pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;
@@ -56,7 +56,7 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })
 }
 
-/// Returns the usable node with the least value besides the spot.
+/// Returns the usable node with the least value among the nodes that are not the spot.
 fn second<'m>(a: &'m Assessment<'_>, k: usize) -> Option<Posed<'m>> {
     let map = &a.maps[k];
     let others = map.usable().filter(|(at, _, p)| Some(*at) != map.best && !p.touched);

@@ -8,7 +8,7 @@ use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-/// Renders a template of HTML. Every value is escaped unless the template marks it as markup.
+/// Renders a template of HTML. Every value is escaped, except those that the template declares to be markup.
 ///
 /// # Errors
 /// Fails if the template uses a value that does not exist.
@@ -31,7 +31,7 @@ pub fn policy(script: &str, style: &str) -> String {
     )
 }
 
-/// Returns the hash of an inline element in the form of a policy source.
+/// Returns the hash of an inline script or style as a source expression of the policy.
 fn source(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text.as_bytes())))
 }

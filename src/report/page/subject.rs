@@ -6,7 +6,7 @@ use crate::cell::{Cell, Unit};
 use crate::record::SearchResult;
 use crate::units::{m_from_mm, rad_from_deg};
 
-/// Converts a value of a document to SI.
+/// Converts a value of a document from `unit` to SI.
 pub fn si(unit: Unit, value: f64) -> f64 {
     match unit {
         Unit::Length => m_from_mm(value),
@@ -15,11 +15,11 @@ pub fn si(unit: Unit, value: f64) -> f64 {
     }
 }
 
-/// Input of a report.
+/// Input of a report: a layout as drawn or the result of a search, and the provenance.
 pub struct Subject<'a> {
     /// The layout as drawn.
     pub start: Assessment<'a>,
-    /// The best layout of a search that has found a feasible one.
+    /// Best layout of the search; None without a search, or if the search found no feasible layout.
     pub best: Option<Assessment<'a>>,
     /// Result of the search, from search.json.
     pub found: Option<SearchResult>,
@@ -51,7 +51,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Origin of the numbers.
+/// Provenance of the numbers on a page: command, program version, files read and files written.
 pub struct Manifest {
     /// Command line as typed.
     pub command: Vec<String>,

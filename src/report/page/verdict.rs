@@ -215,7 +215,7 @@ fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
     FactEntry { label: "Gain".into(), value: v.gain_percent, text, note, mood }
 }
 
-/// Returns the fact on the proven gap: the most by which another layout could be better than the best one.
+/// Returns the entry on the proven gap: the most by which any layout could be better than the best one found.
 fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     let covers = match found.proof.covers {
         Covers::Part => format!("; counted as 0: {}", unproven(found)),

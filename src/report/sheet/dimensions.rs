@@ -9,13 +9,15 @@ use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector2;
 use std::fmt::Write;
 
-/// Distance between the view and the first dimension line, mm on paper; the next lines are [`LINE_SPACING`] apart.
+/// Distance between the view and the first dimension line, mm on paper. The next lines are [`LINE_SPACING`]
+/// apart.
 const FIRST_LINE: f64 = 7.0;
 const LINE_SPACING: f64 = 6.0;
 /// Length of the head of an arrow, mm on paper.
 const HEAD: f64 = 2.2;
 
-/// Returns for each equipment a letter, its index, and its corner nearest to the robot base (world frame, m).
+/// Returns for each equipment a letter, the index of the equipment, and its corner nearest to the robot base
+/// (world frame, m).
 pub fn marks(drawing: &Drawing<'_>) -> Vec<(String, usize, Vector2<f64>)> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let base = Vector2::new(layout.base.x, layout.base.y);
@@ -77,8 +79,8 @@ pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
     }
 }
 
-/// Draws a dimension line with arrow heads and its number above, or left of a vertical line. A short line has
-/// its heads outside and its number beside it.
+/// Draws a dimension line with arrow heads. The number is above the line, or left of a vertical line. A short
+/// line has its arrow heads outside and its number behind its end.
 fn ruled(out: &mut String, (from, to): (f64, f64), across: f64, upright: bool, number: &str) {
     let (low, high) = (from.min(to), from.max(to));
     let wide = 1.6 * number.len() as f64;

@@ -1,6 +1,6 @@
 //! Drawing of the cell on paper: plan and front view to scale, with dimensions and a title block.
 //!
-//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216) with a scale of ISO 5455 and lines
+//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216), with a scale of ISO 5455. Lines are
 //! 0.35 and 0.18 mm wide (ISO 128). Print it at 100 %.
 
 mod dimensions;
@@ -65,8 +65,8 @@ fn size(low: &Vector2<f64>, high: &Vector2<f64>, ratio: f64) -> (f64, f64) {
     (size.x, size.y)
 }
 
-/// Returns the sheet with the robot at the spot of an operation, or at home. It shows the errors under the
-/// model and the reading of the cell.
+/// Returns the sheet with the robot at the spot of an operation, or at home. The sheet shows the errors under
+/// the model and the reading of the cell.
 pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     let views = [ABOVE, FRONT].map(|eye| seen(drawing, operation, &eye));
     let bounds = [0, 1].map(|k| bounds(drawing, &views[k], k == 0));

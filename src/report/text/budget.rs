@@ -11,7 +11,7 @@ use crate::units::mm_from_m;
 use nalgebra::Vector3;
 use std::fmt::Write;
 
-/// Returns the error budget of one spot.
+/// Returns the error budget of one spot as text.
 pub fn budget(a: &BudgetReport<'_>) -> String {
     let evaluator = &a.context.evaluator;
     let by = if evaluator.reading == Reading::Statistical { "variance" } else { "worst case" };

@@ -177,7 +177,7 @@ fn operation_rows(table: &mut TextTable, k: usize, comparison: &Comparison<'_>) 
     }
 }
 
-/// Returns a value and its change from the first column.
+/// Returns the value of a column, and its change from the value of the first column.
 fn with_change(
     comparison: &Comparison<'_>,
     column: usize,

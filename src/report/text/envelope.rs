@@ -66,7 +66,7 @@ pub fn robot(sheet: &RobotDataSheet<'_>) -> String {
     out
 }
 
-/// Returns the kind of an error set, with its article.
+/// Returns the kind of an error set with an article, such as "a tolerance".
 pub fn kind_of(set: &ErrorSet) -> &'static str {
     match set {
         ErrorSet::Signed(_) => "a signed sample",
@@ -101,7 +101,7 @@ fn dh_table(robot: &Robot) -> String {
     format!("D-H rows, {}: A = {matrix}\n{}\n", robot.convention.name(), table.render())
 }
 
-/// Returns the coupling of joints to other actuators; empty for a serial arm.
+/// Describes how joints are coupled to the actuators of other joints; empty for a serial arm.
 fn coupling(robot: &Robot) -> String {
     let mut out = String::new();
     for (i, row) in robot.coupling.iter().enumerate() {
@@ -121,7 +121,7 @@ fn triple(v: &Vector3<f64>) -> String {
     format!("({x}, {y}, {z})")
 }
 
-/// Returns volume and extent in one line.
+/// Returns volume and extent of a working envelope in one line.
 pub fn size(size: &Size) -> String {
     let Some(extent) = &size.extent else { return "no reachable point found".into() };
     format!(
@@ -142,7 +142,7 @@ pub fn envelope_title(envelope: &Reachable<'_>) -> String {
     format!("{}: working envelope{of}, tool at {elevation} deg", shown(&envelope.robot.name))
 }
 
-/// Returns section, plans and size of an envelope.
+/// Returns the section, the plans and the size of an envelope as text.
 pub fn envelope(envelope: &Reachable<'_>) -> String {
     let size_of = &envelope.size;
     let mut out = format!("{}\n{}\n\n", envelope_title(envelope), envelope.family);

@@ -258,7 +258,7 @@ fn risk(e: &Explanation<'_>) -> String {
     out
 }
 
-/// Returns a vector in parentheses; `outside` converts its components from SI.
+/// Returns a vector in parentheses; `outside` converts its components from SI to the unit of the text.
 fn triple(v: &Vector3<f64>, digits: usize, outside: fn(f64) -> f64) -> String {
     let [x, y, z] = [v.x, v.y, v.z].map(|c| fixed(outside(c), digits));
     format!("({x}, {y}, {z})")

@@ -14,7 +14,7 @@ fn cells<'a>(cell: &'a Cell, values: &'a [f64]) -> impl Iterator<Item = String> 
     Goal::ALL.into_iter().zip(values).map(|(goal, si)| fixed(goals::value(cell, goal, *si), 4))
 }
 
-/// Returns the goals of a layout, without the error, in one line; empty if the layout is not feasible.
+/// Returns the goals of a layout other than the error, in one line; empty if the layout is not feasible.
 pub fn goals_line(a: &Assessment<'_>) -> String {
     let Some(values) = a.goals() else { return String::new() };
     let others = Goal::ALL.into_iter().zip(cells(a.cell, &values)).skip(1);

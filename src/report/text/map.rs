@@ -98,7 +98,7 @@ fn refined_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     ))
 }
 
-/// Returns worst case, rms and percentiles at a spot.
+/// Returns worst case, RMS and percentiles of the error at a spot.
 fn risk(f: &Figures, unit: Unit, success: Option<f64>) -> String {
     let [worst, rms, p95, p99] = [f.worst, f.rms, f.p95, f.p99].map(|v| format!("{:.4}", unit.from_si(v)));
     let success = success.map_or(String::new(), |s| format!(", yield {s:.6}"));
@@ -106,7 +106,7 @@ fn risk(f: &Figures, unit: Unit, success: Option<f64>) -> String {
     format!("worst case {worst}, rms {rms}, p95 {p95}, p99 {p99} {unit}{success}")
 }
 
-/// Returns the Monte Carlo check of the first-order figures.
+/// Describes how well the Monte Carlo samples agree with the first-order figures.
 fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     let samples = a.samples[k].as_ref()?;
     let unit = a.cell.operations[k].sense.unit;

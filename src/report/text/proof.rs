@@ -7,7 +7,7 @@ use crate::proof::Proof;
 use crate::search::SearchRecord;
 use std::fmt::Write;
 
-/// Returns the lower bound, the gap of the best layout, and what the bound covers.
+/// Returns the lower bound, the gap from it to the best layout found, and what the bound covers.
 pub fn proven(workcell: &Workcell, record: &SearchRecord, proof: &Proof) -> String {
     let (cell, covers) = (&workcell.cell, proof.in_words(workcell));
     let Some(bound) = proof.bound else { return format!("{covers}\n") };

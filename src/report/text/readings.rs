@@ -75,7 +75,8 @@ pub fn findings(r: &Readings<'_>) -> Vec<String> {
     regret(r).into_iter().chain(registered(r)).collect()
 }
 
-/// Returns the regret of choosing the spot by the signed sample.
+/// Describes the regret of choosing the spot by the signed sample. The regret is the value of that spot under
+/// another reading, divided by the least value under it.
 fn regret(r: &Readings<'_>) -> Vec<String> {
     if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
         return vec![format!(
@@ -99,7 +100,7 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
     )]
 }
 
-/// Returns how registration changes the worst case at the spot that is best without registration.
+/// Describes how registration changes the worst case at the spot that is best without registration.
 fn registered(r: &Readings<'_>) -> Vec<String> {
     let mut said = Vec::new();
     for (k, operation) in r.cell.operations.iter().enumerate() {

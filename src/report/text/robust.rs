@@ -78,7 +78,7 @@ fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
     said(largest.most) + more
 }
 
-/// Returns what ends the range of allowed misplacement; empty if nothing does.
+/// Returns the reason that limits the allowed misplacement; empty if nothing limits it.
 fn because(cell: &Cell, largest: &Largest) -> String {
     match &largest.ended {
         None => String::new(),

@@ -124,7 +124,7 @@ fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
     for command in ["map", "budget", "explain", "compare"] {
         let ran = shop.done(&[command, PAPER, "--errors", "table-3-tolerance"]);
         assert!(
-            ran.err.contains("note: table-3-tolerance is a tolerance: read as worst-case"),
+            ran.err.contains("note: table-3-tolerance is a tolerance, so the reading is worst-case"),
             "{}",
             ran.err
         );
@@ -136,7 +136,7 @@ fn a_tolerance_set_is_read_as_worst_case_unless_requested() {
     let signed = shop.json(&["map", PAPER, "--reading", "worst-case"]);
     assert_eq!(map["objective_mm"], signed["objective_mm"]);
     let other = shop.done(&["map", PAPER, "--errors", "table-3-tolerance", "--reading", "statistical"]);
-    assert!(!other.err.contains("read as worst-case"), "{}", other.err);
+    assert!(!other.err.contains("so the reading is worst-case"), "{}", other.err);
     for command in ["map", "search", "compare", "budget", "explain"] {
         let args = [command, PAPER, "--errors", "table-3-tolerance", "--reading", "signed"];
         let ran = shop.run(&args);

@@ -73,7 +73,7 @@ fn a_robust_search_without_placement_tolerances_is_refused() {
     let shop = Sandbox::new();
     let ran = shop.run(&["search", CELL, "--robust"]);
     assert_eq!(ran.code, Some(2));
-    assert!(ran.err.contains("everything is placed exactly") && ran.err.contains("help: "), "{}", ran.err);
+    assert!(ran.err.contains("no placement has a tolerance") && ran.err.contains("help: "), "{}", ran.err);
     // The allowed misplacement is reported all the same.
     let told = shop.done(&["robust", CELL]);
     assert!(

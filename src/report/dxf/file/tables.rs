@@ -4,7 +4,7 @@ use super::{Codes, DxfFile, DxfSpace, Layer, STYLE, section};
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 
-/// Handles of the tables in the order of the file.
+/// Tables in the order of the file, each with its handle.
 const TABLES: [(&str, u64); 9] = [
     ("VPORT", 1),
     ("LTYPE", 2),
