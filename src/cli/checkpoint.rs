@@ -133,10 +133,7 @@ impl StoppedSearch {
             output::talk("  help: a finished search has no checkpoint; start one with sweetspot search CELL");
             return Err(Exit::BadInput);
         }
-        let bytes = std::fs::read(&path).map_err(|e| {
-            output::error(&format!("cannot read {}: {e}", path_word(&path)));
-            Exit::Io
-        })?;
+        let bytes = stored(folder)?;
         let content = understood(&bytes).map_err(|(line, why)| refused(&path, line, &why))?;
         let request = content.request.clone().resumed(asked)?;
         loading::sweep(folder);
@@ -185,12 +182,16 @@ impl StoppedSearch {
 /// Returns the original request and inputs of the search in a folder.
 pub fn begun(folder: &Path) -> Result<(SearchRequest, Vec<InputHash>), Exit> {
     let path = folder.join(CHECKPOINT);
-    let bytes = std::fs::read(&path).map_err(|e| {
-        output::error(&format!("cannot read {}: {e}", path_word(&path)));
-        Exit::Io
-    })?;
-    let content = understood(&bytes).map_err(|(line, why)| refused(&path, line, &why))?;
+    let content = understood(&stored(folder)?).map_err(|(line, why)| refused(&path, line, &why))?;
     Ok((content.request, content.inputs))
+}
+
+/// Reads the bytes of the checkpoint of a folder.
+fn stored(folder: &Path) -> Result<Vec<u8>, Exit> {
+    loading::read_inside(folder, CHECKPOINT, "the search").map_err(|why| {
+        output::error(&format!("cannot read {}: {why}", path_word(&folder.join(CHECKPOINT))));
+        Exit::Io
+    })
 }
 
 fn refused(path: &Path, line: usize, why: &str) -> Exit {

@@ -16,6 +16,7 @@ mod packages;
 mod progress;
 mod results;
 mod results_folder;
+mod sealed;
 mod search_request;
 mod sweep;
 #[cfg(feature = "view")]

@@ -2,6 +2,7 @@
 
 use super::arguments;
 use super::output::path_word;
+use super::sealed::sealed;
 use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
 use crate::assess::Comparison;
@@ -45,8 +46,7 @@ pub fn write_search(
     let cell = best.cell;
     let mut outputs = Vec::new();
     let name = cell_file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let kept = portable(&name);
-    keep_inputs(folder, &kept, sources)?;
+    let kept = keep_inputs(folder, sources)?;
     if let Some(objective) = best.objective() {
         let fixed = |which: &str, layout: &Layout, objective: f64| {
             let comment = format!(
@@ -119,12 +119,28 @@ pub fn portable(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
 }
 
-/// Copies every input file into the result folder. The first one, the cell file, is renamed to `cell_name`.
-pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result<(), Exit> {
-    for (k, source) in sources.iter().enumerate() {
-        // Some file systems allow no colon in a name.
-        let place = source.path.replacen("package://", "packages/", 1);
-        let path = folder.join(INPUTS).join(if k == 0 { cell_name } else { &place });
+/// Returns the place of every input below the folder of the inputs. The first input is the cell file.
+///
+/// Only the cell file is renamed: it is named by no other file. Its new name differs from the place of every
+/// other input, also where the file system ignores the case of letters.
+pub fn input_places<'p>(paths: impl IntoIterator<Item = &'p str>) -> Vec<String> {
+    // Some file systems allow no colon in a name.
+    let mut places: Vec<String> =
+        paths.into_iter().map(|path| path.replacen("package://", "packages/", 1)).collect();
+    if let Some((cell, others)) = places.split_first_mut() {
+        *cell = portable(cell);
+        while others.iter().any(|other| other.eq_ignore_ascii_case(cell)) {
+            cell.insert(0, '_');
+        }
+    }
+    places
+}
+
+/// Copies every input file into the result folder. Returns the name of the copied cell file.
+pub fn keep_inputs(folder: &Path, sources: &[Source]) -> Result<String, Exit> {
+    let places = input_places(sources.iter().map(|source| source.path.as_str()));
+    for (place, source) in places.iter().zip(sources) {
+        let path = folder.join(INPUTS).join(place);
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(|e| {
                 output::error(&format!("cannot create the folder {}: {e}", path_word(parent)));
@@ -133,7 +149,7 @@ pub fn keep_inputs(folder: &Path, cell_name: &str, sources: &[Source]) -> Result
         }
         loading::write_whole(&path, &source.bytes)?;
     }
-    Ok(())
+    Ok(places.into_iter().next().unwrap_or_default())
 }
 
 /// Writes files and then the manifest, so that a folder with a manifest is complete.
@@ -155,7 +171,7 @@ pub fn write<N: AsRef<str>>(
         ..ManifestDocument::new(inputs, outputs_hashed)
     };
     let mut written = write_outputs(folder, &outputs)?;
-    loading::write_whole(&folder.join("manifest.json"), &pretty(&manifest)?)?;
+    loading::write_whole(&folder.join("manifest.json"), &sealed(&manifest)?)?;
     written.names.push("manifest.json".into());
     Ok(written)
 }

@@ -2,7 +2,8 @@
 
 use super::output::path_word;
 use super::packages::PackageFolders;
-use super::results::{INPUTS, portable};
+use super::results::{INPUTS, input_places};
+use super::sealed::{DAMAGED, unsealed};
 use super::{Exit, asked, checkpoint, loading, output};
 use crate::cell::Layout;
 use crate::files::{Loaded, Setting, shown};
@@ -35,8 +36,8 @@ struct FolderOrigin {
 pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Exit> {
     let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
     untouched(folder, &manifest)?;
-    let name = manifest.inputs.first().map(|(path, _)| portable(path)).ok_or(Exit::BadInput)?;
-    let file = folder.join(INPUTS).join(name);
+    let place = places(&manifest.inputs).next().map(|(place, _)| place);
+    let file = folder.join(place.ok_or_else(|| refused(folder, "manifest.json", "it names no inputs"))?);
     let packages = kept_packages(folder, packages);
     let loaded = asked::load_for_search(&file, &packages, &settings)?;
     if resolved.is_some_and(|resolved| resolved != ResolvedSettings::new(&loaded.cell)) {
@@ -46,6 +47,9 @@ pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Ex
     }
     let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)
         .map_err(|e| refused(folder, "search.json", &format!("it is not the result of a search: {e}")))?;
+    if manifest.is_complete && found.seed != manifest.seed {
+        return Err(refused(folder, "search.json", "its seed is not that of the manifest"));
+    }
     let best = match found.objective_value {
         Some(_) => Some(loading::load(&folder.join("best.toml"), &packages)?.cell.start()),
         None => None,
@@ -82,7 +86,8 @@ fn origin(folder: &Path) -> Result<FolderOrigin, Exit> {
     let name = "manifest.json";
     let (source, csv) = (folder.to_string_lossy().into_owned(), "map.csv beside search.json".to_string());
     if folder.join(name).is_file() {
-        let document: ManifestDocument = serde_json::from_slice(&bytes(folder, name)?)
+        let text = unsealed(&bytes(folder, name)?).ok_or_else(|| refused(folder, name, DAMAGED))?;
+        let document: ManifestDocument = serde_json::from_slice(&text)
             .map_err(|e| refused(folder, name, &format!("it is not the manifest of a search: {e}")))?;
         let ManifestDocument { version, command, seed, settings, resolved, inputs, outputs, .. } = document;
         let is_search = outputs.iter().any(|file| file.path == "search.json");
@@ -121,10 +126,8 @@ fn untouched(folder: &Path, manifest: &Manifest) -> Result<(), Exit> {
 
 /// Returns the path of each input inside the folder, with its hash.
 fn places(inputs: &[(String, String)]) -> impl Iterator<Item = (String, String)> {
-    inputs.iter().enumerate().map(|(k, (path, hash))| {
-        let place = path.replacen("package://", "packages/", 1);
-        (format!("{INPUTS}/{}", if k == 0 { portable(&place) } else { place }), hash.clone())
-    })
+    let places = input_places(inputs.iter().map(|(path, _)| path.as_str()));
+    places.into_iter().zip(inputs).map(|(place, (_, hash))| (format!("{INPUTS}/{place}"), hash.clone()))
 }
 
 fn check(folder: &Path, place: &str, hash: &str) -> Result<(), Exit> {

@@ -8,7 +8,8 @@ use super::loading;
 use super::loading::FileSnapshot;
 use super::output::path_word;
 use super::packages::PackageFolders;
-use super::results::{hashed, pretty};
+use super::results::hashed;
+use super::sealed::{DAMAGED, sealed, unsealed};
 use super::{Exit, output};
 use crate::cell::Solver;
 use crate::files::{Choices, Fault, Loaded, Source, of_setting, shown};
@@ -44,6 +45,7 @@ pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
         budget: a.budget,
         solver: a.solver.as_ref().and_then(named),
         inputs: Vec::new(),
+        sha256: None,
     })
 }
 
@@ -125,16 +127,18 @@ fn count(sets: &[Choices]) -> Result<usize, Exit> {
 /// Reads the plan of a folder; returns None if the folder has no plan.
 fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
     let path = folder.join(PLAN);
-    let bytes = match std::fs::read(&path) {
-        Ok(bytes) => bytes,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(e) => {
-            output::error(&format!("cannot read {}: {e}", path_word(&path)));
-            return Err(Exit::Io);
-        }
-    };
-    serde_json::from_slice(&bytes).map(Some).map_err(|e| {
-        output::error(&format!("{} is not the plan of a sweep: {e}", path_word(&path)));
+    if path.symlink_metadata().is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound) {
+        return Ok(None);
+    }
+    let bytes = loading::read_inside(folder, PLAN, "the sweep").map_err(|why| {
+        output::error(&format!("cannot read {}: {why}", path_word(&path)));
+        Exit::Io
+    })?;
+    let read = |text: Vec<u8>| serde_json::from_slice(&text).map_err(|e| e.to_string());
+    let plan = unsealed(&bytes).ok_or_else(|| DAMAGED.to_string()).and_then(read);
+    plan.map(Some).map_err(|why| {
+        output::error(&format!("{} is not the plan of a sweep: {why}", path_word(&path)));
+        output::talk("  help: start the sweep again in a new folder with --out");
         Exit::BadInput
     })
 }
@@ -164,7 +168,7 @@ pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBu
         Some(folder) => folder.to_path_buf(),
         None => loading::new_folder(asked, stem)?,
     };
-    loading::write_whole(&folder.join(PLAN), &pretty(plan)?)?;
+    loading::write_whole(&folder.join(PLAN), &sealed(plan)?)?;
     Ok(folder)
 }
 
@@ -173,8 +177,38 @@ pub fn number(index: usize) -> String {
     format!("{index:04}")
 }
 
-/// Reads the row of a combination; returns None if the combination is not finished.
-pub fn row(folder: &Path, index: usize) -> Option<SweepRow> {
-    let bytes = std::fs::read(folder.join(number(index) + ".json")).ok()?;
-    serde_json::from_slice(&bytes).ok().filter(|row: &SweepRow| row.index == index)
+/// State of one combination in the folder of a sweep.
+pub enum StoredRow {
+    Missing,
+    /// A file of the combination is damaged or missing: its name and what is wrong.
+    Damaged(String),
+    Whole(Box<SweepRow>),
+}
+
+/// Reads the row of a combination, and checks every file of the combination against its hash.
+pub fn row(folder: &Path, index: usize) -> StoredRow {
+    let name = number(index) + ".json";
+    if folder.join(&name).symlink_metadata().is_err() {
+        return StoredRow::Missing;
+    }
+    match whole_row(folder, &name) {
+        Ok(row) if row.index == index => StoredRow::Whole(Box::new(row)),
+        Ok(row) => StoredRow::Damaged(format!("{name} is the row of combination {}", row.index)),
+        Err(why) => StoredRow::Damaged(why),
+    }
+}
+
+/// Reads a row; returns what is wrong if the row or a file that it names is damaged.
+fn whole_row(folder: &Path, name: &str) -> Result<SweepRow, String> {
+    let read = |place: &str| {
+        loading::read_inside(folder, place, "the sweep").map_err(|why| format!("{}: {why}", shown(place)))
+    };
+    let text = unsealed(&read(name)?).ok_or_else(|| format!("{name}: {DAMAGED}"))?;
+    let row: SweepRow = serde_json::from_slice(&text).map_err(|e| format!("{name}: {e}"))?;
+    for file in &row.files {
+        if loading::sha256(&read(&file.path)?) != file.sha256 {
+            return Err(format!("{}: its hash is not the one in {name}", shown(&file.path)));
+        }
+    }
+    Ok(row)
 }

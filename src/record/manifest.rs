@@ -38,6 +38,9 @@ pub struct ManifestDocument {
     pub inputs: Vec<HashedFile>,
     /// Files that were written.
     pub outputs: Vec<HashedFile>,
+    /// SHA-256 of the text of the file before this key, in hexadecimal. It is in the file alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
 }
 
 /// File and its SHA-256 in hexadecimal.
@@ -64,6 +67,7 @@ impl ManifestDocument {
             resolved: None,
             inputs,
             outputs,
+            sha256: None,
         }
     }
 }

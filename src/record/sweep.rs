@@ -40,6 +40,9 @@ pub struct SweepPlan {
     pub combinations: usize,
     /// Files that any combination reads; empty until they have been read.
     pub inputs: Vec<HashedFile>,
+    /// SHA-256 of the text of the file before this key, in hexadecimal. It is in the file alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
 }
 
 /// Returns the value of each `--set` option in a combination. The last option changes fastest.
@@ -88,6 +91,11 @@ pub struct SweepRow {
     pub layout: ByName<PlacementEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
+    /// Files of the combination beside its row: its cell with the layout fixed, and its settings.
+    pub files: Vec<HashedFile>,
+    /// SHA-256 of the text of the file before this key, in hexadecimal. It is in the file alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
 }
 
 /// One operation of a combination.
@@ -128,6 +136,8 @@ impl SweepRow {
             operations: (0..a.maps.len()).map(|k| SweepSpot::new(a, k)).collect(),
             layout: placements(a.cell, &a.layout),
             reasons: a.reasons(),
+            files: Vec::new(),
+            sha256: None,
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::cli::results_folder::SearchFolder;
 use crate::cli::{Exit, arguments, asked, loading, output, results};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
-use crate::record::{SearchResult, VerdictAnswer};
+use crate::record::{SearchResult, SpotEntry, VerdictAnswer};
 use crate::report::page;
 use crate::report::page::{Manifest, Report, Subject};
 use crate::search::SearchEnd;
@@ -107,6 +107,26 @@ fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit
                 word(says),
                 word(is)
             );
+            return Err(results_folder::refused(folder, "search.json", &why));
+        }
+    }
+    refuse_other_limits(folder, found, subject.best.as_ref())
+}
+
+/// Refuses a search.json whose limits differ from those of the cell in inputs/.
+fn refuse_other_limits(
+    folder: &Path,
+    found: &SearchResult,
+    best: Option<&Assessment<'_>>,
+) -> Result<(), Exit> {
+    let Some(best) = best else { return Ok(()) };
+    for (k, operation) in found.operations.iter().enumerate().take(best.maps.len()) {
+        let says = operation.requirement.map(|requirement| requirement.limit);
+        let is = SpotEntry::new(best, k).requirement.map(|requirement| requirement.limit);
+        if says != is {
+            let word = |v: Option<f64>| v.map_or("none".into(), |v| v.to_string());
+            let name = &operation.name;
+            let why = format!("it gives the limit of {name} as {}, the inputs say {}", word(says), word(is));
             return Err(results_folder::refused(folder, "search.json", &why));
         }
     }

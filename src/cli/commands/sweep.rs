@@ -5,18 +5,19 @@ use crate::assess::Assessment;
 use crate::cli::arguments::SweepArguments;
 use crate::cli::loading::FileSnapshot;
 use crate::cli::output::path_word;
-use crate::cli::results::{INPUTS, hashed, keep_inputs, line, portable, pretty};
-use crate::cli::sweep::{add_inputs, asked_plan, load, number, open, row};
+use crate::cli::results::{INPUTS, hashed, keep_inputs, line, pretty};
+use crate::cli::sealed::sealed;
+use crate::cli::sweep::{StoredRow, add_inputs, asked_plan, load, number, open, row};
 use crate::cli::{Exit, cache, loading, output};
 use crate::files::{Fault, Source, shown};
 use crate::layout::Workcell;
 use crate::proof::{ProofOptions, prove};
-use crate::record::{ManifestDocument, SweepMode, SweepPlan, SweepRow, SweepTable};
+use crate::record::{HashedFile, ManifestDocument, SweepMode, SweepPlan, SweepRow, SweepTable};
 use crate::report;
 use crate::search;
 use crate::search::{SearchEnd, SearchJob, SearchRecord, Watch};
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -45,11 +46,10 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let kept = FileSnapshot::default();
     let sources = check_all(&mut plan, &kept, jobs)?;
     let folder = open(&plan, a.resume.as_deref().or(a.out.as_deref()), &stem(&plan.cell))?;
-    let cell_name = portable(&sources.first().map_or(String::new(), |s| s.path.clone()));
-    keep_inputs(&folder, &cell_name, &sources)?;
+    let cell_name = keep_inputs(&folder, &sources)?;
     let all = 0..plan.combinations;
     let asked: Vec<usize> = a.only.map_or(all.clone().collect(), |index| vec![index]);
-    let missing: Vec<usize> = asked.into_iter().filter(|k| row(&folder, *k).is_none()).collect();
+    let missing: Vec<usize> = asked.into_iter().filter(|k| is_missing(&folder, *k)).collect();
     let sweep = CheckedSweep { plan, kept, folder, cell_name, stop: Arc::new(AtomicBool::new(false)) };
     run_all(&sweep, &missing, jobs)?;
     if sweep.stop.load(Ordering::Relaxed) {
@@ -63,12 +63,27 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     }
     // Every combination is there, so no job writes here any more: what is unfinished was killed.
     loading::sweep(&sweep.folder);
-    let rows: Option<Vec<SweepRow>> = all.map(|k| row(&sweep.folder, k)).collect();
-    let rows = rows.ok_or_else(|| {
-        output::error(&format!("{} has changed meanwhile", path_word(&sweep.folder)));
-        Exit::Io
-    })?;
+    let whole = |k: usize| match row(&sweep.folder, k) {
+        StoredRow::Whole(row) => Ok(*row),
+        StoredRow::Missing | StoredRow::Damaged(_) => {
+            output::error(&format!("{} has changed meanwhile", path_word(&sweep.folder)));
+            Err(Exit::Io)
+        }
+    };
+    let rows = all.map(whole).collect::<Result<Vec<SweepRow>, Exit>>()?;
     finish(&sweep, rows, a.json)
+}
+
+/// Returns whether a combination must be computed, and says so if one of its files is damaged.
+fn is_missing(folder: &Path, index: usize) -> bool {
+    match row(folder, index) {
+        StoredRow::Whole(_) => false,
+        StoredRow::Missing => true,
+        StoredRow::Damaged(why) => {
+            output::talk(&format!("warning: {why}; combination {index} is computed again"));
+            true
+        }
+    }
 }
 
 /// Reads and checks every combination, and reports every fault once.
@@ -165,11 +180,11 @@ fn run_one(sweep: &CheckedSweep, index: usize) -> Result<(), Exit> {
     };
     let layout = record.as_ref().map_or_else(|| workcell.cell.start(), |r| r.best.layout.clone());
     let assessment = Assessment::new("best", &workcell, layout);
-    let row = SweepRow::new(&plan.sets, index, &assessment, record.as_ref());
+    let mut row = SweepRow::new(&plan.sets, index, &assessment, record.as_ref());
     if row.feasible {
-        write_cell(sweep, index, &assessment)?;
+        row.files = write_cell(sweep, index, &assessment)?;
     }
-    loading::write_whole(&folder.join(number(index) + ".json"), &pretty(&row)?)
+    loading::write_whole(&folder.join(number(index) + ".json"), &sealed(&row)?)
 }
 
 /// Proves the lower bound and then searches, as `search` does. Returns None if the sweep is stopped.
@@ -183,8 +198,8 @@ fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
 }
 
 /// Writes NNNN.toml, the cell with its layout fixed. Also writes a file with the settings of the combination
-/// to the folder of the inputs; NNNN.toml includes that file.
-fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<(), Exit> {
+/// to the folder of the inputs; NNNN.toml includes that file. Returns both files with their hashes.
+fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<Vec<HashedFile>, Exit> {
     let settings = sweep.plan.settings(index);
     let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();
     let from = format!("from = \"{}\"\n{}\n", sweep.cell_name, lines.join("\n"));
@@ -193,7 +208,6 @@ fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<
         name.insert(0, '_');
     }
     let inside = format!("{INPUTS}/{name}");
-    loading::write_whole(&sweep.folder.join(&inside), from.as_bytes())?;
     let words: Vec<_> = settings.iter().map(|s| shown(&s.words())).collect();
     let objective = a.objective().unwrap_or_default();
     let comment = format!(
@@ -204,7 +218,12 @@ fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<
         a.cell.unit().word()
     );
     let text = report::toml::fixed(&inside, &comment, a.cell, &a.layout);
-    loading::write_whole(&sweep.folder.join(number(index) + ".toml"), text.as_bytes())
+    let files = [(inside, from), (number(index) + ".toml", text)];
+    let write = |(name, text): &(String, String)| {
+        loading::write_whole(&sweep.folder.join(name), text.as_bytes())?;
+        Ok(hashed(name, text.as_bytes()))
+    };
+    files.iter().map(write).collect()
 }
 
 /// Writes the table of all rows to files and stdout.
@@ -238,5 +257,5 @@ fn write_table(sweep: &CheckedSweep, outputs: Vec<(&str, Vec<u8>)>) -> Result<()
         plan: Some("plan.json".into()),
         ..ManifestDocument::new(sweep.plan.inputs.clone(), hashes)
     };
-    write("manifest.json", &pretty(&manifest)?)
+    write("manifest.json", &sealed(&manifest)?)
 }

@@ -4,6 +4,7 @@
 
 mod cache;
 mod contract;
+mod damage;
 mod export;
 mod figures;
 mod front;

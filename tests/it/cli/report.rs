@@ -201,7 +201,7 @@ fn a_folder_whose_numbers_do_not_come_out_again_is_refused() {
     shop.write("found/search.json", &text);
     shop.write(
         "found/manifest.json",
-        &shop.text("found/manifest.json").replace(&old, &sha256(text.as_bytes())),
+        &resealed(&shop.text("found/manifest.json").replace(&old, &sha256(text.as_bytes()))),
     );
     let ran = shop.run(&["report", "found"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);

@@ -128,6 +128,12 @@ pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
+/// Returns the text of a sealed JSON file with the hash of its present content.
+pub fn resealed(text: &str) -> String {
+    let (content, _) = text.rsplit_once(",\n  \"sha256\": \"").unwrap();
+    format!("{content},\n  \"sha256\": \"{}\"\n}}\n", sha256(content.as_bytes()))
+}
+
 pub fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap_or_else(|| panic!("no list: {value}")).iter().map(number).collect()
 }

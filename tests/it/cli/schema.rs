@@ -130,12 +130,13 @@ fn a_result_folder_is_read_by_its_settings_and_not_by_its_command() {
     let args = ["search", CELL, "--budget", "60", "--limit", "30", "--sense", "xyz", "--out", "found"];
     let code = shop.run(&args).code;
     let manifest = shop.text("found/manifest.json");
-    shop.write("found/manifest.json", &manifest.replace("\"--limit\"", "\"--a-flag-of-another-version\""));
+    let other = manifest.replace("\"--limit\"", "\"--a-flag-of-another-version\"");
+    shop.write("found/manifest.json", &resealed(&other));
     let ran = shop.run(&["report", "found", "--json"]);
     assert_eq!(ran.code, code, "{}", ran.err);
     assert_ne!(ran.document()["requirement"], "none");
     // Another default of the program would be another question.
-    shop.write("found/manifest.json", &manifest.replace("\"budget\": 60", "\"budget\": 61"));
+    shop.write("found/manifest.json", &resealed(&manifest.replace("\"budget\": 60", "\"budget\": 61")));
     let ran = shop.run(&["report", "found"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("manifest.json: this program reads other settings"), "{}", ran.err);

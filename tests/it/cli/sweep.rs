@@ -100,7 +100,8 @@ fn a_finished_combination_is_not_searched_again() {
     let shop = Sandbox::new();
     shop.done(&sweep("swept", &[]));
     // The mark is a value that no run computes.
-    let marked = shop.text("swept/0001.json").replace("\"evaluations\": 400", "\"evaluations\": 7");
+    let marked =
+        resealed(&shop.text("swept/0001.json").replace("\"evaluations\": 400", "\"evaluations\": 7"));
     shop.write("swept/0001.json", &marked);
     std::fs::remove_file(shop.path("swept/0002.json")).unwrap();
     let table = shop.json(&["sweep", "--resume", "swept"]);

@@ -1,0 +1,195 @@
+//! Tests that a damaged file of a result folder is refused or computed again, and never read as a result.
+
+use crate::cli::sandbox::*;
+use crate::common::cases;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+const SWEEP: [&str; 7] =
+    ["sweep", CELL, "--map", "--set", "equipment.worktable.placement.z_mm=600,800", "--out", "swept"];
+
+fn files(shop: &Sandbox, folder: &str) -> BTreeMap<String, Vec<u8>> {
+    shop.files(folder).into_iter().map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
+}
+
+fn restore(shop: &Sandbox, folder: &str, whole: &BTreeMap<String, Vec<u8>>) {
+    std::fs::remove_dir_all(shop.path(folder)).unwrap();
+    for (name, bytes) in whole {
+        let path = shop.path(&format!("{folder}/{name}"));
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+}
+
+/// Flips one bit of a file, or cuts its end off.
+fn damaged(bytes: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
+    let mut damaged = bytes.to_vec();
+    if rng.random_bool(0.2) {
+        damaged.truncate(rng.random_range(0..bytes.len()));
+    } else {
+        damaged[rng.random_range(0..bytes.len())] ^= 1 << rng.random_range(0..8);
+    }
+    damaged
+}
+
+/// Chooses a file that is not empty.
+fn chosen<'w>(whole: &'w BTreeMap<String, Vec<u8>>, rng: &mut ChaCha8Rng) -> (&'w String, &'w Vec<u8>) {
+    let files: Vec<_> = whole.iter().filter(|(_, bytes)| !bytes.is_empty()).collect();
+    files[rng.random_range(0..files.len())]
+}
+
+#[test]
+fn every_damage_of_a_search_folder_is_refused() {
+    let shop = Sandbox::new();
+    let search = |folder: &'static str, more: &[&'static str]| {
+        let ran = shop
+            .run(&[&["search", CELL, "--seed", "3", "--budget", "60", "--out", folder][..], more].concat());
+        assert!(ran.code == Some(0) || ran.code == Some(1), "{}", ran.err);
+    };
+    search("plain", &["--limit", "11"]);
+    search("front", &["--pareto", "error,travel"]);
+    search("robust", &["--robust", "--set", "equipment.worktable.placement_tolerance={ x_mm = 2 }"]);
+    let mut rng = ChaCha8Rng::seed_from_u64(14);
+    for folder in ["plain", "front", "robust"] {
+        let whole = files(&shop, folder);
+        for _ in 0..cases(12, 500) {
+            let (name, bytes) = chosen(&whole, &mut rng);
+            std::fs::write(shop.path(&format!("{folder}/{name}")), damaged(bytes, &mut rng)).unwrap();
+            for args in [["report", folder, "--json"], ["export", folder, "--to=csv"]] {
+                let ran = shop.run(&args);
+                ran.no_panic();
+                assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?} {name}: {}", ran.err);
+            }
+            std::fs::write(shop.path(&format!("{folder}/{name}")), bytes).unwrap();
+        }
+        assert_ne!(shop.run(&["report", folder]).code, Some(2), "{folder} is whole again");
+    }
+}
+
+#[test]
+fn every_damage_of_a_sweep_folder_is_refused_or_computed_again() {
+    let shop = Sandbox::new();
+    shop.done(&SWEEP);
+    let whole = files(&shop, "swept");
+    let mut rng = ChaCha8Rng::seed_from_u64(15);
+    let (mut refused, mut again) = (0, 0);
+    for _ in 0..cases(40, 500) {
+        let (name, bytes) = chosen(&whole, &mut rng);
+        std::fs::write(shop.path(&format!("swept/{name}")), damaged(bytes, &mut rng)).unwrap();
+        let ran = shop.run(&["sweep", "--resume", "swept"]);
+        ran.no_panic();
+        if ran.code == Some(0) {
+            again += 1;
+            assert_eq!(files(&shop, "swept"), whole, "{name}: {}", ran.err);
+            if name.ends_with("000.json") || name.ends_with("001.json") {
+                assert!(ran.err.contains("is computed again"), "{name}: {}", ran.err);
+            }
+        } else {
+            refused += 1;
+            assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{name}: {}", ran.err);
+            restore(&shop, "swept", &whole);
+        }
+    }
+    assert!(refused > 0 && again > 0, "{refused} refused, {again} computed again");
+}
+
+#[test]
+fn an_edited_row_or_cell_of_a_sweep_is_computed_again() {
+    let shop = Sandbox::new();
+    shop.done(&SWEEP);
+    let whole = files(&shop, "swept");
+    let row = shop.document("swept/0000.json");
+    let better = number(&row["objective"]) - 10.0;
+    let named: Vec<&str> = items(&row["files"]).iter().map(|file| text(&file["path"])).collect();
+    assert_eq!(named, ["inputs/set-0000.toml", "0000.toml"]);
+    let old = format!("\"objective\": {}", row["objective"]);
+    let edited = shop.text("swept/0000.json").replacen(&old, &format!("\"objective\": {better}"), 1);
+    for (name, text) in [
+        ("0000.json", edited),
+        ("0000.toml", shop.text("swept/0000.toml") + "# edited\n"),
+        ("inputs/set-0000.toml", shop.text("swept/inputs/set-0000.toml").replace("600", "700")),
+    ] {
+        shop.write(&format!("swept/{name}"), &text);
+        let ran = shop.done(&["sweep", "--resume", "swept"]);
+        let said = format!("warning: {name}: ");
+        assert!(
+            ran.err.contains(&said) && ran.err.contains("combination 0 is computed again"),
+            "{}",
+            ran.err
+        );
+        assert_eq!(files(&shop, "swept"), whole, "{name}");
+    }
+}
+
+#[test]
+fn an_edited_manifest_is_refused() {
+    let shop = Sandbox::new();
+    shop.run(&["search", CELL, "--limit", "11", "--budget", "60", "--out", "found"]);
+    let manifest = shop.text("found/manifest.json");
+    let document: Value = serde_json::from_str(&manifest).unwrap();
+    let list = |key: &str| {
+        let start = manifest.find(&format!("\"{key}\": [")).unwrap();
+        let end = start + manifest[start..].find(']').unwrap() + 1;
+        manifest.replacen(&manifest[start..end], &format!("\"{key}\": []"), 1)
+    };
+    assert!(document["inputs"].is_array() && document["outputs"].is_array());
+    for edited in [manifest.replace("11", "19"), list("inputs"), list("outputs")] {
+        assert_ne!(edited, manifest);
+        shop.write("found/manifest.json", &edited);
+        let ran = shop.run(&["report", "found"]);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{}", ran.err);
+        assert!(ran.err.contains("manifest.json: it is damaged"), "{}", ran.err);
+    }
+    // Without inputs a forged manifest still gets a reason.
+    shop.write("found/manifest.json", &resealed(&list("inputs")));
+    let ran = shop.run(&["report", "found"]);
+    assert!(ran.code == Some(2) && ran.err.contains("manifest.json: it names no inputs"), "{}", ran.err);
+}
+
+#[test]
+fn the_kept_cell_file_replaces_no_other_input() {
+    let shop = Sandbox::new();
+    let cell = shop.text(CELL);
+    shop.write("cells/my_cell.toml", &cell);
+    let lamp = "[obstacle.lamp]\nsolid = [{ name = \"lamp\", box = { size_mm = [20, 20, 20] } }]\n";
+    let post =
+        format!("from = \"my_cell.toml\"\n{lamp}placement = {{ x_mm = 3000, y_mm = 3000, z_mm = 0 }}\n");
+    shop.write("cells/my cell.toml", &post);
+    let ran = shop.run(&["search", "cells/my cell.toml", "--budget", "60", "--out", "found"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert_eq!(shop.text("found/inputs/my_cell.toml"), cell);
+    assert_eq!(shop.text("found/inputs/_my_cell.toml"), post);
+    assert!(shop.text("found/best.toml").contains("from = \"inputs/_my_cell.toml\""));
+    let report = shop.run(&["report", "found", "--json"]);
+    assert_ne!(report.code, Some(2), "{}", report.err);
+}
+
+/// A named pipe without a writer blocks whoever opens it.
+#[cfg(unix)]
+#[test]
+fn a_plan_or_checkpoint_that_is_no_file_is_refused_at_once() {
+    let shop = Sandbox::new();
+    std::fs::create_dir(shop.path("piped")).unwrap();
+    let made = std::process::Command::new("mkfifo").arg(shop.path("piped/plan.json")).status().unwrap();
+    assert!(made.success());
+    let ran = shop.run(&["sweep", "--resume", "piped"]);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
+    assert!(ran.err.contains("plan.json: it is not a file"), "{}", ran.err);
+    std::fs::rename(shop.path("piped/plan.json"), shop.path("piped/checkpoint.jsonl")).unwrap();
+    let ran = shop.run(&["search", "--resume", "piped"]);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{}", ran.err);
+    // A link must not lead out of the folder.
+    shop.done(&SWEEP);
+    std::fs::create_dir(shop.path("linked")).unwrap();
+    std::os::unix::fs::symlink(shop.path("swept/plan.json"), shop.path("linked/plan.json")).unwrap();
+    let ran = shop.run(&["sweep", "--resume", "linked"]);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
+    assert!(ran.err.contains("outside the folder of the sweep"), "{}", ran.err);
+    // A sparse file of 3 GB takes no memory.
+    let huge = std::fs::File::create(shop.path("piped/plan.json")).unwrap();
+    huge.set_len(3 << 30).unwrap();
+    let ran = shop.run(&["sweep", "--resume", "piped"]);
+    assert!(ran.code == Some(3) && ran.err.contains("more than 128 MB"), "{}", ran.err);
+}
