@@ -70,11 +70,11 @@ impl CheckpointWriter {
 
     fn write(&self, state: &search::Checkpoint) -> Result<(), Exit> {
         let content = CheckpointContent { request: self.request.clone(), inputs: self.inputs.clone(), state };
-        let content = super::results::line(&content)?;
+        let content = super::json_text::line(&content)?;
         let version = env!("CARGO_PKG_VERSION").into();
         let header =
             CheckpointHeader { schema: SCHEMA.into(), version, sha256: loading::sha256(content.as_bytes()) };
-        loading::write_whole(&self.path, (super::results::line(&header)? + &content).as_bytes())
+        loading::write_whole(&self.path, (super::json_text::line(&header)? + &content).as_bytes())
     }
 
     /// Fails, and prints the reason, if a checkpoint could not be written, or if the resumed search did not

@@ -8,6 +8,7 @@ mod cache;
 mod checkpoint;
 mod commands;
 mod first_cells;
+mod json_text;
 mod library;
 mod loading;
 mod lookup;
@@ -16,7 +17,6 @@ mod packages;
 mod progress;
 mod results;
 mod results_folder;
-mod sealed;
 mod search_request;
 mod sweep;
 #[cfg(feature = "view")]

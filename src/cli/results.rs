@@ -1,8 +1,8 @@
 //! Writing of a result folder: its files, copies of the inputs, and the manifest.
 
 use super::arguments;
+use super::json_text::{pretty, sealed};
 use super::output::path_word;
-use super::sealed::sealed;
 use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
 use crate::assess::Comparison;
@@ -12,7 +12,6 @@ use crate::proof::Proof;
 use crate::record::{HashedFile, ManifestDocument, MapDocument, ResolvedSettings, SearchResult};
 use crate::report;
 use crate::search::{Alternative, SearchRecord};
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Folder with copies of the inputs, which make a result folder self-contained.
@@ -187,27 +186,6 @@ fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Resu
     }
     let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();
     Ok(WrittenFolder { folder: folder.to_path_buf(), names })
-}
-
-/// Returns a document as the text of a JSON file.
-///
-/// Every document becomes a [`serde_json::Value`] first, so that each document type is compiled for one
-/// serializer only.
-pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
-    let value = serde_json::to_value(document).map_err(not_json)?;
-    let mut bytes = serde_json::to_vec_pretty(&value).map_err(not_json)?;
-    bytes.push(b'\n');
-    Ok(bytes)
-}
-
-/// Returns a document as one line of JSON.
-pub fn line(document: &impl Serialize) -> Result<String, Exit> {
-    Ok(serde_json::to_value(document).map_err(not_json)?.to_string() + "\n")
-}
-
-fn not_json(e: serde_json::Error) -> Exit {
-    output::error(&format!("cannot write JSON: {e}"));
-    Exit::Io
 }
 
 /// Writes the nodes of a map as CSV.

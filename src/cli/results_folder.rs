@@ -1,9 +1,9 @@
 //! Reading of a search's result folder. Every file is checked against the hashes of the manifest.
 
+use super::json_text::{DAMAGED, unsealed};
 use super::output::path_word;
 use super::packages::PackageFolders;
 use super::results::{INPUTS, input_places};
-use super::sealed::{DAMAGED, unsealed};
 use super::{Exit, asked, checkpoint, loading, output};
 use crate::cell::Layout;
 use crate::files::{Loaded, Setting, shown};

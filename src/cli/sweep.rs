@@ -4,12 +4,12 @@
 //! or absent. The table is made from these files.
 
 use super::arguments::{SweepArguments, common_settings};
+use super::json_text::{DAMAGED, sealed, unsealed};
 use super::loading;
 use super::loading::FileSnapshot;
 use super::output::path_word;
 use super::packages::PackageFolders;
 use super::results::hashed;
-use super::sealed::{DAMAGED, sealed, unsealed};
 use super::{Exit, output};
 use crate::cell::Solver;
 use crate::files::{Choices, Fault, Loaded, Source, of_setting, shown};

@@ -5,7 +5,7 @@ use crate::assess::Assessment;
 use crate::cell::{Cell, ErrorSet};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, cache, loading, output, results};
+use crate::cli::{Exit, cache, json_text, loading, output};
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
 use crate::record::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, UrdfEntry};
@@ -34,7 +34,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         let valid = exit == Exit::Done;
         let document =
             CheckDocument { schema: CHECK_SCHEMA.into(), valid, faults, self_collision: pairs, urdf };
-        output::data(&results::line(&document)?)?;
+        output::data(&json_text::line(&document)?)?;
         return Ok(exit);
     }
     let loaded = loading::load(&a.cell, &a.packages)?;

@@ -4,7 +4,7 @@ use super::{stem, suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
 use crate::cli::output::path_word;
-use crate::cli::{Exit, asked, loading, lookup, output, results, results_folder};
+use crate::cli::{Exit, asked, json_text, loading, lookup, output, results, results_folder};
 use crate::drawing::{Detail, Drawing};
 use crate::files::{Loaded, shown};
 use crate::raster::{self, Shot};
@@ -109,7 +109,7 @@ fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) 
     let drawing = || Drawing::new(a, &Detail::PLAIN).map_err(cannot);
     match format {
         ExportFormat::Csv => results::csv(&MapDocument::new(a)),
-        ExportFormat::Json => results::pretty(&MapDocument::new(a)),
+        ExportFormat::Json => json_text::pretty(&MapDocument::new(a)),
         #[cfg(feature = "parquet")]
         ExportFormat::Parquet => report::parquet::map(a).map_err(cannot),
         #[cfg(not(feature = "parquet"))]

@@ -4,7 +4,7 @@ use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, asked, loading, output, results, results_folder};
+use crate::cli::{Exit, asked, json_text, loading, output, results_folder};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::layout::Workcell;
@@ -34,7 +34,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         output::talk(&format!("wrote {} ({} kB)", path_word(out), html.len().div_ceil(1 << 10)));
     }
     if a.json {
-        output::data(&results::line(&ComparisonDocument::new(&comparison))?)?;
+        output::data(&json_text::line(&ComparisonDocument::new(&comparison))?)?;
     } else {
         output::data(&report::text::comparison(&comparison))?;
         for sentence in comparison.in_words() {

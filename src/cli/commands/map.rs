@@ -3,6 +3,7 @@
 use super::{suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
+use crate::cli::json_text;
 use crate::cli::output::path_word;
 use crate::cli::results;
 use crate::cli::results::{RunDescription, WrittenFolder};
@@ -24,7 +25,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
         Some(folder) => {
             let folder = loading::new_folder(Some(folder), "")?;
             let files = vec![
-                ("map.json", results::pretty(&document)?),
+                ("map.json", json_text::pretty(&document)?),
                 ("map.csv", results::csv(&document)?),
                 ("map.svg", report::chart::error_map(&assessment).into_bytes()),
                 ("discrepancy.svg", report::chart::discrepancy(&assessment).into_bytes()),
@@ -40,7 +41,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
         None => None,
     };
     if a.json {
-        output::data(&results::line(&document)?)?;
+        output::data(&json_text::line(&document)?)?;
     } else {
         let headline = report::text::headline(&workcell.cell);
         output::data(&format!("{headline}\n{}", report::text::maps(&assessment)))?;

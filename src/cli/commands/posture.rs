@@ -5,7 +5,7 @@ use crate::assess::{BudgetReport, Explanation, NoPosture, NodeChoice, PostureCon
 use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS};
 use crate::cli::arguments::{BudgetArguments, ExplainArguments, QuestionFlags};
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, asked, cache, lookup, output, results};
+use crate::cli::{Exit, asked, cache, json_text, lookup, output};
 use crate::files::shown;
 use crate::layout::Workcell;
 use crate::record::{BudgetDocument, ExplanationDocument};
@@ -30,7 +30,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
         ));
     }
     if a.json {
-        output::data(&results::line(&BudgetDocument::new(cell, &accounts))?)?;
+        output::data(&json_text::line(&BudgetDocument::new(cell, &accounts))?)?;
     } else {
         let budgets: Vec<String> = accounts.iter().map(report::text::budget).collect();
         output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
@@ -81,7 +81,7 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
         output::talk(&format!("warning: the {model} model cannot be trusted at this posture"));
     }
     if a.json {
-        output::data(&results::line(&ExplanationDocument::new(explanation))?)?;
+        output::data(&json_text::line(&ExplanationDocument::new(explanation))?)?;
         return Ok(Exit::Done);
     }
     let text = report::text::explanation(explanation);

@@ -3,6 +3,7 @@
 use super::{suggest, unsolved, workcell};
 use crate::assess::Readings;
 use crate::cli::arguments::ReadingsArguments;
+use crate::cli::json_text;
 use crate::cli::output::path_word;
 use crate::cli::results;
 use crate::cli::results::{RunDescription, WrittenFolder};
@@ -28,7 +29,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
                 output::error(&format!("cannot write readings.csv: {why}"));
                 Exit::Io
             })?;
-            let outputs = vec![("readings.json", results::pretty(&document)?), ("readings.csv", table)];
+            let outputs = vec![("readings.json", json_text::pretty(&document)?), ("readings.csv", table)];
             Some(results::write(
                 folder,
                 cell,
@@ -40,7 +41,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         None => None,
     };
     if a.json {
-        output::data(&results::line(&document)?)?;
+        output::data(&json_text::line(&document)?)?;
     } else {
         let title = report::text::question(cell);
         output::data(&format!("{title}\n\n{}", report::text::readings(&readings)))?;

@@ -6,7 +6,7 @@ use crate::cli::arguments::ReportArguments;
 use crate::cli::output::path_word;
 use crate::cli::results_folder;
 use crate::cli::results_folder::SearchFolder;
-use crate::cli::{Exit, arguments, asked, loading, output, results};
+use crate::cli::{Exit, arguments, asked, json_text, loading, output};
 use crate::drawing::Drawing;
 use crate::files::{Fault, Loaded, Source};
 use crate::record::{SearchResult, SpotEntry, VerdictAnswer};
@@ -136,7 +136,7 @@ fn refuse_other_limits(
 fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report) -> Result<(), Exit> {
     let verdict = &report.verdict;
     if a.json {
-        output::data(&results::line(verdict)?)?;
+        output::data(&json_text::line(verdict)?)?;
     } else {
         let facts = verdict.facts.iter().map(|f| format!("  {}: {} ({})\n", f.label, f.text, f.note));
         let reasons = verdict.reasons.iter().map(|r| format!("  {r}\n"));

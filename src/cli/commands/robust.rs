@@ -4,7 +4,7 @@ use super::{suggest, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::RobustArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, asked, output, results};
+use crate::cli::{Exit, asked, json_text, output};
 use crate::record::RobustDocument;
 use crate::report;
 
@@ -14,7 +14,7 @@ pub fn robust(a: &RobustArguments) -> Result<Exit, Exit> {
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start()).misplaced();
     if a.json {
-        output::data(&results::line(&RobustDocument::new(&assessment))?)?;
+        output::data(&json_text::line(&RobustDocument::new(&assessment))?)?;
     } else {
         let headline = report::text::headline(&workcell.cell);
         let mut said = format!("{headline}\n\n{}", report::text::robustness(&assessment));

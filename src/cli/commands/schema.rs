@@ -4,7 +4,7 @@ use super::suggest;
 use crate::cli::arguments::SchemaArguments;
 use crate::cli::lookup::unknown;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, loading, output, results};
+use crate::cli::{Exit, json_text, loading, output};
 use crate::files;
 use crate::files::FileKind;
 use crate::record::DocumentKind;
@@ -72,5 +72,5 @@ fn file_name(kind: &str) -> String {
 }
 
 fn text(schema: &Value) -> Result<String, Exit> {
-    results::pretty(schema).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+    json_text::pretty(schema).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }

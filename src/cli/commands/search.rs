@@ -8,7 +8,7 @@ use crate::cli::checkpoint::{CheckpointWriter, StoppedSearch};
 use crate::cli::output::path_word;
 use crate::cli::progress::Reporter;
 use crate::cli::search_request::SearchRequest;
-use crate::cli::{Exit, loading, output, results};
+use crate::cli::{Exit, json_text, loading, output, results};
 use crate::files::Loaded;
 use crate::layout::Workcell;
 use crate::proof::{Proof, ProofOptions, prove};
@@ -68,7 +68,7 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
         keeper.remove()?;
     }
     output::data(&if now.json {
-        results::line(&SearchResult::of_comparison(&record, &proof, &comparison).map(|r| r.timed(seconds)))?
+        json_text::line(&SearchResult::of_comparison(&record, &proof, &comparison).map(|r| r.timed(seconds)))?
     } else {
         answer(&workcell, (&record, &proof), &comparison, seconds)
     })?;

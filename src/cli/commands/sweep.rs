@@ -3,10 +3,10 @@
 use super::{UNSOLVED, stem, suggest};
 use crate::assess::Assessment;
 use crate::cli::arguments::SweepArguments;
+use crate::cli::json_text::{line, pretty, sealed};
 use crate::cli::loading::FileSnapshot;
 use crate::cli::output::path_word;
-use crate::cli::results::{INPUTS, hashed, keep_inputs, line, pretty};
-use crate::cli::sealed::sealed;
+use crate::cli::results::{INPUTS, hashed, keep_inputs};
 use crate::cli::sweep::{StoredRow, add_inputs, asked_plan, load, number, open, row};
 use crate::cli::{Exit, cache, loading, output};
 use crate::files::{Fault, Source, shown};

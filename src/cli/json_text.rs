@@ -1,0 +1,58 @@
+//! Texts of JSON documents. A sealed text ends with its own hash, so that a damaged file is never read as a
+//! result.
+
+use super::loading::sha256;
+use super::{Exit, output};
+use serde::Serialize;
+
+/// Description of a sealed file that [`unsealed`] refuses.
+pub const DAMAGED: &str = "it is damaged: its text has not the hash of its last line";
+
+/// End of the text of a JSON object.
+const END: &[u8] = b"\n}\n";
+
+/// Returns a document as the text of a JSON file.
+///
+/// Every document becomes a [`serde_json::Value`] first, so that each document type is compiled for one
+/// serializer only.
+pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
+    let value = serde_json::to_value(document).map_err(not_json)?;
+    let mut bytes = serde_json::to_vec_pretty(&value).map_err(not_json)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// Returns a document as one line of JSON.
+pub fn line(document: &impl Serialize) -> Result<String, Exit> {
+    Ok(serde_json::to_value(document).map_err(not_json)?.to_string() + "\n")
+}
+
+fn not_json(e: serde_json::Error) -> Exit {
+    output::error(&format!("cannot write JSON: {e}"));
+    Exit::Io
+}
+
+/// Returns a document as the text of a JSON file whose last key, `sha256`, is the hash of the text before it.
+///
+/// The SHA-256 is that of all bytes before the key and the comma in front of it.
+pub fn sealed(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
+    let mut bytes = pretty(document)?;
+    bytes.truncate(bytes.len().saturating_sub(END.len()));
+    let seal = seal(&bytes);
+    bytes.extend(seal);
+    Ok(bytes)
+}
+
+/// Returns the text of a sealed file without its seal; None if any byte of the file is damaged.
+pub fn unsealed(bytes: &[u8]) -> Option<Vec<u8>> {
+    let start = bytes.len().checked_sub(seal(b"").len())?;
+    let (content, end) = bytes.split_at(start);
+    (end == seal(content)).then(|| [content, END].concat())
+}
+
+/// Returns the text after the content: the key `sha256`, and the end of the object.
+fn seal(content: &[u8]) -> Vec<u8> {
+    let mut seal = format!(",\n  \"sha256\": \"{}\"", sha256(content)).into_bytes();
+    seal.extend(END);
+    seal
+}
