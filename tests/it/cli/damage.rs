@@ -37,9 +37,12 @@ fn damaged(bytes: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
 #[test]
 fn every_damage_of_a_search_folder_is_refused() {
     let shop = Sandbox::new();
-    let search = |folder: &'static str, more: &[&'static str]| {
-        let ran = shop
-            .run(&[&["search", CELL, "--seed", "3", "--budget", "60", "--out", folder][..], more].concat());
+    let tolerance =
+        "from = \"hitachi_cell.toml\"\n[equipment.worktable]\nplacement_tolerance = { x_mm = 2 }\n";
+    shop.write("cells/loose.toml", tolerance);
+    let search = |folder: &'static str, cell: &'static str, more: &[&'static str]| {
+        let args = ["search", cell, "--seed", "3", "--budget", "60", "--out", folder];
+        let ran = shop.run(&[&args[..], more].concat());
         assert!(ran.code == Some(0) || ran.code == Some(1), "{}", ran.err);
     };
     search("plain", CELL, &["--limit", "11"]);
@@ -145,9 +148,9 @@ fn the_kept_cell_file_replaces_no_other_input() {
     let shop = Sandbox::new();
     let cell = shop.text(CELL);
     shop.write("cells/my_cell.toml", &cell);
-    let lamp = "[obstacle.lamp]\nsolid = [{ name = \"lamp\", box = { centre_mm = [0, 0, 0], size_mm = [20, 20, 20] } }]\n";
+    let lamp = "[obstacle.lamp]\nsolid = [{ name = \"lamp\", box = { centre_mm = [0, 0, 0], size_mm = [200, 200, 200] } }]\n";
     let post =
-        format!("from = \"my_cell.toml\"\n{lamp}placement = {{ x_mm = 3000, y_mm = 3000, z_mm = 0 }}\n");
+        format!("from = \"my_cell.toml\"\n{lamp}placement = {{ x_mm = 3000, y_mm = 3000, z_mm = 500 }}\n");
     shop.write("cells/my cell.toml", &post);
     let ran = shop.run(&["search", "cells/my cell.toml", "--budget", "60", "--out", "found"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
