@@ -143,7 +143,7 @@ fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
     })
 }
 
-/// Opens the folder of the same sweep, or makes a new folder and writes the plan to it.
+/// Opens the folder that an earlier run of this plan made, or makes a new one and writes the plan to it.
 pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
     if let Some(folder) = asked
         && let Some(old) = read_plan(folder)?

@@ -64,7 +64,7 @@ pub struct RobustnessEntry {
     /// Corner of the box with the greatest value. Null without tolerances, or if the operation cannot be done
     /// at any corner.
     pub worst: Option<CornerEntry>,
-    /// Corners of the box at which the operation cannot be done.
+    /// Corners of the box of placement tolerances at which the operation cannot be done.
     pub lost: Vec<LostEntry>,
     /// Gradient: change of the value per mm or degree of every coordinate.
     pub gradient: Vec<SlopeEntry>,

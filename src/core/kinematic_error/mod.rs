@@ -25,7 +25,8 @@
 //!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
 //! - second-order (section 2.3): the linear model plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k a_k^2
 //!   w_k x g_k`. In these sums `w_j` and `w_k` are rotation axes; translations do not contribute. This is the
-//!   exact quadratic form: a motion nearer to the base rotates the displacements by the later motions.
+//!   exact quadratic form: a motion nearer to the base also rotates the displacements that later motions
+//!   cause.
 //!
 //! Errors are in the base frame: position in m, rotation as a rotation vector in rad.
 

@@ -9,7 +9,7 @@ use super::tool_attitudes::ToolAttitudes;
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
-/// Number of refinements of an interval of the held joint's coordinate.
+/// Number of times that an interval of the redundant joint's coordinate is refined.
 ///
 /// The interval is around a sample where the target is nearer to a usable posture than at the next samples.
 const REFINEMENTS: usize = 5;

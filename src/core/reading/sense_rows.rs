@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 /// Rows of a sense in the base frame, and the point whose error they select.
 #[derive(Debug, Clone, Copy)]
 pub struct SenseRows {
-    /// Vector from the TCP to the point, base frame, m.
+    /// Vector from the TCP to the point whose error the sense measures, base frame, m.
     arm: Vector3<f64>,
     /// Direction of each row (base frame), and whether the row is a component of the rotation, not of the
     /// position.
