@@ -6,6 +6,7 @@
 use super::arguments::SearchArguments;
 use super::loading::CHECKPOINT;
 use super::output::path_word;
+use super::output_folder::{OutputFolder, Sharing};
 use super::search_request::SearchRequest;
 use super::{Exit, loading, output};
 use crate::files::{Source, shown};
@@ -117,14 +118,14 @@ impl CheckpointWriter {
 
 /// Search that was stopped, with its checkpoint.
 pub struct StoppedSearch {
-    pub folder: PathBuf,
+    pub folder: OutputFolder,
     /// Request of the search, with the stopping rules of the current command line.
     pub request: SearchRequest,
     content: CheckpointContent<search::Checkpoint>,
 }
 
 impl StoppedSearch {
-    /// Reads the checkpoint of a folder and applies the stopping rules of the command line `asked`.
+    /// Locks a folder, reads its checkpoint and applies the stopping rules of the command line `asked`.
     pub fn read(folder: &Path, asked: &SearchArguments) -> Result<Self, Exit> {
         let path = folder.join(CHECKPOINT);
         if !path.is_file() {
@@ -133,11 +134,12 @@ impl StoppedSearch {
             output::talk("  help: a finished search has no checkpoint; start one with sweetspot search CELL");
             return Err(Exit::BadInput);
         }
-        let bytes = stored(folder)?;
+        let folder = OutputFolder::existing(folder, Sharing::Alone)?;
+        let bytes = stored(&folder)?;
         let content = understood(&bytes).map_err(|(line, why)| refused(&path, line, &why))?;
         let request = content.request.clone().resumed(asked)?;
-        loading::sweep(folder);
-        Ok(Self { folder: folder.to_path_buf(), request, content })
+        loading::sweep(&folder);
+        Ok(Self { folder, request, content })
     }
 
     pub fn state(&self) -> &search::Checkpoint {

@@ -13,6 +13,9 @@ use std::sync::Mutex;
 /// Prefix of the names of unfinished files.
 pub const UNFINISHED: &str = ".sweetspot-";
 
+/// Name of the locked file in a result folder that is being written.
+pub const LOCK: &str = ".sweetspot-lock";
+
 /// Name of the checkpoint in the folder of a search.
 pub const CHECKPOINT: &str = "checkpoint.jsonl";
 
@@ -188,7 +191,7 @@ pub fn sweep(folder: &Path) {
         let path = entry.path();
         if entry.file_type().is_ok_and(|t| t.is_dir()) {
             sweep(&path);
-        } else if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+        } else if entry.file_name().to_string_lossy().starts_with(UNFINISHED) && entry.file_name() != LOCK {
             let _ = std::fs::remove_file(path);
         }
     }
@@ -217,48 +220,6 @@ pub fn make_folder(path: &Path) -> Result<(), Exit> {
         ));
         Exit::Io
     })
-}
-
-/// Makes a result folder: `asked`, which must be new or empty, or else the first free `results/STEM-NNN`.
-pub fn new_folder(asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
-    let cannot = |path: &Path, e: &std::io::Error| {
-        output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), reason(e)));
-        Exit::Io
-    };
-    if let Some(path) = asked {
-        std::fs::create_dir_all(path).map_err(|e| cannot(path, &e))?;
-        let unfinished = |e: std::fs::DirEntry| e.file_name().to_string_lossy().starts_with(UNFINISHED);
-        let mut entries = path.read_dir().map_err(|e| cannot(path, &e))?;
-        if !entries.all(|e| e.is_ok_and(unfinished)) {
-            if path.join(CHECKPOINT).is_file() {
-                output::error(&format!("{} holds a stopped search", output::path_word(path)));
-                output::talk(&format!(
-                    "  help: resume it with sweetspot search --resume {}",
-                    output::path_word(path)
-                ));
-                return Err(Exit::BadInput);
-            }
-            let path = shown(&path.to_string_lossy());
-            output::error(&format!(
-                "{path} is not empty, and nothing is overwritten; choose a new folder with --out"
-            ));
-            return Err(Exit::BadInput);
-        }
-        sweep(path);
-        return Ok(path.to_path_buf());
-    }
-    let results = Path::new("results");
-    std::fs::create_dir_all(results).map_err(|e| cannot(results, &e))?;
-    for number in 1..1000 {
-        let path = results.join(format!("{stem}-{number:03}"));
-        match std::fs::create_dir(&path) {
-            Ok(()) => return Ok(path),
-            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
-            Err(e) => return Err(cannot(&path, &e)),
-        }
-    }
-    output::error(&format!("results/{stem}-001 to -999 all exist; choose a folder with --out"));
-    Err(Exit::BadInput)
 }
 
 /// Returns the SHA-256 hash in hexadecimal, as `sha256sum` prints it.

@@ -8,13 +8,14 @@ use super::json_text::{DAMAGED, sealed, unsealed};
 use super::loading;
 use super::loading::FileSnapshot;
 use super::output::path_word;
+use super::output_folder::{OutputFolder, Sharing, new_folder};
 use super::packages::PackageFolders;
 use super::results::hashed;
 use super::{Exit, output};
 use crate::cell::Solver;
 use crate::files::{Choices, Fault, Loaded, Source, of_setting, shown};
 use crate::record::{SWEEP_PLAN_SCHEMA, SweepPlan, SweepRow};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Largest number of combinations of one sweep.
 const MAX_COMBINATIONS: usize = 10_000;
@@ -144,13 +145,18 @@ fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
 }
 
 /// Opens the folder that an earlier run of this plan made, or makes a new one and writes the plan to it.
-pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBuf, Exit> {
+pub fn open(
+    plan: &SweepPlan,
+    asked: Option<&Path>,
+    stem: &str,
+    sharing: Sharing,
+) -> Result<OutputFolder, Exit> {
     if let Some(folder) = asked
         && let Some(old) = read_plan(folder)?
     {
         let changed = changes(plan, &old);
         if changed.is_empty() {
-            return Ok(folder.to_path_buf());
+            return OutputFolder::existing(folder, sharing);
         }
         let folder = path_word(folder);
         output::error(&format!("{folder} belongs to another sweep; these differ: {}", changed.join(", ")));
@@ -165,8 +171,8 @@ pub fn open(plan: &SweepPlan, asked: Option<&Path>, stem: &str) -> Result<PathBu
             .all(|n| n.starts_with(loading::UNFINISHED) || n == PLAN)
     };
     let folder = match asked.filter(|folder| folder.is_dir() && is_started(folder)) {
-        Some(folder) => folder.to_path_buf(),
-        None => loading::new_folder(asked, stem)?,
+        Some(folder) => OutputFolder::existing(folder, sharing)?,
+        None => new_folder(asked, stem, sharing)?,
     };
     loading::write_whole(&folder.join(PLAN), &sealed(plan)?)?;
     Ok(folder)

@@ -4,7 +4,8 @@ use super::{stem, suggest, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::FiguresArguments;
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, arguments, asked, loading, output, results, results_folder};
+use crate::cli::output_folder::{Sharing, new_folder};
+use crate::cli::{Exit, arguments, asked, output, results, results_folder};
 use crate::files::Source;
 use crate::report::figures::{Format, PaperFigure, figures as drawn, readme};
 use std::path::Path;
@@ -37,7 +38,7 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
         sources.extend(new);
     }
     let Some((_, _, first)) = loaded.first() else { return Err(Exit::BadInput) };
-    let folder = loading::new_folder(Some(&a.out), "")?;
+    let folder = new_folder(Some(&a.out), "", Sharing::Alone)?;
     let command: Vec<String> = arguments::typed().iter().map(|w| word(w)).collect();
     let text = readme(&chapters, &command.join(" "));
     let pictures = chapters.into_iter().flat_map(|(_, figures)| figures).map(|f| (f.name, f.bytes));

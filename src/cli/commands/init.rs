@@ -4,6 +4,7 @@ use super::{schema, suggest};
 use crate::cli::arguments::InitArguments;
 use crate::cli::first_cells::{SKETCHES, Sketch, find};
 use crate::cli::output::{path_word, word};
+use crate::cli::output_folder::{Sharing, new_folder};
 use crate::cli::{Exit, library, loading, lookup, output};
 use crate::files;
 use crate::files::shown;
@@ -37,7 +38,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
         output::faults(&faults);
         Exit::BadInput
     })?;
-    let folder = loading::new_folder(Some(a.out.as_deref().unwrap_or(Path::new(name))), "")?;
+    let folder = new_folder(Some(a.out.as_deref().unwrap_or(Path::new(name))), "", Sharing::Alone)?;
     let sources = loaded.sources.into_iter().map(|source| (source.path, source.bytes));
     let schemas =
         schema::of_files()?.into_iter().map(|(name, text)| (format!("schemas/{name}"), text.into_bytes()));

@@ -5,6 +5,7 @@ use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::json_text;
 use crate::cli::output::path_word;
+use crate::cli::output_folder::{Sharing, new_folder};
 use crate::cli::results;
 use crate::cli::results::{RunDescription, WrittenFolder};
 use crate::cli::{Exit, asked, loading, output};
@@ -23,7 +24,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     }
     let written = match &a.out {
         Some(folder) => {
-            let folder = loading::new_folder(Some(folder), "")?;
+            let folder = new_folder(Some(folder), "", Sharing::Alone)?;
             let files = vec![
                 ("map.json", json_text::pretty(&document)?),
                 ("map.csv", results::csv(&document)?),

@@ -5,9 +5,10 @@ use crate::assess::Readings;
 use crate::cli::arguments::ReadingsArguments;
 use crate::cli::json_text;
 use crate::cli::output::path_word;
+use crate::cli::output_folder::{Sharing, new_folder};
 use crate::cli::results;
 use crate::cli::results::{RunDescription, WrittenFolder};
-use crate::cli::{Exit, asked, loading, output};
+use crate::cli::{Exit, asked, output};
 use crate::record::ReadingsDocument;
 use crate::report;
 
@@ -18,7 +19,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
     workcell(cell.clone(), &a.cell)?;
     // A folder that cannot be made must not cost the work.
     let folder = match &a.out {
-        Some(folder) => Some(loading::new_folder(Some(folder), "")?),
+        Some(folder) => Some(new_folder(Some(folder), "", Sharing::Alone)?),
         None => None,
     };
     let readings = Readings::new(cell).map_err(|why| unsolved(&cell.robot.name, &a.cell, &why))?;

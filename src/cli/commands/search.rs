@@ -6,9 +6,10 @@ use crate::cli::arguments::SearchArguments;
 use crate::cli::checkpoint;
 use crate::cli::checkpoint::{CheckpointWriter, StoppedSearch};
 use crate::cli::output::path_word;
+use crate::cli::output_folder::{Sharing, new_folder};
 use crate::cli::progress::Reporter;
 use crate::cli::search_request::SearchRequest;
-use crate::cli::{Exit, json_text, loading, output, results};
+use crate::cli::{Exit, json_text, output, results};
 use crate::files::Loaded;
 use crate::layout::Workcell;
 use crate::proof::{Proof, ProofOptions, prove};
@@ -46,18 +47,22 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
         warn_of_hopeless(&workcell);
     }
     // A folder that cannot be made must not cost a search.
+    let new;
     let folder = match kept {
-        Some(kept) => kept.folder.clone(),
-        None => loading::new_folder(now.out.as_deref(), &stem(file))?,
+        Some(kept) => &kept.folder,
+        None => {
+            new = new_folder(now.out.as_deref(), &stem(file), Sharing::Alone)?;
+            &new
+        }
     };
     let clock = Instant::now();
-    let keeper = CheckpointWriter::new(&folder, request, inputs, now.checkpoint);
+    let keeper = CheckpointWriter::new(folder, request, inputs, now.checkpoint);
     let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
     let seconds = clock.elapsed().as_secs_f64();
     let stopped = matches!(record.ended, SearchEnd::Interrupted | SearchEnd::TimeLimit);
     let comparison = compared(&workcell, &record);
     let written = results::write_search(
-        &folder,
+        folder,
         file,
         &sources,
         (&record, &proof),
@@ -75,9 +80,9 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
     written.tell();
     comparison.columns.last().into_iter().for_each(warn_of_distrust);
     if stopped {
-        suggest(&format!("search --resume {}", path_word(&folder)));
+        suggest(&format!("search --resume {}", path_word(folder)));
     } else if record.found() && !now.json {
-        suggest(&format!("report {}", path_word(&folder)));
+        suggest(&format!("report {}", path_word(folder)));
     }
     let misses = comparison.columns.last().is_some_and(|best| !best.meets_requirements());
     Ok(exit(&record, misses))

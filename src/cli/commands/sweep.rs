@@ -6,6 +6,7 @@ use crate::cli::arguments::SweepArguments;
 use crate::cli::json_text::{line, pretty, sealed};
 use crate::cli::loading::FileSnapshot;
 use crate::cli::output::path_word;
+use crate::cli::output_folder::{OutputFolder, Sharing};
 use crate::cli::results::{INPUTS, hashed, keep_inputs};
 use crate::cli::sweep::{StoredRow, add_inputs, asked_plan, load, number, open, row};
 use crate::cli::{Exit, cache, loading, output};
@@ -17,7 +18,7 @@ use crate::report;
 use crate::search;
 use crate::search::{SearchEnd, SearchJob, SearchRecord, Watch};
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -25,7 +26,7 @@ use std::sync::{Arc, Mutex};
 struct CheckedSweep {
     plan: SweepPlan,
     kept: FileSnapshot,
-    folder: PathBuf,
+    folder: OutputFolder,
     /// Name of the cell file among the inputs.
     cell_name: String,
     stop: Arc<AtomicBool>,
@@ -45,7 +46,9 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
         a.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let kept = FileSnapshot::default();
     let sources = check_all(&mut plan, &kept, jobs)?;
-    let folder = open(&plan, a.resume.as_deref().or(a.out.as_deref()), &stem(&plan.cell))?;
+    // Array jobs write different files of one folder.
+    let sharing = if a.only.is_some() { Sharing::WithOthers } else { Sharing::Alone };
+    let folder = open(&plan, a.resume.as_deref().or(a.out.as_deref()), &stem(&plan.cell), sharing)?;
     let cell_name = keep_inputs(&folder, &sources)?;
     let all = 0..plan.combinations;
     let asked: Vec<usize> = a.only.map_or(all.clone().collect(), |index| vec![index]);

@@ -10,6 +10,7 @@ mod figures;
 mod front;
 mod init;
 mod jobs;
+mod lock;
 mod overrides;
 mod postures;
 mod readings;

@@ -1,0 +1,110 @@
+//! Advisory lock of a result folder, so that two programs never write to the same one.
+//!
+//! The operating system frees the lock when its owner ends, however it ends.
+
+use super::loading::LOCK;
+use super::output::path_word;
+use super::{Exit, arguments, output};
+use crate::files::shown;
+use std::fs::{File, TryLockError};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Largest length of the text about an owner, bytes.
+const MAX_OWNER: u64 = 300;
+
+/// Whether one program or several may write to a folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sharing {
+    Alone,
+    /// Array jobs of one sweep write different files.
+    WithOthers,
+}
+
+/// Lock of a folder, held until it is dropped.
+pub struct FolderLock {
+    path: PathBuf,
+    /// Keeps the lock; None where the file system has no locks.
+    file: Option<File>,
+}
+
+impl FolderLock {
+    /// Locks a folder; refuses a folder that another program uses, and names that program.
+    pub fn take(folder: &Path, sharing: Sharing) -> Result<Self, Exit> {
+        let path = folder.join(LOCK);
+        loop {
+            if path.symlink_metadata().is_ok_and(|about| !about.is_file()) {
+                output::error(&format!("{} is not a file: remove it", path_word(&path)));
+                return Err(Exit::Io);
+            }
+            let open = File::options().read(true).write(true).create(true).truncate(false).open(&path);
+            let mut file = open.map_err(|e| {
+                output::error(&format!("cannot lock the folder {}: {e}", path_word(folder)));
+                Exit::Io
+            })?;
+            let locked = match sharing {
+                Sharing::Alone => file.try_lock(),
+                Sharing::WithOthers => file.try_lock_shared(),
+            };
+            match locked {
+                Ok(()) if !is_at(&file, &path) => continue,
+                Ok(()) => {
+                    // A lock without the name of its owner still locks.
+                    let _ = file.set_len(0).and_then(|()| file.write_all(owner().as_bytes()));
+                    return Ok(Self { path, file: Some(file) });
+                }
+                Err(TryLockError::WouldBlock) => return Err(in_use(folder, file)),
+                Err(TryLockError::Error(e)) => {
+                    let folder = path_word(folder);
+                    output::talk(&format!("note: {folder} is not locked, because its disk refuses: {e}"));
+                    return Ok(Self { path, file: None });
+                }
+            }
+        }
+    }
+}
+
+impl Drop for FolderLock {
+    /// Unlocks the folder. The last owner removes the file.
+    fn drop(&mut self) {
+        drop(self.file.take());
+        if let Ok(file) = File::options().read(true).write(true).open(&self.path)
+            && file.try_lock().is_ok()
+            && is_at(&file, &self.path)
+        {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Reports which program uses a folder.
+fn in_use(folder: &Path, file: File) -> Exit {
+    let mut owner = Vec::new();
+    let _ = file.take(MAX_OWNER).read_to_end(&mut owner);
+    let owner = String::from_utf8_lossy(&owner);
+    // A word at a time, because a long text would be cut.
+    let owner = owner.split_whitespace().map(shown).collect::<Vec<_>>().join(" ");
+    let owner = if owner.is_empty() { "another program" } else { &owner };
+    output::error(&format!("the folder {} is in use by {owner}", path_word(folder)));
+    output::talk("  help: wait until it ends, or choose another folder with --out");
+    Exit::Io
+}
+
+/// Describes this program: its process and command.
+fn owner() -> String {
+    format!("process {}: sweetspot {}", std::process::id(), arguments::typed().join(" "))
+}
+
+/// Returns whether an open file is the one that the path names. Its last owner may have removed it.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let same = |a: std::fs::Metadata, b: std::fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
+    file.metadata().ok().zip(path.metadata().ok()).is_some_and(|(a, b)| same(a, b))
+}
+
+/// A file in use cannot be removed here.
+#[cfg(not(unix))]
+fn is_at(_file: &File, _path: &Path) -> bool {
+    true
+}

@@ -1,0 +1,77 @@
+//! Folders that commands write their results to.
+
+use super::folder_lock::FolderLock;
+pub use super::folder_lock::Sharing;
+use super::loading::{CHECKPOINT, UNFINISHED, sweep};
+use super::{Exit, output};
+use crate::files::shown;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
+
+/// Result folder that is locked as long as this value lives.
+pub struct OutputFolder {
+    path: PathBuf,
+    _lock: FolderLock,
+}
+
+impl OutputFolder {
+    /// Locks a folder that exists.
+    pub fn existing(path: &Path, sharing: Sharing) -> Result<Self, Exit> {
+        Ok(Self { path: path.to_path_buf(), _lock: FolderLock::take(path, sharing)? })
+    }
+}
+
+impl Deref for OutputFolder {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// Makes and locks a result folder: `asked`, which must be new or empty, or else the first free
+/// `results/STEM-NNN`.
+pub fn new_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<OutputFolder, Exit> {
+    let cannot = |path: &Path, e: &std::io::Error| {
+        output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), e));
+        Exit::Io
+    };
+    if let Some(path) = asked {
+        std::fs::create_dir_all(path).map_err(|e| cannot(path, &e))?;
+        let folder = OutputFolder::existing(path, sharing)?;
+        let unfinished = |e: std::fs::DirEntry| e.file_name().to_string_lossy().starts_with(UNFINISHED);
+        let mut entries = path.read_dir().map_err(|e| cannot(path, &e))?;
+        if !entries.all(|e| e.is_ok_and(unfinished)) {
+            if path.join(CHECKPOINT).is_file() {
+                output::error(&format!("{} holds a stopped search", output::path_word(path)));
+                output::talk(&format!(
+                    "  help: resume it with sweetspot search --resume {}",
+                    output::path_word(path)
+                ));
+                return Err(Exit::BadInput);
+            }
+            let path = shown(&path.to_string_lossy());
+            output::error(&format!(
+                "{path} is not empty, and nothing is overwritten; choose a new folder with --out"
+            ));
+            return Err(Exit::BadInput);
+        }
+        // Files of another array job are unfinished, too.
+        if sharing == Sharing::Alone {
+            sweep(path);
+        }
+        return Ok(folder);
+    }
+    let results = Path::new("results");
+    std::fs::create_dir_all(results).map_err(|e| cannot(results, &e))?;
+    for number in 1..1000 {
+        let path = results.join(format!("{stem}-{number:03}"));
+        match std::fs::create_dir(&path) {
+            Ok(()) => return OutputFolder::existing(&path, sharing),
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(e) => return Err(cannot(&path, &e)),
+        }
+    }
+    output::error(&format!("results/{stem}-001 to -999 all exist; choose a folder with --out"));
+    Err(Exit::BadInput)
+}
