@@ -23,6 +23,7 @@ mod search_request;
 mod sweep;
 #[cfg(feature = "view")]
 mod view;
+mod written_layout;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

@@ -1,7 +1,7 @@
 //! Folders of the ROS packages whose files a URDF names.
 
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Folders of ROS packages, by name.
 #[derive(Args, Clone, Default)]
@@ -9,6 +9,19 @@ pub struct PackageFolders {
     /// Folder that package://NAME/... in a URDF refers to; can be given once per package
     #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
     pub folders: Vec<(String, PathBuf)>,
+}
+
+impl PackageFolders {
+    /// Adds the packages of a result folder, which are kept among its inputs.
+    pub fn with_kept(mut self, inputs: &Path) -> Self {
+        for entry in inputs.join("packages").read_dir().into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if !self.folders.iter().any(|(given, _)| *given == name) {
+                self.folders.push((name, entry.path()));
+            }
+        }
+        self
+    }
 }
 
 /// Parses `NAME=DIR`.

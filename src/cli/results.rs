@@ -3,9 +3,10 @@
 use super::arguments;
 use super::json_text::{pretty, sealed};
 use super::output::path_word;
+use super::packages::PackageFolders;
 use super::search_request::SearchRequest;
-use super::{Exit, loading, output};
-use crate::assess::Comparison;
+use super::{Exit, loading, output, written_layout};
+use crate::assess::{Assessment, Comparison};
 use crate::cell::{Cell, Layout};
 use crate::files::{Setting, Source};
 use crate::proof::Proof;
@@ -17,6 +18,9 @@ use std::path::{Path, PathBuf};
 /// Folder with copies of the inputs, which make a result folder self-contained.
 pub const INPUTS: &str = "inputs";
 
+/// Name of the cell file with the best layout of a search.
+const BEST: &str = "best.toml";
+
 /// Result folder with the names of the files written to it.
 pub struct WrittenFolder {
     folder: PathBuf,
@@ -24,6 +28,29 @@ pub struct WrittenFolder {
 }
 
 impl WrittenFolder {
+    /// Writes the manifest, which makes the folder complete.
+    fn sealed<N: AsRef<str>>(
+        mut self,
+        cell: &Cell,
+        sources: &[Source],
+        run: RunDescription,
+        outputs: &[(N, Vec<u8>)],
+    ) -> Result<Self, Exit> {
+        let inputs = sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect();
+        let outputs = outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect();
+        let manifest = ManifestDocument {
+            command: Some(run.command),
+            settings: Some(run.settings),
+            resolved: Some(ResolvedSettings::new(cell)),
+            cell: Some(cell.name.clone()),
+            seed: Some(cell.search.seed),
+            ..ManifestDocument::new(inputs, outputs)
+        };
+        loading::write_whole(&self.folder.join("manifest.json"), &sealed(&manifest)?)?;
+        self.names.push("manifest.json".into());
+        Ok(self)
+    }
+
     pub fn tell(&self) {
         output::talk(&format!("wrote {}: {}", path_word(&self.folder), self.names.join(", ")));
     }
@@ -57,19 +84,21 @@ pub fn write_search(
             );
             report::toml::fixed(&format!("{INPUTS}/{kept}"), &comment, cell, layout).into_bytes()
         };
-        outputs.push(("best.toml".to_string(), fixed("Best layout", &best.layout, objective)));
+        outputs.push((BEST.to_string(), fixed("Best layout", &best.layout, objective)));
         outputs.extend(alternatives(cell, record, fixed)?);
     }
     let document = SearchResult::of_comparison(record, proof, comparison);
     outputs.push(("search.json".into(), pretty(&document)?));
     outputs.push(("map.csv".into(), csv(&MapDocument::new(best))?));
     outputs.push(("map.svg".into(), report::chart::error_map(best).into_bytes()));
+    let written = write_outputs(folder, &outputs)?;
+    check_layouts(folder, record, best)?;
     match request {
         Some(SearchRequest { command, settings, .. }) => {
             let run = RunDescription { command: command.clone(), settings: settings.clone() };
-            write(folder, cell, sources, run, outputs)
+            written.sealed(cell, sources, run, &outputs)
         }
-        None => write_outputs(folder, &outputs),
+        None => Ok(written),
     }
 }
 
@@ -151,6 +180,20 @@ pub fn keep_inputs(folder: &Path, sources: &[Source]) -> Result<String, Exit> {
     Ok(places.into_iter().next().unwrap_or_default())
 }
 
+/// Reads every written layout file back and compares it with the search.
+fn check_layouts(folder: &Path, record: &SearchRecord, best: &Assessment<'_>) -> Result<(), Exit> {
+    // The folder must be enough to read its layouts.
+    let packages = PackageFolders::default().with_kept(&folder.join(INPUTS));
+    if best.objective().is_some() {
+        written_layout::check_best(&folder.join(BEST), &packages, best)?;
+    }
+    let count = record.alternatives.len();
+    record.alternatives.iter().enumerate().try_for_each(|(k, alternative)| {
+        let file = folder.join(crate::record::goals::file_name(k, count));
+        written_layout::check_alternative(&file, &packages, &alternative.candidate)
+    })
+}
+
 /// Writes files and then the manifest, so that a folder with a manifest is complete.
 pub fn write<N: AsRef<str>>(
     folder: &Path,
@@ -159,20 +202,7 @@ pub fn write<N: AsRef<str>>(
     run: RunDescription,
     outputs: Vec<(N, Vec<u8>)>,
 ) -> Result<WrittenFolder, Exit> {
-    let inputs = sources.iter().map(|s| hashed(&s.path, &s.bytes)).collect();
-    let outputs_hashed = outputs.iter().map(|(name, bytes)| hashed(name.as_ref(), bytes)).collect();
-    let manifest = ManifestDocument {
-        command: Some(run.command),
-        settings: Some(run.settings),
-        resolved: Some(ResolvedSettings::new(cell)),
-        cell: Some(cell.name.clone()),
-        seed: Some(cell.search.seed),
-        ..ManifestDocument::new(inputs, outputs_hashed)
-    };
-    let mut written = write_outputs(folder, &outputs)?;
-    loading::write_whole(&folder.join("manifest.json"), &sealed(&manifest)?)?;
-    written.names.push("manifest.json".into());
-    Ok(written)
+    write_outputs(folder, &outputs)?.sealed(cell, sources, run, &outputs)
 }
 
 /// Returns a file with its hash.

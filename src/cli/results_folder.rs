@@ -38,7 +38,7 @@ pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Ex
     untouched(folder, &manifest)?;
     let place = places(&manifest.inputs).next().map(|(place, _)| place);
     let file = folder.join(place.ok_or_else(|| refused(folder, "manifest.json", "it names no inputs"))?);
-    let packages = kept_packages(folder, packages);
+    let packages = packages.clone().with_kept(&folder.join(INPUTS));
     let loaded = asked::load_for_search(&file, &packages, &settings)?;
     if resolved.is_some_and(|resolved| resolved != ResolvedSettings::new(&loaded.cell)) {
         let why =
@@ -151,16 +151,4 @@ pub fn refused(folder: &Path, place: &str, why: &str) -> Exit {
     output::error(&format!("{}: {}", path_word(&folder.join(place)), shown(why)));
     output::talk("  help: run the search again, or report the cell file alone");
     Exit::BadInput
-}
-
-/// Returns the package folders of the command line and those copied with the inputs.
-fn kept_packages(folder: &Path, packages: &PackageFolders) -> PackageFolders {
-    let mut all = packages.clone();
-    for entry in folder.join(INPUTS).join("packages").read_dir().into_iter().flatten().flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if !all.folders.iter().any(|(given, _)| *given == name) {
-            all.folders.push((name, entry.path()));
-        }
-    }
-    all
 }

@@ -79,11 +79,16 @@ fn quoted(text: &str) -> String {
 /// Rounding error of a coordinate after conversion to another frame and back, m or rad.
 const ROUNDING: f64 = 1e-13;
 
+/// Largest number of decimals of a value in mm or degrees.
+const MAX_DIGITS: i32 = 12;
+
 /// Returns an SI value in the unit of the file, with the fewest digits that preserve it. TOML reads it as a
 /// float.
 fn shortest(si: f64, to_file: fn(f64) -> f64, from_file: fn(f64) -> f64, digits: i32) -> String {
     let few = rounded(to_file(si), digits);
-    let value = if (from_file(few) - si).abs() <= ROUNDING { few } else { to_file(si) };
+    let is_near = (from_file(few) - si).abs() <= ROUNDING;
+    let exact = || (digits + 1..=MAX_DIGITS).map(|d| rounded(to_file(si), d)).find(|v| from_file(*v) == si);
+    let value = if is_near { few } else { exact().unwrap_or(to_file(si)) };
     let text = value.to_string();
     if text.contains('.') { text } else { text + ".0" }
 }

@@ -1,0 +1,51 @@
+//! Check of the layout files that a search writes: a file must mean the layout and the cell that were searched.
+
+use super::output::path_word;
+use super::packages::PackageFolders;
+use super::{Exit, cache, loading, output};
+use crate::assess::Assessment;
+use crate::files::shown;
+use crate::layout::{Workcell, evaluate};
+use crate::search::EvaluatedLayout;
+use std::path::Path;
+
+/// Refuses best.toml unless its map equals the map of the search in every bit.
+pub fn check_best(file: &Path, packages: &PackageFolders, best: &Assessment<'_>) -> Result<(), Exit> {
+    let workcell = read_again(file, packages)?;
+    let layout = workcell.cell.start();
+    let is_same = layout == best.layout
+        && evaluate(&workcell, &layout) == best.evaluation
+        && workcell.maps(&layout) == best.maps;
+    is_same.then_some(()).ok_or_else(|| refused(file, "it gives another error map"))
+}
+
+/// Refuses the file of an alternative layout unless its evaluation equals that of the search in every bit.
+pub fn check_alternative(
+    file: &Path,
+    packages: &PackageFolders,
+    alternative: &EvaluatedLayout,
+) -> Result<(), Exit> {
+    let workcell = read_again(file, packages)?;
+    let layout = workcell.cell.start();
+    let is_same = layout == alternative.layout && evaluate(&workcell, &layout) == alternative.evaluation;
+    is_same.then_some(()).ok_or_else(|| refused(file, "it gives another error"))
+}
+
+/// Reads a layout file back.
+fn read_again(file: &Path, packages: &PackageFolders) -> Result<Workcell, Exit> {
+    let loaded = loading::read_cell(file, packages).map_err(|faults| {
+        output::faults(&faults);
+        refused(file, "it cannot be read back")
+    })?;
+    Workcell::remembering(loaded.cell, &mut cache::remember).map_err(|why| refused(file, &why))
+}
+
+/// Prints why a layout file cannot be kept, and removes it.
+fn refused(file: &Path, why: &str) -> Exit {
+    output::error(&format!("{} is not the layout that was searched: {}", path_word(file), shown(why)));
+    output::talk(
+        "  help: the files of the folder changed during the search, or its disk is faulty: search again",
+    );
+    let _ = std::fs::remove_file(file);
+    Exit::Io
+}
