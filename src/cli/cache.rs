@@ -2,6 +2,9 @@
 //!
 //! The cache is the folder that the environment variable `SWEETSPOT_CACHE` names, otherwise the cache folder
 //! of the user. The value `off` disables it. If the folder cannot be written, the results are computed again.
+//!
+//! An entry is read only if it belongs to this user, nobody else may write to it, and its hash fits its key and
+//! content. So a cache folder that other users may write to changes no result.
 
 use super::loading::sha256;
 use std::io::{Read, Write};
@@ -16,12 +19,12 @@ const HASH: usize = 64;
 /// Returns the bytes cached under a key, or computes and caches them.
 pub fn remember(key: &[u8], compute: &dyn Fn() -> Vec<u8>) -> Vec<u8> {
     let Some(folder) = folder() else { return compute() };
-    let path = folder.join(sha256(key));
-    if let Some(kept) = read(&path) {
+    let name = sha256(key);
+    if let Some(kept) = read(&folder, &name) {
         return kept;
     }
     let made = compute();
-    let _ = write(&folder, &path, &made);
+    let _ = write(&folder, &name, &made);
     made
 }
 
@@ -36,20 +39,47 @@ fn folder() -> Option<PathBuf> {
     }
 }
 
-/// Returns the content of a cached file if it matches the hash at the start of the file.
-fn read(path: &Path) -> Option<Vec<u8>> {
+/// Returns the content of a cached file if it is ours and matches the hash at the start of the file.
+fn read(folder: &Path, name: &str) -> Option<Vec<u8>> {
+    let path = folder.join(name);
+    // Opening a pipe would wait for its writer.
+    if !path.symlink_metadata().ok()?.is_file() {
+        return None;
+    }
+    let file = std::fs::File::open(&path).ok()?;
+    if !is_ours(&file.metadata().ok()?) {
+        return None;
+    }
     let mut bytes = Vec::new();
-    std::fs::File::open(path).ok()?.take(MAX_BYTES).read_to_end(&mut bytes).ok()?;
+    file.take(MAX_BYTES).read_to_end(&mut bytes).ok()?;
     let content = bytes.get(HASH..)?.to_vec();
-    (sha256(&content).as_bytes() == &bytes[..HASH]).then_some(content)
+    (seal(name, &content).as_bytes() == &bytes[..HASH]).then_some(content)
+}
+
+/// Returns whether a file belongs to this user and nobody else may write to it.
+#[cfg(unix)]
+fn is_ours(about: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    about.uid() == rustix::process::geteuid().as_raw() && about.mode() & 0o022 == 0
+}
+
+/// The cache folder of a user is private there.
+#[cfg(not(unix))]
+fn is_ours(_about: &std::fs::Metadata) -> bool {
+    true
+}
+
+/// Returns the hash of an entry. It depends on the name, so that one entry cannot replace another.
+fn seal(name: &str, content: &[u8]) -> String {
+    sha256(&[name.as_bytes(), b"\n", content].concat())
 }
 
 /// Writes a cached file as a whole or not at all.
-fn write(folder: &Path, path: &Path, content: &[u8]) -> std::io::Result<()> {
+fn write(folder: &Path, name: &str, content: &[u8]) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(sha256(content).as_bytes())?;
+    file.write_all(seal(name, content).as_bytes())?;
     file.write_all(content)?;
-    file.persist(path)?;
+    file.persist(folder.join(name))?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Tests convex parts cached between runs: used, repaired when damaged, and done without.
 
-use crate::cli::sandbox::{CELL, Sandbox, ran};
+use crate::cli::sandbox::{CELL, Sandbox, ran, sha256};
 
 /// Angle of two bars on the forearm.
 const ANGLE: &str = "from = \"hitachi_cell.toml\"\n[robot]\n\
@@ -37,4 +37,45 @@ fn the_cache_changes_nothing_but_the_time() {
     let mut command = shop.command(&["check", CELL]);
     assert_eq!(ran(command.env("SWEETSPOT_CACHE", "other").output().unwrap()).code, Some(0));
     assert!(!shop.path("other").exists());
+}
+
+/// A forged entry has the right hash for its name. It is kept if it is ours, else computed again.
+#[cfg(unix)]
+#[test]
+fn a_cache_entry_that_others_may_write_is_computed_again() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let shop = Sandbox::new();
+    shop.write("cells/angle.toml", ANGLE);
+    let map = || {
+        let mut command = shop.command(&["map", "cells/angle.toml", "--json"]);
+        ran(command.env("SWEETSPOT_CACHE", "kept").output().unwrap())
+    };
+    map().no_panic();
+    let name = shop.files("kept").remove(0);
+    let path = shop.path(&format!("kept/{name}"));
+    let kept = std::fs::read(&path).unwrap();
+    let content = vec![0; kept.len() - 64];
+    let seal = sha256(&[name.as_bytes(), b"\n", &content].concat());
+    let forged = [seal.as_bytes(), &content].concat();
+    assert_ne!(forged, kept);
+    let now = |mode: u32| {
+        std::fs::write(&path, &forged).unwrap();
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(mode)).unwrap();
+        map().no_panic();
+        std::fs::read(&path).unwrap()
+    };
+    assert_eq!(now(0o600), forged, "the forgery passes as our own");
+    assert_eq!(now(0o644), forged);
+    assert_eq!(now(0o666), kept, "everybody may write it");
+    assert_eq!(now(0o620), kept, "the group may write it");
+    // The hash of an entry under another name does not fit.
+    let other = shop.path("kept").join("a".repeat(64));
+    std::fs::rename(&path, &other).unwrap();
+    symlink(&other, &path).unwrap();
+    map().no_panic();
+    assert!(!path.symlink_metadata().unwrap().is_symlink());
+    std::fs::remove_file(&path).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    map().no_panic();
+    assert_eq!(std::fs::read(&path).unwrap(), kept, "a pipe is replaced");
 }
