@@ -153,6 +153,32 @@ fn lib_rs_names_every_module_and_holds_no_logic() {
     }
 }
 
+/// The compiler does not see a file that no module declares, and neither do its lints.
+#[test]
+fn a_module_declares_every_file_of_src() {
+    let all = sources();
+    let undeclared = |path: &str| {
+        let (folder, name) = path.rsplit_once('/').unwrap_or(("", path));
+        let (parents, name) = match (folder, name) {
+            (_, "mod.rs") => match folder.rsplit_once('/') {
+                Some((above, name)) => (vec![format!("{above}/mod.rs"), format!("{above}.rs")], name),
+                None => (Vec::new(), folder),
+            },
+            ("", name) => (Vec::new(), name.trim_end_matches(".rs")),
+            (folder, name) => {
+                (vec![format!("{folder}/mod.rs"), format!("{folder}.rs")], name.trim_end_matches(".rs"))
+            }
+        };
+        let roots = ["lib.rs", "core/lib.rs"].map(str::to_string).to_vec();
+        let parents = if parents.is_empty() { roots } else { parents };
+        let mut homes = all.iter().filter(|f| parents.contains(&f.path));
+        !homes.any(|f| f.code.contains(&format!("mod {name};")))
+    };
+    let mut lost: Vec<_> = all.iter().map(|f| f.path.as_str()).filter(|path| undeclared(path)).collect();
+    lost.sort_unstable();
+    assert_eq!(lost, ["core/lib.rs", "lib.rs", "main.rs"]);
+}
+
 #[test]
 fn src_has_no_unsafe_code() {
     let found: Vec<_> =

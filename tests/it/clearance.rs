@@ -549,6 +549,7 @@ fn random_pairs_near_contact_agree_with_closed_forms() {
     };
     let counted: Vec<_> = kinds().into_par_iter().map(count).collect();
     let (asked, hits) = counted.iter().fold((0, 0), |(a, h), (b, k)| (a + b, h + k));
+    println!("{asked} pairs near contact, {hits} collide");
     assert!(
         asked > 28 * many && hits > 6 * many && asked - hits > 6 * many,
         "{asked} asked, {hits} hits: {counted:?}"

@@ -49,6 +49,7 @@ fn every_damage_of_a_search_folder_is_refused() {
     search("front", CELL, &["--pareto", "error,travel"]);
     search("robust", "cells/loose.toml", &["--robust"]);
     let mut rng = ChaCha8Rng::seed_from_u64(14);
+    let mut refused = 0;
     for folder in ["plain", "front", "robust"] {
         let whole = files(&shop, folder);
         for (name, bytes) in whole.iter().cycle().take(cases(whole.len(), 500)) {
@@ -59,9 +60,46 @@ fn every_damage_of_a_search_folder_is_refused() {
                 assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?} {name}: {}", ran.err);
             }
             std::fs::write(shop.path(&format!("{folder}/{name}")), bytes).unwrap();
+            refused += 1;
         }
         assert_ne!(shop.run(&["report", folder]).code, Some(2), "{folder} is whole again");
     }
+    println!("search, Pareto and robust folders: {refused} damages, all refused");
+}
+
+/// The folder has no manifest. The checkpoint names the inputs, and the layout is assessed anew.
+#[test]
+fn every_damage_of_a_stopped_search_is_refused_or_changes_no_report() {
+    let shop = Sandbox::new();
+    let ran =
+        shop.run(&["search", CELL, "--limit", "11", "--time", "0.3", "--budget", "900000", "--out", "found"]);
+    assert_eq!(ran.code, Some(4), "{}", ran.err);
+    let report = || {
+        let ran = shop.run(&["report", "found", "--json", "-o", "found.html"]);
+        ran.no_panic();
+        (ran.code, ran.out, std::fs::read(shop.path("found.html")).unwrap_or_default())
+    };
+    let (code, out, page) = report();
+    assert_eq!(code, Some(1), "the limit is missed");
+    let mut rng = ChaCha8Rng::seed_from_u64(16);
+    let whole = files(&shop, "found");
+    let (mut refused, mut harmless) = (0, 0);
+    for (name, bytes) in whole.iter().cycle().take(cases(2 * whole.len(), 500)) {
+        std::fs::write(shop.path(&format!("found/{name}")), damaged(bytes, &mut rng)).unwrap();
+        std::fs::remove_file(shop.path("found.html")).unwrap();
+        let now = report();
+        if now.0 == Some(2) {
+            refused += 1;
+            assert!(now.1.is_empty() && now.2.is_empty(), "{name}");
+            std::fs::write(shop.path("found.html"), &page).unwrap();
+        } else {
+            harmless += 1;
+            assert!(now == (code, out.clone(), page.clone()), "{name} changes the report");
+        }
+        std::fs::write(shop.path(&format!("found/{name}")), bytes).unwrap();
+    }
+    println!("stopped search: {refused} damages refused, {harmless} without effect on the report");
+    assert!(refused > 0 && harmless > 0, "the checkpoint is checked, a picture is not read");
 }
 
 #[test]
@@ -87,6 +125,7 @@ fn every_damage_of_a_sweep_folder_is_refused_or_computed_again() {
             restore(&shop, "swept", &whole);
         }
     }
+    println!("sweep folder: {refused} damages refused, {again} mended");
     assert!(refused > 0 && again > 0, "{refused} refused, {again} computed again");
 }
 
