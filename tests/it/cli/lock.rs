@@ -105,7 +105,7 @@ fn array_jobs_share_a_folder_and_a_whole_sweep_does_not_join_them() {
     assert_eq!(shop.run(&sweep).code, Some(3));
     lock.unlock().unwrap();
     shop.done(&sweep);
-    shop.has("found", &["sweep.json", "0000.json", "0001.json", "0002.json"]);
+    shop.has("found", &["table.json", "0000.json", "0001.json", "0002.json"]);
 }
 
 #[cfg(unix)]
