@@ -1,7 +1,7 @@
 //! The node loop allocates no memory in any reading.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-#[path = "it/common/mod.rs"]
+#[path = "common/mod.rs"]
 mod common;
 
 use allocation_counter::measure;

@@ -13,7 +13,7 @@
 //!
 //! For the mean of |e| this bound is the tangent of a convex function of the effects. For percentiles it
 //! assumes that their squares are convex functions of the covariance S, for up to three rows. We know no
-//! proof of this assumption. tests/it/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`]
+//! proof of this assumption. tests/maths/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`]
 //! states it.
 
 use super::WhyNot;

@@ -40,7 +40,7 @@ pub use inverse::Inverse;
 pub use limit_cones::LimitCone;
 pub use limits::LimitViolation;
 pub use numeric::{AttitudeGoal, Numeric, Shortfall, TcpGoal, jacobian};
-#[doc(hidden)] // open for tests/it
+#[doc(hidden)] // open for tests/maths
 pub use numeric::{least_turn, rotation_vector};
 pub use planar_geometry::PlanarGeometry;
 pub use shell::Shell;

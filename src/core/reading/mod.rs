@@ -23,7 +23,7 @@ mod evaluator;
 mod figures;
 mod monte_carlo;
 pub mod norm;
-#[doc(hidden)] // open for tests/it
+#[doc(hidden)] // open for tests/maths
 pub mod normal_quantile;
 mod posture_errors;
 mod registration;

@@ -18,7 +18,7 @@ mod local_search;
 mod pareto_front;
 mod problem;
 mod record;
-#[doc(hidden)] // open for tests/it
+#[doc(hidden)] // open for tests/maths
 pub mod scalarization;
 mod search_space;
 mod shortlist;

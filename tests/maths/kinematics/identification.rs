@@ -1,7 +1,7 @@
 //! Tests the condition of the identification Jacobian: four parameters per link fail at parallel axes, five
 //! do not.
 //!
-//! `cargo test --test it kinematics::identification -- --nocapture` prints the numbers.
+//! `cargo test --test maths kinematics::identification -- --nocapture` prints the numbers.
 
 use crate::common::ur::CalibratedArm;
 use crate::common::{root, shipped};

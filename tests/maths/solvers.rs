@@ -4,7 +4,7 @@
 //! results/solvers/README.md:
 //!
 //! ```text
-//! SWEETSPOT_STUDY=full cargo test --test it solvers:: -- --nocapture
+//! SWEETSPOT_STUDY=full cargo test --test maths solvers:: -- --nocapture
 //! ```
 
 use crate::common::{from_text, root, shipped};
@@ -130,7 +130,7 @@ fn table(rows: &[SolverRow], study: &Study) -> String {
 const README: &str = "# Which solver\n\n\
     Layout evaluations until the best layout found is within 1 % or 1 um of the best known (the best of all\n\
     runs of all solvers on that cell): the median over the seeds, and how many of the seeds came there within the\n\
-    budget. The random cells are those of tests/it/common/random_cells.rs with three free coordinates and more.\n\
+    budget. The random cells are those of tests/common/random_cells.rs with three free coordinates and more.\n\
     Left out are the other cells of cells/: thousands of searches in them take hours (hitachi_paper has\n\
     nothing to search, hitachi_urdf is the same arm again).\n\n";
 
@@ -146,7 +146,7 @@ fn the_study_recommends_the_default_solver() {
     println!("{table}");
     if is_full {
         let budget = format!("Budget {} evaluations, {} seeds. Made by\n\n", study.budget, study.seeds);
-        let command = "    SWEETSPOT_STUDY=full cargo test --test it solvers:: -- --nocapture\n\n";
+        let command = "    SWEETSPOT_STUDY=full cargo test --test maths solvers:: -- --nocapture\n\n";
         let folder = root().join("results/solvers");
         std::fs::create_dir_all(&folder).unwrap();
         std::fs::write(folder.join("README.md"), format!("{README}{budget}{command}{table}")).unwrap();

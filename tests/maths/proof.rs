@@ -29,7 +29,7 @@ fn ready(cell: &Cell) -> Workcell {
     Workcell::new(cell.clone()).unwrap()
 }
 
-/// Lower bound of hitachi_cell, on which brute force and search agree: tests/it/bound.rs.
+/// Lower bound of hitachi_cell, on which brute force and search agree: tests/maths/bound.rs.
 const HITACHI_MM: f64 = 20.429670;
 
 #[test]
@@ -446,7 +446,7 @@ const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 /// results/proof/README.md:
 ///
 /// ```text
-/// SWEETSPOT_FIGURES=1 cargo test --test it proof::figures -- --nocapture
+/// SWEETSPOT_FIGURES=1 cargo test --test maths proof::figures -- --nocapture
 /// ```
 #[test]
 fn the_proof_figures_of_the_cells_are_regenerated() {
@@ -500,6 +500,6 @@ const FIGURES: &str = "# How good is the best layout found?\n\n\
     operation, which end soon after 100000; seconds are of the proof alone, on 2 cores that others used too.\n\
     Where a bound covers a part, operations that have none count as 0; of an arm with seven axes there may be\n\
     none above 0: `sweetspot search` says which and why. Made by\n\n\
-    \u{20}   SWEETSPOT_FIGURES=1 cargo test --test it proof::figures -- --nocapture\n\n\
+    \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths proof::figures -- --nocapture\n\n\
     | cell | bound | covers | best found | evaluations | gap | boxes | seconds |\n\
     |---|---|---|---|---|---|---|---|\n";

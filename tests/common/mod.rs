@@ -13,8 +13,10 @@ use sweetspot::files::{Fault, Loaded};
 use sweetspot::layout::Workcell;
 use toml::de::{DeTable, DeValue};
 
+/// Returns the folder of the project, in the tests of either package.
 pub fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    folders.find(|folder| folder.join("cells").is_dir()).unwrap().to_path_buf()
 }
 
 /// Returns how many cases a random sweep runs: `default`, or `full` with `SWEETSPOT_TEST_CASES=full` in the

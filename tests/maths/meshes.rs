@@ -159,7 +159,7 @@ fn open_and_hollow_meshes_are_reported() {
     }
 }
 
-/// The shipped STL is the shipped OBJ at half size. `UPDATE=1 cargo test --test it meshes::` writes it again.
+/// The shipped STL is the shipped OBJ at half size. `UPDATE=1 cargo test --test maths meshes::` writes it again.
 #[test]
 fn the_shipped_stl_is_the_shipped_obj_at_half_size() {
     let folder = root().join("cells/equipment");

@@ -19,7 +19,7 @@ pub struct CalibratedArm {
 impl CalibratedArm {
     /// Reads `ur10` or `ur10e`. The flange is the TCP, and joints turn through [-pi, pi].
     pub fn new(name: &str) -> Self {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ur_calibration.toml");
+        let path = super::root().join("tests/data/ur_calibration.toml");
         let text = std::fs::read_to_string(path).unwrap();
         let file = DeTable::parse(&text).unwrap();
         let arm = file.get_ref().get(name).unwrap().get_ref();

@@ -1,0 +1,38 @@
+//! Tests of the mathematics. They belong to the package `sweetspot-core`, which the compiler optimises, because
+//! many of them compute much: `cargo test --test maths clearance::` runs the tests of one file or folder.
+//!
+//! They read cells with the package `sweetspot`. All run in parallel in one process, and none may set an
+//! environment variable or the current directory.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+mod attitude;
+mod bound;
+mod calibration;
+mod cells;
+mod clearance;
+#[path = "../common/mod.rs"]
+mod common;
+mod compare;
+mod drawing;
+mod envelope;
+mod families;
+mod front;
+mod kinematics;
+mod layout;
+mod library;
+mod low_discrepancy;
+mod meshes;
+mod motion;
+mod moving;
+mod optimum;
+mod paper;
+mod parry;
+mod peers;
+mod proof;
+mod ranking;
+mod reach;
+mod readings;
+mod resume;
+mod robust;
+mod search;
+mod solvers;
