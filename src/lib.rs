@@ -22,7 +22,7 @@
 //!
 //! ```text
 //! minimize over L:   sum_k w_k  min { R |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
-//! such that          equipment, robot base, obstacles and keep-out boxes share no floor space.
+//! such that          equipment, robot base, obstacles and keep-out boxes share no space in plan at one height.
 //! ```
 //!
 //! The sense `|.|_k` is the component of the error that operation `k` cares about: x, y, z, xy (parts that

@@ -71,13 +71,14 @@ pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns the layout if it has as many placements and attitudes as the cell. Otherwise refuses best.toml.
+/// Returns the layout if it belongs to the cell. Otherwise refuses best.toml.
 fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exit> {
-    let start = loaded.cell.start();
-    let sizes = |l: &Layout| (l.placements.len(), l.attitudes.len());
-    match sizes(&layout) == sizes(&start) {
-        true => Ok(layout),
-        false => Err(refused(folder, "best.toml", "it does not fit the cell in inputs/")),
+    match loaded.cell.misfit(&layout) {
+        None => Ok(layout),
+        Some(misfit) => {
+            let why = format!("it does not fit the cell in inputs/: {}", misfit.in_words(&loaded.cell));
+            Err(refused(folder, "best.toml", &why))
+        }
     }
 }
 

@@ -50,7 +50,12 @@ pub struct ExplanationDocument {
     pub tool_axis_world: [f64; 3],
     /// Angle of the tool axis above the horizontal.
     pub tool_elevation_deg: f64,
-    /// Rows of the Denavit-Hartenberg table at the posture.
+    /// Denavit-Hartenberg convention of the rows in the robot file.
+    pub convention: String,
+    /// Rows of the Denavit-Hartenberg table at the posture, always standard ones.
+    ///
+    /// If the rows of the file are modified ones, `l_mm` and `alpha_deg` of row k are those of row k + 1 of
+    /// the file. Those of row 1 of the file are in frame 0, and the last standard row has none.
     pub dh: Vec<DhEntry>,
     /// Link frames and the TCP in the base frame.
     pub frames: Vec<FrameEntry>,
@@ -236,6 +241,7 @@ impl ExplanationDocument {
             base: PlacementEntry::new(&context.base),
             tool_axis_world: plain(&tool),
             tool_elevation_deg: degrees(tool.z.clamp(-1.0, 1.0).asin()),
+            convention: cell.robot.convention.name().into(),
             dh: e.rows.iter().map(DhEntry::new).collect(),
             frames: frames(e),
             parameters: e.lines.iter().map(|l| ParameterEntry::new(e, l)).collect(),

@@ -35,7 +35,7 @@ pub struct MapDocument<'a> {
     pub unit: Unit,
     /// Caveats on the interpretation of the errors.
     pub notes: Vec<String>,
-    /// Pairs of objects whose floor spaces overlap.
+    /// Pairs of objects whose floor spaces overlap, or are nearer than the clearance.
     pub overlaps: Vec<String>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,

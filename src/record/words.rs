@@ -1,6 +1,7 @@
 //! Words that documents, pages and the terminal share.
 
 use crate::cell::{Cell, ErrorSet, Quantity, Reading, Spread};
+use crate::files::shown;
 
 /// Returns the name of the figure that a cell minimizes: "error", "worst case", "p95" and so on.
 pub fn value_word(cell: &Cell) -> &'static str {
@@ -15,7 +16,7 @@ pub fn value_word(cell: &Cell) -> &'static str {
 /// All words that [`value_word`] can return.
 pub const VALUE_WORDS: [&str; 7] = ["error", "worst case", "share of failures", "rms", "mean", "p95", "p99"];
 
-/// Returns caveats on the interpretation of the errors, in sentences.
+/// Returns caveats on the interpretation of the errors and on the choice of the spots, in sentences.
 pub fn caveats(cell: &Cell) -> Vec<String> {
     let mut said = Vec::new();
     let signed = matches!(cell.error_set(), ErrorSet::Signed(_));
@@ -26,5 +27,14 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
             Spread::SIGMAS
         ));
     }
+    said.extend(cell.operations.iter().filter_map(|place| {
+        let pick = &cell.operations[place.relative_to?];
+        (!pick.over.needs_every_node()).then(|| {
+            let [place, pick] = [&place.name, &pick.name].map(|name| shown(name));
+            format!(
+                "{place} is relative to {pick}, whose spot is chosen first, for its own least error: two spots chosen together may be better, but no better than the objective with an error of 0 at {place}"
+            )
+        })
+    }));
     said
 }

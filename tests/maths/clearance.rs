@@ -866,7 +866,7 @@ fn a_table_sunk_into_the_floor_overlaps_it_with_or_without_legs() {
 // --- floor space --------------------------------------------------------------------------------
 
 fn overlaps(cell: &Cell, layout: &Layout) -> Vec<Overlap> {
-    let mut found = vec![Overlap { a: Party::Floor, b: Party::Floor, depth: 9.0 }];
+    let mut found = vec![Overlap { a: Party::Floor, b: Party::Floor, depth: 9.0, clearance: 0.0, rise: 0.0 }];
     FloorPlan::new(cell).overlaps(layout, &mut found);
     found
 }

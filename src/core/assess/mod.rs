@@ -90,8 +90,12 @@ impl<'a> Assessment<'a> {
 
     /// Returns coarse outlines of the region that the arm reaches at the height of an operation's TCP.
     ///
-    /// Points are (x, y) in the world frame, m. The tool has the attitude of the operation.
+    /// Points are (x, y) in the world frame, m. The tool has the attitude of the operation. There are none if
+    /// the layout does not belong to the cell.
     pub fn reachable(&self, operation: usize) -> Vec<Vec<(f64, f64)>> {
+        if self.evaluation.misfit.is_some() {
+            return Vec::new();
+        }
         let inverse = self.workcell.inverse();
         let attitude = &self.layout.attitudes[operation];
         let operation = &self.cell.operations[operation];

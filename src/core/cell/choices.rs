@@ -86,7 +86,7 @@ impl Quantity {
 pub enum Registration {
     /// No frame is measured: the robot base is placed as drawn.
     None,
-    /// The base frame is measured, as a best fit over the workspace.
+    /// The base frame is measured: the best fit over all postures between the joint limits.
     BestFit,
     /// The frame of each work surface is taught by touching three points.
     Taught,

@@ -1,35 +1,16 @@
 //! Floor plan: overlaps of equipment with other equipment, the robot base, keep-out boxes, floor and fence.
+//!
+//! Objects whose solids are at different heights, with the clearance between them, do not overlap: a lamp may
+//! hang over a table. The check in plan comes first, because it is cheap and usually decides.
 
 use super::fence;
+use super::floor_heights::{HeightRange, Heights, base_top, rise};
 use super::floor_rectangle::{AxisDepth, PlacedRectangle, least_overlap, overlap_depth};
-use crate::cell::{Cell, Equipment, Fence, Layout, Placement, Rectangle, Role, Shape, extent};
+use super::overlap::{Overlap, Party};
+use crate::cell::{Cell, Equipment, Fence, Layout, Placement, Rectangle, Role};
 use crate::geometry::PlanePoint;
-use crate::units::mm_from_m;
 
-/// Participant of an overlap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Party {
-    /// Index into [`Cell::equipment`].
-    Equipment(usize),
-    RobotBase,
-    /// Index into [`Cell::keep_out`].
-    KeepOut(usize),
-    Floor,
-    Fence,
-}
-
-/// Overlap of two floor spaces.
-///
-/// A move by `depth` (m) separates them, clearance included. If `b` is the fence, `depth` is the distance by
-/// which `a` reaches beyond it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Overlap {
-    pub a: Party,
-    pub b: Party,
-    pub depth: f64,
-}
-
-/// Shortest way to separate two floor spaces: move `a` along `direction` (unit, plan) by `depth` (m).
+/// Shortest way to separate two floor spaces in plan: move `a` along `direction` (unit) by `depth` (m).
 ///
 /// `depth` is negative if the floor spaces are apart already. `b` is None for the robot base, a keep-out box
 /// or an edge of the fence.
@@ -43,29 +24,6 @@ pub struct Separation {
 
 /// Computed overlap, m, up to which two floor spaces only touch; it exceeds the effect of rounding.
 const TOUCHING: f64 = 1e-9;
-
-impl Overlap {
-    /// Returns whether the overlap involves a piece of equipment.
-    ///
-    /// A robot base that reaches beyond the fence involves all equipment.
-    pub fn concerns(&self, equipment: usize) -> bool {
-        let parties = [self.a, self.b];
-        parties.contains(&Party::Equipment(equipment)) || parties == [Party::RobotBase, Party::Fence]
-    }
-
-    /// Describes the overlap with the names that the cell gives to its objects.
-    pub fn in_words(&self, cell: &Cell) -> String {
-        let name = |party: Party| match party {
-            Party::Equipment(i) => cell.equipment[i].name.clone(),
-            Party::RobotBase => "the robot base".into(),
-            Party::KeepOut(k) => format!("keep-out {}", cell.keep_out[k].name),
-            Party::Floor => "the floor".into(),
-            Party::Fence => "the fence".into(),
-        };
-        let verb = if self.b == Party::Fence { "passes" } else { "overlaps" };
-        format!("{} {verb} {} by {:.1} mm", name(self.a), name(self.b), mm_from_m(self.depth))
-    }
-}
 
 /// Fence of a cell, prepared once for all layouts.
 struct FencePolygon {
@@ -126,15 +84,10 @@ impl FencePolygon {
 }
 
 /// Floor space and heights of one piece of equipment.
-pub(super) struct EquipmentFootprint {
+struct EquipmentFootprint {
     footprint: Rectangle,
     role: Role,
-    /// Height of the lowest point of solids and surface above the origin of the equipment's frame, m.
-    low: f64,
-    /// Height of the highest point of solids and surface above the origin of the equipment's frame, m.
-    high: f64,
-    /// Whether the equipment has legs, which occupy the space down to the floor.
-    legs: bool,
+    heights: Heights,
     /// Placement in the cell file, and the floor space there. An obstacle always stands there.
     drawn: (Placement, PlacedRectangle),
 }
@@ -144,23 +97,18 @@ impl EquipmentFootprint {
     fn placed(&self, at: &Placement) -> PlacedRectangle {
         if *at == self.drawn.0 { self.drawn.1 } else { PlacedRectangle::new(&self.footprint, at) }
     }
-
-    /// Returns whether the equipment, placed at height `z`, comes nearer than `clearance` to a range of
-    /// heights (m).
-    pub(super) fn meets(&self, z: f64, (bottom, top): (f64, f64), clearance: f64) -> bool {
-        let above = !self.legs && z + self.low >= top + clearance - TOUCHING;
-        let below = z + self.high + clearance <= bottom + TOUCHING;
-        !(above || below)
-    }
 }
 
 /// Floor spaces of a cell, prepared once for all layouts.
 pub struct FloorPlan {
-    pub(super) equipment: Vec<EquipmentFootprint>,
+    equipment: Vec<EquipmentFootprint>,
     /// Index of the equipment on which each piece of equipment stands, if any.
     on: Vec<Option<usize>>,
     base: Rectangle,
-    pub(super) keep_out: Vec<(PlacedRectangle, (f64, f64))>,
+    /// Height of the robot base above the origin of its frame, m.
+    base_top: f64,
+    /// Keep-out boxes with their heights in the world.
+    pub(super) keep_out: Vec<(PlacedRectangle, HeightRange)>,
     clearance: f64,
     floor: f64,
     fence: Option<FencePolygon>,
@@ -170,20 +118,16 @@ pub struct FloorPlan {
 impl FloorPlan {
     /// Prepares the floor spaces of a cell.
     pub fn new(cell: &Cell) -> Self {
-        let stand = |(e, at): (&Equipment, Placement)| {
-            let heights = || e.solids.iter().map(|s| extent(&s.shape)).map(|(lo, hi)| (lo.z, hi.z));
-            EquipmentFootprint {
-                footprint: e.footprint,
-                role: e.role,
-                low: heights().map(|h| h.0).fold(0.0, f64::min),
-                high: heights().map(|h| h.1).fold(0.0, f64::max),
-                legs: e.solids.iter().any(|s| matches!(s.shape, Shape::Leg { .. })),
-                drawn: (at, PlacedRectangle::new(&e.footprint, &at)),
-            }
+        let stand = |(e, at): (&Equipment, Placement)| EquipmentFootprint {
+            footprint: e.footprint,
+            role: e.role,
+            heights: Heights::of(e),
+            drawn: (at, PlacedRectangle::new(&e.footprint, &at)),
         };
         Self {
             equipment: cell.equipment.iter().zip(cell.start().placements).map(stand).collect(),
             base: cell.robot.footprint,
+            base_top: base_top(&cell.robot),
             on: cell.equipment.iter().map(|e| e.on).collect(),
             keep_out: cell
                 .keep_out
@@ -202,27 +146,55 @@ impl FloorPlan {
         self.on[equipment].is_some_and(|under| under == other || self.rides(under, other))
     }
 
+    /// Returns the vertical distance of two pieces of equipment (index and placement), m; negative if they
+    /// share a height.
+    pub(super) fn rise(&self, (i, at): (usize, &Placement), (j, there): (usize, &Placement)) -> f64 {
+        rise(self.equipment[i].heights.at(at.z), self.equipment[j].heights.at(there.z))
+    }
+
+    /// Returns the vertical distance of a piece of equipment from the robot base, m; negative if they share a
+    /// height.
+    ///
+    /// The base occupies everything from its top down to the floor.
+    pub(super) fn rise_from_base(&self, i: usize, at: &Placement, base: &Placement) -> f64 {
+        rise(self.equipment[i].heights.at(at.z), (f64::NEG_INFINITY, base.z + self.base_top))
+    }
+
+    /// Returns the vertical distance of a piece of equipment from a range of heights, m; negative if they
+    /// share a height.
+    pub(super) fn rise_from(&self, i: usize, at: &Placement, heights: HeightRange) -> f64 {
+        rise(self.equipment[i].heights.known_at(at.z), heights)
+    }
+
+    /// Returns whether a vertical distance, m, is below the clearance.
+    fn is_near(&self, rise: f64) -> bool {
+        rise < self.clearance - TOUCHING
+    }
+
     /// Returns the separation of every pair of floor spaces that includes movable equipment.
+    ///
+    /// Pairs that are apart in height are left out.
     pub fn separations(&self, layout: &Layout) -> Vec<Separation> {
         let mut pairs = Vec::new();
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();
+        let base = PlacedRectangle::new(&self.base, &layout.base);
         for (i, (stand, at)) in all().filter(|(_, (stand, _))| stand.role == Role::Equipment) {
             let here = stand.placed(at);
-            let mut note = |b: Option<usize>, there: &PlacedRectangle| {
-                let AxisDepth { direction, depth } = least_overlap(&here, there, self.clearance);
-                pairs.push(Separation { a: i, b, direction, depth });
+            let mut note = |b: Option<usize>, there: &PlacedRectangle, rise: f64| {
+                if self.is_near(rise) {
+                    let AxisDepth { direction, depth } = least_overlap(&here, there, self.clearance);
+                    pairs.push(Separation { a: i, b, direction, depth });
+                }
             };
             for (j, (other, there)) in all() {
                 let apart = !self.rides(i, j) && !self.rides(j, i);
                 if apart && (j > i || other.role == Role::Obstacle) {
-                    note(Some(j), &other.placed(there));
+                    note(Some(j), &other.placed(there), self.rise((i, at), (j, there)));
                 }
             }
-            note(None, &PlacedRectangle::new(&self.base, &layout.base));
+            note(None, &base, self.rise_from_base(i, at, &layout.base));
             for (keep_out, heights) in &self.keep_out {
-                if stand.meets(at.z, *heights, self.clearance) {
-                    note(None, keep_out);
-                }
+                note(None, keep_out, self.rise_from(i, at, *heights));
             }
             if let Some(fence) = &self.fence {
                 let sides = fence.separations(&here, self.clearance);
@@ -247,35 +219,54 @@ impl FloorPlan {
             return;
         }
         let clearance = self.clearance;
-        let mut note = |a, b, depth: f64| {
-            if depth > TOUCHING {
-                found.push(Overlap { a, b, depth });
-            }
-        };
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();
         let base = PlacedRectangle::new(&self.base, &layout.base);
         for (i, (stand, at)) in all() {
             let party = Party::Equipment(i);
             let here = stand.placed(at);
+            let depth = |there: &PlacedRectangle| overlap_depth(&here, there, clearance);
             for (j, (other, there)) in all().skip(i + 1) {
                 let both_still = (stand.role, other.role) == (Role::Obstacle, Role::Obstacle);
                 if !both_still && !self.rides(i, j) && !self.rides(j, i) {
-                    note(party, Party::Equipment(j), overlap_depth(&here, &other.placed(there), clearance));
+                    let rise = || self.rise((i, at), (j, there));
+                    found.extend(self.overlap(party, Party::Equipment(j), depth(&other.placed(there)), rise));
                 }
             }
-            note(party, Party::RobotBase, overlap_depth(&here, &base, clearance));
+            let rise = || self.rise_from_base(i, at, &layout.base);
+            found.extend(self.overlap(party, Party::RobotBase, depth(&base), rise));
             for (k, (box_plan, heights)) in self.keep_out.iter().enumerate() {
-                if stand.meets(at.z, *heights, clearance) {
-                    note(party, Party::KeepOut(k), overlap_depth(&here, box_plan, clearance));
-                }
+                let rise = || self.rise_from(i, at, *heights);
+                found.extend(self.overlap(party, Party::KeepOut(k), depth(box_plan), rise));
             }
-            note(party, Party::Floor, self.floor - (at.z + stand.low));
+            let sunk = self.floor - (at.z + stand.heights.low);
+            let floor = Overlap { a: party, b: Party::Floor, depth: sunk, clearance: 0.0, rise: 0.0 };
+            found.extend((sunk > TOUCHING).then_some(floor));
             if let Some(fence) = self.fence.as_ref().filter(|_| stand.role == Role::Equipment) {
-                note(party, Party::Fence, fence.passed_by(&here, clearance));
+                found.extend(self.overlap(
+                    party,
+                    Party::Fence,
+                    fence.passed_by(&here, clearance),
+                    fence_rise,
+                ));
             }
         }
         if let Some(fence) = &self.fence {
-            note(Party::RobotBase, Party::Fence, fence.passed_by(&base, clearance));
+            let depth = fence.passed_by(&base, clearance);
+            found.extend(self.overlap(Party::RobotBase, Party::Fence, depth, fence_rise));
         }
     }
+
+    /// Returns the overlap of two objects by their overlap in plan (m, clearance included), if there is one.
+    ///
+    /// `rise` computes their vertical distance, m.
+    fn overlap(&self, a: Party, b: Party, depth: f64, rise: impl Fn() -> f64) -> Option<Overlap> {
+        let rise = if depth > TOUCHING { rise() } else { return None };
+        let clearance = self.clearance;
+        self.is_near(rise).then_some(Overlap { a, b, depth, clearance, rise: rise.max(0.0) })
+    }
+}
+
+/// Returns the vertical distance from the fence, which has every height.
+fn fence_rise() -> f64 {
+    f64::NEG_INFINITY
 }

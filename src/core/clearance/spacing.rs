@@ -7,10 +7,11 @@ use crate::cell::{Cell, Coordinate, Layout, Role};
 use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 
 impl FloorPlan {
-    /// Returns the least distance in plan between floor spaces that must not overlap, at most `max` (m).
+    /// Returns the least distance between floor spaces that must not overlap, at most `max` (m).
     ///
-    /// The distance is 0 if any two of them overlap. A pair that the search cannot move does not count,
-    /// because the distance of the pair is the same in every layout.
+    /// The distance of two floor spaces is in plan or, if their heights differ, between the upright boxes over
+    /// them. It is 0 if any two of them overlap. A pair that the search cannot move does not count, because
+    /// the distance of the pair is the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
         if !self.enabled {
             return max;
@@ -18,29 +19,30 @@ impl FloorPlan {
         let moves: Vec<bool> = (0..cell.equipment.len()).map(|k| is_moved(cell, k)).collect();
         let base_moves = cell.base.iter().any(Coordinate::is_free);
         let base = PlacedRectangle::new(&cell.robot.footprint, &layout.base);
+        let at = |k: usize| (k, &layout.placements[k]);
         let all = |k: usize| PlacedRectangle::new(&cell.equipment[k].footprint, &layout.placements[k]);
         let mut least = max;
-        let mut note = |distance: f64| least = least.min(distance);
+        let mut note = |in_plan: f64, rise: f64| least = least.min(in_plan.hypot(rise.max(0.0)));
         for i in 0..moves.len() {
             let here = all(i);
             for j in i + 1..moves.len() {
                 let tied = cell.rides_on(i, j) || cell.rides_on(j, i);
                 if (moves[i] || moves[j]) && !tied {
-                    note(apart(&here, &all(j)));
+                    note(apart(&here, &all(j)), self.rise(at(i), at(j)));
                 }
             }
             if moves[i] || base_moves {
-                note(apart(&here, &base));
+                note(apart(&here, &base), self.rise_from_base(i, at(i).1, &layout.base));
             }
             if moves[i] {
-                let (stand, z) = (&self.equipment[i], layout.placements[i].z);
-                let near = self.keep_out.iter().filter(|(_, heights)| stand.meets(z, *heights, max));
-                near.for_each(|(there, _)| note(apart(&here, there)));
-                note(within(cell, &here, max));
+                for (there, heights) in &self.keep_out {
+                    note(apart(&here, there), self.rise_from(i, at(i).1, *heights));
+                }
+                note(within(cell, &here, max), 0.0);
             }
         }
         if base_moves {
-            note(within(cell, &base, max));
+            note(within(cell, &base, max), 0.0);
         }
         least
     }

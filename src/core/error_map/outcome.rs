@@ -44,6 +44,8 @@ pub enum Unjudged {
     OnlyTouched,
     /// The pick that the operation is relative to has no spot.
     NoPick,
+    /// The layout does not belong to the cell.
+    NotALayout,
 }
 
 impl Unjudged {
@@ -55,6 +57,7 @@ impl Unjudged {
             }
             Unjudged::OnlyTouched => "only the points touched to teach the frame can be reached",
             Unjudged::NoPick => "the operation it is relative to has no spot",
+            Unjudged::NotALayout => "the layout does not belong to the cell",
         }
     }
 }

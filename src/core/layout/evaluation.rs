@@ -4,9 +4,9 @@ use super::misplaced_overlaps::overlap_depth;
 use super::objective::combined;
 use super::spot_choice::{SpotQuery, SpotValue};
 use super::workcell::Workcell;
-use crate::cell::{Cell, Layout};
+use crate::cell::{Cell, Layout, Misfit};
 use crate::clearance::{Overlap, PlacedSolids};
-use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot};
+use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
 
 /// Penalty of every infeasible layout, multiplied by [`Workcell::weight`].
@@ -28,6 +28,8 @@ const BLOCKED_PENALTY: f64 = 0.25;
 /// Evaluation of a layout: a cost and, if the layout is infeasible, the reasons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
+    /// Reason why the layout does not belong to the cell, which leaves all its operations unjudged.
+    pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
@@ -50,6 +52,21 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
+    /// Returns the evaluation of a layout that does not belong to the cell.
+    fn of_misfit(workcell: &Workcell, misfit: Misfit) -> Self {
+        let outcomes = vec![Outcome::Unjudged(Unjudged::NotALayout); workcell.cell.operations.len()];
+        let short = (OUT_OF_REACH_PENALTY + INFEASIBLE_PENALTY) * outcomes.len() as f64;
+        Self {
+            misfit: Some(misfit),
+            overlaps: Vec::new(),
+            outcomes,
+            transfers: Vec::new(),
+            blocked: None,
+            objective: None,
+            cost: workcell.weight() * (INFEASIBLE_PENALTY + short),
+        }
+    }
+
     /// Returns whether the layout is feasible and keeps every limit, as a search requires.
     pub fn is_accepted(&self) -> bool {
         self.objective == Some(self.cost)
@@ -66,13 +83,17 @@ pub struct Workspace {
 
 /// Evaluates one layout: overlaps, reach, limits, errors, collisions.
 ///
-/// The function is pure and total: the same layout gives the same bits, and every layout has a cost.
+/// The function is pure and total: the same layout gives the same bits, and every layout has a finite cost.
+/// A layout that does not belong to the cell is infeasible and says why ([`Evaluation::misfit`]).
 pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
     evaluate_in(workcell, layout, &mut Workspace::default())
 }
 
 /// Evaluates one layout like [`evaluate`], with memory that the caller keeps from call to call.
 pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> Evaluation {
+    if let Some(misfit) = workcell.cell.misfit(layout) {
+        return Evaluation::of_misfit(workcell, misfit);
+    }
     let Workspace { overlaps: found, solids, mapper: memory } = workspace;
     workcell.plan.overlaps(layout, found);
     let placed = PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids));
@@ -96,7 +117,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
             workcell.weight() * (INFEASIBLE_PENALTY + depth + blocked + short + lost)
         }
     };
-    Evaluation { overlaps, outcomes, transfers, blocked, objective, cost }
+    Evaluation { misfit: None, overlaps, outcomes, transfers, blocked, objective, cost }
 }
 
 /// Outcomes and values of all operations, in their order.

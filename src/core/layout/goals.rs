@@ -27,8 +27,8 @@ impl Workcell {
     ///
     /// - error: the objective.
     /// - clearance: the least distance between the robot, with the parts it holds, and anything else at the
-    ///   nodes where an operation happens. Distances between floor spaces in plan count, too. The value is at
-    ///   most [`MAX_CLEARANCE`], which is also the value if collision is not checked. Three kinds of pairs do
+    ///   nodes where an operation happens. Distances between floor spaces, in plan and height, count, too. The
+    ///   value is at most [`MAX_CLEARANCE`], which is also the value if collision is not checked. Three kinds of pairs do
     ///   not count: the equipment worked on and solids after the last joint (the standoff sets their
     ///   distance); the floor and solids that only the first joint moves; two floor spaces that cannot move.
     /// - joint limits, singularity: the least value of [`measures`] at these nodes, by joint limits without
@@ -37,7 +37,7 @@ impl Workcell {
     ///   spot.
     /// - footprint: area of the convex hull of the floor spaces of robot base and equipment.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
-        let objective = evaluation.objective?;
+        let objective = evaluation.objective.filter(|_| self.cell.misfit(layout).is_none())?;
         let worked = WorkingPostures::new(self, layout, evaluation)?;
         let value = |goal: Goal| match goal {
             Goal::Error => objective,

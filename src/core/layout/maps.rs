@@ -9,7 +9,12 @@ use crate::robot::Frames;
 
 impl Workcell {
     /// Maps every operation. Nodes on equipment that overlaps something are marked as blocked.
+    ///
+    /// If the layout does not belong to the cell, the maps have no nodes.
     pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
+        if self.cell.misfit(layout).is_some() {
+            return (0..self.cell.operations.len()).map(|k| self.empty_map(k)).collect();
+        }
         let placed = self.placed(layout);
         let mut overlaps = Vec::new();
         self.plan.overlaps(layout, &mut overlaps);
@@ -31,6 +36,11 @@ impl Workcell {
         maps
     }
 
+    fn empty_map(&self, operation: usize) -> OperationMap {
+        let senses = self.evaluator(operation).reported.clone();
+        OperationMap { operation, senses, nodes: Vec::new(), best: None, value: None }
+    }
+
     /// Returns the context and the link frames from which the errors of a posture of a map can be computed.
     ///
     /// # Errors
@@ -42,6 +52,9 @@ impl Workcell {
         operation: usize,
         posture: &PostureRecord,
     ) -> Result<(WorkContext, Frames), Unjudged> {
+        if self.cell.misfit(layout).is_some() {
+            return Err(Unjudged::NotALayout);
+        }
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let context = self.placed(layout).work_context(operation, &spots)?;
         Ok((context, self.mapper.frames(&posture.joints)))

@@ -1,6 +1,6 @@
 //! Overlaps of floor spaces that occur if equipment is misplaced.
 
-use super::misplacement::{Moves, in_plan};
+use super::misplacement::{Moves, overlapping_moves};
 use super::workcell::Workcell;
 use crate::cell::Layout;
 use crate::clearance::{Overlap, Party};
@@ -22,7 +22,7 @@ pub fn overlap_depth(workcell: &Workcell, layout: &Layout, found: &mut Vec<Overl
         workcell.plan.overlaps(&workcell.cell.misplaced(layout, moves), found);
         found.iter().filter(|o| is_between_solids(o)).map(|o| o.depth).sum::<f64>()
     };
-    in_plan(&workcell.cell).iter().map(depth).fold(0.0, f64::max)
+    overlapping_moves(&workcell.cell).iter().map(depth).fold(0.0, f64::max)
 }
 
 /// Returns whether neither party of an overlap is the floor.

@@ -1,6 +1,6 @@
 //! Misplacements that are checked: points of the boxes of placement tolerances.
 
-use crate::cell::{Cell, Equipment, Rectangle, Slot};
+use crate::cell::{Cell, Equipment, Rectangle, Shape, Slot};
 
 /// Coordinates of a layout that are misplaced, and by how much (m, rad).
 pub type Moves = Vec<(Slot, f64)>;
@@ -82,15 +82,34 @@ pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Mov
 
 /// Returns the misplacements of one body, and of two bodies at once, that can make floor spaces overlap.
 ///
-/// Two bodies at once are misplaced only in plan, because the height of one does not affect the other.
-pub fn in_plan(cell: &Cell) -> Vec<Moves> {
+/// Two bodies at once are misplaced only in plan if both reach down to the floor, because then neither can
+/// pass over the other.
+pub fn overlapping_moves(cell: &Cell) -> Vec<Moves> {
     let bodies = cell.placement_tolerances();
-    let flat: Vec<Moves> =
-        bodies.iter().map(|b| b.iter().filter(|(slot, _)| !is_height(*slot)).copied().collect()).collect();
     let alone = bodies.iter().flat_map(|body| points_of(body, 1.0, BoxPoints::Corners));
-    let pairs = flat.iter().enumerate().flat_map(|(k, a)| flat[k + 1..].iter().map(move |b| (a, b)));
-    let both = pairs.filter(|(a, b)| !a.is_empty() && !b.is_empty());
-    alone.chain(both.flat_map(|(a, b)| points_of(&[&a[..], b].concat(), 1.0, BoxPoints::Corners))).collect()
+    let pairs = bodies.iter().enumerate().flat_map(|(k, a)| bodies[k + 1..].iter().map(move |b| (a, b)));
+    let both = pairs.flat_map(|(a, b)| {
+        let flat = on_floor(cell, a) && on_floor(cell, b);
+        let kept = |body: &Moves| -> Moves {
+            body.iter().filter(|(slot, _)| !(flat && is_height(*slot))).copied().collect()
+        };
+        let (a, b) = (kept(a), kept(b));
+        match a.is_empty() || b.is_empty() {
+            true => Vec::new(),
+            false => points_of(&[a, b].concat(), 1.0, BoxPoints::Corners),
+        }
+    });
+    alone.chain(both).collect()
+}
+
+/// Returns whether a body reaches down to the floor: the robot base, or equipment with legs or without solids.
+///
+/// Equipment that carries other equipment does not count, because what it carries moves with it.
+fn on_floor(cell: &Cell, body: &Moves) -> bool {
+    let Some((Slot::Equipment(k, _), _)) = body.first() else { return true };
+    let carries = (0..cell.equipment.len()).any(|rider| rider != *k && cell.rides_on(rider, *k));
+    let solids = &cell.equipment[*k].solids;
+    !carries && (solids.is_empty() || solids.iter().any(|s| matches!(s.shape, Shape::Leg { .. })))
 }
 
 /// Returns the distance from the origin to the farthest point of a rectangle, m.

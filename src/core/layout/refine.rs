@@ -59,8 +59,12 @@ impl Refined {
 impl Workcell {
     /// Refines the spot of every operation.
     ///
-    /// The entry is None for an operation that has no spot, has listed points, or happens at every node.
+    /// The entry is None for an operation that has no spot, has listed points, or happens at every node. All
+    /// are None if the layout does not belong to the cell.
     pub fn refined(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Refined>> {
+        if self.cell.misfit(layout).is_some() {
+            return vec![None; maps.len()];
+        }
         let placed = self.placed(layout);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let refine = |map: &OperationMap| {
@@ -85,8 +89,8 @@ impl Workcell {
         let node = map.spot()?;
         let node_at = self.mapper.grid(map.operation).local(node.node);
         let spacing = (area.size.0 / divisions.0 as f64, area.size.1 / divisions.1 as f64);
-        // At a touched point the taught frame has no error by definition, and little beside it: that says
-        // nothing of the surface.
+        // The rule of the taught frame removes most of the error at a touched point and beside it: that
+        // says nothing of the surface.
         let apart = probe.distance_from_touched(node_at).min(spacing.0.min(spacing.1)) - LEAST_STEP;
         let mut best = PointSpot { at: node_at, branch: node.branch, value: node.value };
         for start in starts(map) {

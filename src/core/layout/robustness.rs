@@ -130,7 +130,12 @@ struct HeldOperation<'a> {
 
 impl Workcell {
     /// Analyses every operation of a layout, given its maps; None for an operation without a spot.
+    ///
+    /// All are None if the layout does not belong to the cell.
     pub fn robustness(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Robustness>> {
+        if self.cell.misfit(layout).is_some() {
+            return vec![None; maps.len()];
+        }
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let all = maps.iter().map(|map| {
             let operation = &self.cell.operations[map.operation];

@@ -10,7 +10,8 @@
 //! Here x holds the free coordinates, d their shifts, and min and max their ranges. The shift of body a in
 //! plan is d_a; n_ab is the separating axis of bodies a and b, and depth_ab their overlap along it. The crate
 //! `clarabel` solves the program in a few tens of microseconds. In the new layout other axes may separate the
-//! bodies better, so the program is solved a few times. Heights and yaws do not change.
+//! bodies better, so the program is solved a few times. Heights and yaws do not change; bodies that are apart in
+//! height need no separation in plan.
 
 use super::workcell::Workcell;
 use crate::cell::{Cell, Coordinate, Layout, Slot};
@@ -49,8 +50,12 @@ impl FreeCoordinate {
 
 /// Finds a layout without overlaps as near to `layout` as a few convex programs can bring it.
 ///
-/// Returns None if these programs find no such layout. A layout without overlaps is returned unchanged.
+/// Returns None if these programs find no such layout, or if `layout` does not belong to the cell. A layout
+/// without overlaps is returned unchanged.
 pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
+    if workcell.cell.misfit(layout).is_some() {
+        return None;
+    }
     let free = free_coordinates(workcell);
     let mut moved = layout.clone();
     let mut overlaps = Vec::new();

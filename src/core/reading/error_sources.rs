@@ -119,6 +119,12 @@ impl ErrorSources {
         Expansion::of(chain, &parameters)
     }
 
+    /// Returns every independent random factor: sources with their values at one standard deviation.
+    pub fn independent(&self) -> Vec<Vec<(usize, f64)>> {
+        let alone = self.list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
+        alone.map(|(k, s)| vec![(k, s.deviation)]).chain(self.factors.iter().cloned()).collect()
+    }
+
     /// Returns the index of a source among the parameters of the robot.
     pub fn robot_index(&self, source: usize) -> Option<usize> {
         self.list[source].robot

@@ -25,10 +25,12 @@ mod monte_carlo;
 pub mod norm;
 #[doc(hidden)] // open for tests/maths
 pub mod normal_quantile;
+mod position_moments;
 mod posture_errors;
 mod registration;
 mod sense_rows;
 mod work_context;
+mod workspace_average;
 mod worst_case;
 pub mod zonotope;
 

@@ -5,15 +5,14 @@
 //! For the other models the rule is applied again to the errors that remain. This iteration converges
 //! quadratically and keeps the digits of small errors.
 
-use super::{Effects, ErrorSources};
+use super::position_moments::ErrorMoments;
+use super::workspace_average::WorkspaceAverage;
+use super::{Effects, ErrorSources, MAX_SOURCES};
 use crate::cell::Model;
 use crate::kinematic_error::{Perturbation, position_error};
 use crate::pose::{Displacement, SmallRotation};
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3};
-
-/// Number of postures over which the base frame is fitted.
-const POSTURES: usize = 64;
 
 /// Largest number of iterations of an exact fit. Three or four suffice for errors of millimetres.
 const MAX_ITERATIONS: usize = 16;
@@ -24,14 +23,17 @@ const CONVERGED: f64 = 1e-17;
 /// Distance, m, below which two points are the same.
 const SAME_POINT: f64 = 1e-6;
 
-/// Best fit of the base frame: the least squares of the TCP position errors at 64 low-discrepancy postures
-/// between the joint limits.
+/// Best fit of the base frame: the least squares of the TCP position errors over the workspace.
+///
+/// The mean of their squares is over all postures between the joint limits ([`WorkspaceAverage`]).
 #[derive(Debug, Clone)]
 pub struct BestFit {
-    postures: Vec<Frames>,
+    workspace: WorkspaceAverage,
+    /// Mean of the TCP position p, m.
     centre: Vector3<f64>,
-    /// Inverse of the inertia matrix `sum (|r|^2 I - r r^T)`, where r are the vectors from the centre to the
-    /// TCP positions of the fit.
+    /// Covariance `E[r r^T]` of the vector r from the centre to the TCP, m2.
+    covariance: Matrix3<f64>,
+    /// Inverse of the inertia matrix `E[|r|^2 I - r r^T]`.
     inverse: Matrix3<f64>,
     /// Part of the effect of each source that the fit removes: a twist with the translation of the centre.
     pub effects: Effects,
@@ -41,32 +43,28 @@ impl BestFit {
     /// Prepares the best fit of a chain; if `mean` is true, the fit includes the mean error of the
     /// second-order terms.
     pub fn new(chain: &Chain, sources: &ErrorSources, mean: bool) -> Self {
-        let postures: Vec<Frames> =
-            (0..POSTURES).map(|k| chain.frames(&chain.posture(&chain.halton_sample(k)))).collect();
-        let centre = postures.iter().map(|f| f.tcp.translation).sum::<Vector3<f64>>() / POSTURES as f64;
-        let inertia = postures.iter().map(|f| f.tcp.translation - centre).fold(Matrix3::zeros(), |sum, r| {
-            sum + Matrix3::identity() * r.norm_squared() - r * r.transpose()
-        });
+        let workspace = WorkspaceAverage::new(chain);
+        let (centre, square) = workspace.position(&sources.perturbation(chain, &[]));
+        let covariance = square - centre * centre.transpose();
+        let inertia = Matrix3::identity() * covariance.trace() - covariance;
         // Points on one line leave the rotation about it undetermined; then the pseudo-inverse takes none.
         let inverse = inertia.pseudo_inverse(1e-12 * inertia.norm()).unwrap_or_else(|_| Matrix3::zeros());
-        let mut fit = Self { postures, centre, inverse, effects: Effects::default() };
+        let mut fit = Self { workspace, centre, covariance, inverse, effects: Effects::default() };
         fit.effects = fit.of_sources(chain, sources, mean);
         fit
     }
 
     /// Returns the rigid motion fitted to a sample, with the translation of the centre of the fit.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
-        let mut moved = [Vector3::zeros(); POSTURES];
-        for (moved, posture) in moved.iter_mut().zip(&self.postures) {
-            *moved = position_error(posture, errors, model);
-        }
-        let point = |k: usize| self.postures[k].tcp.translation;
-        exact(&point, &mut moved, &self.centre, |moved| self.twist(moved))
-    }
-
-    /// Returns the postures of the fit.
-    pub fn postures(&self) -> &[Frames] {
-        &self.postures
+        let undo = |left: &mut ErrorMoments, back: &Displacement| {
+            let turn = SmallRotation::of(&back.rotation);
+            // Columns of R - 1, where R is the rotation.
+            let turn =
+                Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()].map(|e| turn.moved(&e)));
+            left.product += turn * (self.covariance + left.product);
+            left.mean += back.position + turn * left.mean;
+        };
+        exact(self.about_centre(self.workspace.error(errors, model)), |left| self.twist(left), undo)
     }
 
     /// Returns the vector from the centre of the fit to the TCP, base frame, m.
@@ -74,36 +72,42 @@ impl BestFit {
         frames.tcp.translation - self.centre
     }
 
-    /// Returns the least-squares twist of small displacements, with the translation of the centre of the fit.
-    fn twist(&self, moved: &[Vector3<f64>]) -> Displacement {
-        let position = moved.iter().sum::<Vector3<f64>>() / POSTURES as f64;
-        let arms = self.postures.iter().map(|f| f.tcp.translation - self.centre);
-        let moment: Vector3<f64> = arms.zip(moved).map(|(r, d)| r.cross(d)).sum();
-        Displacement { position, rotation: self.inverse * moment }
+    /// Returns the moments of an error d with the vector r from the centre instead of the position.
+    fn about_centre(&self, error: ErrorMoments) -> ErrorMoments {
+        ErrorMoments { product: error.product - error.mean * self.centre.transpose(), ..error }
+    }
+
+    /// Returns the least-squares twist of small displacements d, with the translation of the centre of the
+    /// fit, from their moments about the centre.
+    fn twist(&self, ErrorMoments { mean, product }: &ErrorMoments) -> Displacement {
+        // The mean of r x d.
+        let moment =
+            Vector3::new(product.m32 - product.m23, product.m13 - product.m31, product.m21 - product.m12);
+        Displacement { position: *mean, rotation: self.inverse * moment }
     }
 
     /// Returns the part of the effect of each source that the fit removes: a twist with the translation of
     /// the centre.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
-        let mut expansion = sources.expansion(chain);
-        let each: Vec<Effects> = self
-            .postures
-            .iter()
-            .map(|frames| {
-                let mut effects = Effects::default();
-                expansion.set(frames);
-                effects.set(sources, &expansion, mean);
-                effects
-            })
-            .collect();
-        let fit =
-            |pick: &dyn Fn(&Effects) -> Vector3<f64>| self.twist(&each.iter().map(pick).collect::<Vec<_>>());
-        let mut fitted = Effects { count: sources.list.len(), ..Effects::default() };
-        for k in 0..fitted.count {
-            fitted.columns[k] = fit(&|effects| effects.columns[k].position);
+        let count = sources.list.len();
+        let moments =
+            |values: &[f64], model| self.workspace.error(&sources.perturbation(chain, values), model);
+        let fitted = |error| self.twist(&self.about_centre(error));
+        let mut effects = Effects { count, ..Effects::default() };
+        let mut values = [0.0; MAX_SOURCES];
+        let values = &mut values[..count];
+        for k in 0..count {
+            values.fill(0.0);
+            values[k] = 1.0;
+            effects.columns[k] = fitted(moments(values, Model::Linear));
         }
-        fitted.mean = fit(&|effects| effects.mean.position);
-        fitted
+        for factor in sources.independent().into_iter().filter(|_| mean) {
+            values.fill(0.0);
+            factor.iter().for_each(|&(k, value)| values[k] = value);
+            let linear = moments(values, Model::Linear) * -1.0;
+            effects.mean = effects.mean + fitted(moments(values, Model::SecondOrder) + linear);
+        }
+        effects
     }
 }
 
@@ -142,9 +146,15 @@ impl Taught {
 
     /// Returns the rigid motion of the taught frame for a sample, with the translation of its origin.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
-        let mut moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
-        let point = |k: usize| self.point(k);
-        exact(&point, &mut moved, &self.point(0), |moved| self.twist(moved))
+        let moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
+        let undo = |moved: &mut [Vector3<f64>; 3], back: &Displacement| {
+            let turn = SmallRotation::of(&back.rotation);
+            for (k, d) in moved.iter_mut().enumerate() {
+                let from_origin = self.point(k) + *d - self.point(0);
+                *d += back.position + turn.moved(&from_origin);
+            }
+        };
+        exact(moved, |moved| self.twist(moved), undo)
     }
 
     /// Returns whether a point (base frame, m) is one of the touched points.
@@ -169,7 +179,7 @@ impl Taught {
 
     /// Returns the twist of the taught frame, with the translation of its origin, for small displacements of
     /// the three points.
-    fn twist(&self, moved: &[Vector3<f64>]) -> Displacement {
+    fn twist(&self, moved: &[Vector3<f64>; 3]) -> Displacement {
         let [along, third] = [1, 2].map(|k| self.point(k) - self.point(0));
         let x = along.normalize();
         let z = x.cross(&third).normalize();
@@ -181,25 +191,19 @@ impl Taught {
     }
 }
 
-/// Returns the rigid motion, with the translation of `centre`, that an exact fit by `rule` finds.
+/// Returns the rigid motion that an exact fit by `rule` finds in the displacements `left`.
 ///
-/// The displacements `moved` of the points are reduced by the fitted motion until the rule finds none left.
-fn exact(
-    point: &dyn Fn(usize) -> Vector3<f64>,
-    moved: &mut [Vector3<f64>],
-    centre: &Vector3<f64>,
-    rule: impl Fn(&[Vector3<f64>]) -> Displacement,
+/// The fitted motion is taken from the displacements by `undo` until the rule finds none left.
+fn exact<T>(
+    mut left: T,
+    rule: impl Fn(&T) -> Displacement,
+    undo: impl Fn(&mut T, &Displacement),
 ) -> Displacement {
-    // Motion undone so far, seen at the centre.
     let mut undone = Displacement::NONE;
     for _ in 0..MAX_ITERATIONS {
-        let back = rule(moved).inverse();
+        let back = rule(&left).inverse();
         undone = undone.then(&back);
-        let turn = SmallRotation::of(&back.rotation);
-        for (k, d) in moved.iter_mut().enumerate() {
-            let from_centre = point(k) + *d - centre;
-            *d += back.position + turn.moved(&from_centre);
-        }
+        undo(&mut left, &back);
         if back.position.norm() + back.rotation.norm() < CONVERGED {
             break;
         }

@@ -38,7 +38,8 @@ pub struct WorkContext {
 impl WorkContext {
     /// Returns whether a target (base frame, m) was touched to teach the surface frame.
     ///
-    /// At a touched point the remaining error is zero by definition. It says nothing about the rest of the
+    /// What error remains at a touched point follows from the rule of the frame: none at the origin, one along
+    /// the x axis at the second point, one in the plane at the third. It says nothing about the rest of the
     /// surface.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))

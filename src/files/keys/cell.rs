@@ -65,7 +65,7 @@ key_table! {
         MODEL = word::<Model>("model", "Kinematic error model: how errors of the parameters become the error of the TCP.").default(Literal::Word(Model::Nonlinear.name()));
         READING = word::<Reading>("reading", "How the errors are read: as one signed sample, as the worst corner of tolerances, or as random variables; if left out, signed for a sample, else worst-case.");
         QUANTITY = word::<Quantity>("quantity", "Statistic to minimize in the statistical reading.").default(Literal::Word(Quantity::P95.name()));
-        REGISTRATION = word::<Registration>("registration", "What has been measured with the robot itself: nothing, its base frame, or the frame of each surface.").default(Literal::Word(Registration::None.name()));
+        REGISTRATION = word::<Registration>("registration", "What has been measured with the robot itself: nothing, its base frame (the least squares of the TCP position errors over all postures between the joint limits), or the frame of each surface.").default(Literal::Word(Registration::None.name()));
         GUARD = number("guard_percent", NumberRange::Positive, "Guard: difference from the nonlinear model above which a model is reported as not trustworthy.").default(Literal::Number(1.0));
         ROBOT = table("robot", &robot_in_cell::TABLE, "Robot and the placement of its base.").required().remedy("add robot = { from = \"robots/NAME.toml\" }");
         EQUIPMENT = Key::new("equipment", ValueKind::Named(&ValueKind::Table(&equipment::TABLE), 0), "Equipment of the cell: one table [equipment.NAME] for each.");
@@ -74,7 +74,7 @@ key_table! {
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with on, grid, bend_deg and sense");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
-        CLEARANCE = number_or_zero("clearance_mm", NumberRange::NotNegative, "Clearance below which a distance counts as a collision.");
+        CLEARANCE = number_or_zero("clearance_mm", NumberRange::NotNegative, "Clearance below which a distance counts as a collision; floor spaces keep it along a side or in height.");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world.");
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
         TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");

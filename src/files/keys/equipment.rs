@@ -17,7 +17,7 @@ key_table! {
         NAME = text("name", "Name of the equipment in its file.");
         SOURCE = super::SOURCE;
         SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of its frame.").example("{ size_mm = [1500, 700] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use; if left out, the rectangle that covers its solids and surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height without solids; if left out, the rectangle that covers its solids and surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, MANY), "solids"), "Solids, in the frame of the equipment.");
     }
     rules [Rule::AnyOf(&BODY), Rule::Needs("schema", "units")];

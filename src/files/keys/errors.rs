@@ -55,14 +55,14 @@ const fn row(name: &'static str, help: &'static str) -> Key {
 }
 
 key_table! {
-    frame_error, "a frame error", "Error of a frame, in its own axes.", {
+    frame_error, "a frame error", "Error of a frame: the frame is the nominal one times Trans(position_mm) Rz Ry Rx.", {
         POSITION = vector_or_zero("position_mm", "Errors along x, y and z.");
-        ROTATION = vector_or_zero("rotation_deg", "Errors about x, y and z.");
+        ROTATION = vector_or_zero("rotation_deg", "Errors about x, y and z: after the translation, the frame is turned about its z axis, then its new y, then its new x.");
     }
 }
 
 key_table! {
-    joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint, in its own axes.", {
+    joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint: the frame is the nominal one times Trans(position_mm) Rz Ry Rx.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
     }
     extends super::frame_error::TABLE;
@@ -101,10 +101,10 @@ key_table! {
         DR = row("dr_mm", "Errors of the axial offsets r: one for each joint.");
         DL = row("dl_mm", "Errors of the common normals l: one for each joint.");
         DALPHA = row("dalpha_deg", "Errors of the twists alpha: one for each joint.");
-        DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: one for each joint.");
+        DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: a rotation about y after the row's Tx(l) Rx(alpha) and before the error of the joint frame that follows; one for each joint.");
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
-        JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves its joint and everything after it.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
+        JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves its joint and everything after it. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
         DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table by rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");

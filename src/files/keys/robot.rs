@@ -103,7 +103,7 @@ key_table! {
         TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only end of the chain.").example("\"flange\"");
         PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base; if left out, the rectangle that covers the solids of link 0.").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers them.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
         SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked against itself; or the pairs of solids that may touch.").default(Literal::Boolean(true));
         ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");

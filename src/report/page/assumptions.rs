@@ -42,7 +42,7 @@ fn registration(cell: &Cell) -> &'static str {
     match cell.registration {
         Registration::None => "no registration with the robot: its errors count in full",
         Registration::BestFit => {
-            "the base frame of the robot is fitted to measured points: the errors that a frame can cancel are removed"
+            "the base frame of the robot is the best fit over all postures between the joint limits: the errors that a frame can cancel are removed"
         }
         Registration::Taught => {
             "the frame of every surface is taught with the robot at three points: the errors that this frame cancels are removed"

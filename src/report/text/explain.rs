@@ -3,7 +3,7 @@
 use super::table::TextTable;
 use super::{fixed, percent, place_words};
 use crate::assess::{Explanation, MotionFrame, ParameterEffect, ParameterMotion};
-use crate::cell::{Frame, JointKind, Reading, Registration, Unit};
+use crate::cell::{Convention, Frame, JointKind, Reading, Registration, Unit};
 use crate::pose::Displacement;
 use crate::record::parameter_names::{self as names, frame_name};
 use crate::record::value_word;
@@ -56,7 +56,14 @@ fn dh_table(e: &Explanation<'_>) -> String {
             if row.allowed { "" } else { "outside its limits" }.to_string(),
         ]);
     }
-    format!("\n1. Links: A = Rz(theta) Tz(r) Tx(l) Rx(alpha)\n{}", table.render())
+    let cut = match e.context.cell.robot.convention {
+        Convention::Standard => "",
+        Convention::Modified => {
+            "   The file has modified rows, Tx(l) Rx(alpha) Rz(theta) Tz(r). Here l and alpha of its row k + 1 end row k;\n   \
+             those of its row 1 are in frame 0. dl, dalpha and dbeta keep the numbers of the file.\n"
+        }
+    };
+    format!("\n1. Links: A = Rz(theta) Tz(r) Tx(l) Rx(alpha)\n{cut}{}", table.render())
 }
 
 fn frames(e: &Explanation<'_>) -> String {

@@ -1,4 +1,5 @@
-//! Tests errors of modified (Craig) rows through a cell file against the product of such rows written here.
+//! Tests errors of standard and modified (Craig) rows through a cell file against the product of such rows
+//! written here: order of `rotation_deg`, place of dbeta, and the frame of `joints`.
 
 use crate::common::{from_text, signed};
 use crate::kinematics::errors::predicted;
@@ -29,6 +30,7 @@ fn frame(e: &[f64]) -> Matrix4<f64> {
 /// Chain and its errors as a file gives them, mm and degrees: per row r, l, alpha, theta, and dq, dr, dl,
 /// dalpha, dbeta; base and tool; then the joint frames.
 struct Chain {
+    modified: bool,
     rows: Vec<[f64; 4]>,
     slides: Vec<bool>,
     errors: Vec<[f64; 5]>,
@@ -37,7 +39,7 @@ struct Chain {
 }
 
 impl Chain {
-    fn random(rng: &mut ChaCha8Rng, n: usize) -> Self {
+    fn random(rng: &mut ChaCha8Rng, n: usize, modified: bool) -> Self {
         let mut some = |bound: f64| rng.random_range(-bound..bound);
         let rows = (0..n).map(|_| [some(500.0), some(500.0), some(180.0), some(180.0)]).collect();
         let slides = (0..n).map(|_| some(1.0) > 0.5).collect();
@@ -45,9 +47,11 @@ impl Chain {
         let mut frame = || [(); 6].map(|()| some(2.0));
         let (mut base, tool) = (frame(), frame());
         let mut joints: Vec<_> = (0..n).map(|_| frame()).collect();
-        // Row 1 holds the first of them, and its frame the other.
-        (base[3], joints[0]) = (0.0, [0.0; 6]);
-        Self { rows, slides, errors, frames: [base, tool], joints }
+        // Modified row 1 holds the first of them, and its frame the other.
+        if modified {
+            (base[3], joints[0]) = (0.0, [0.0; 6]);
+        }
+        Self { modified, rows, slides, errors, frames: [base, tool], joints }
     }
 
     /// Returns the shipped cell with this robot. Its operations play no part.
@@ -83,7 +87,8 @@ impl Chain {
         )
     }
 
-    /// Returns `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta) J Rz(theta) Tz(r)` of every row, with `unit` times
+    /// Returns `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta) J Rz(theta) Tz(r)` of every modified row, and
+    /// `J Rz(theta) Tz(r) Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)` of every standard one, with `unit` times
     /// the errors.
     fn tcp(&self, robot: &Robot, q: &[f64], unit: f64) -> Matrix4<f64> {
         let scaled = |e: &[f64; 6]| frame(&e.map(|v| v * unit));
@@ -91,9 +96,13 @@ impl Chain {
         for (i, ([r, l, alpha, theta], e)) in self.rows.iter().zip(&self.errors).enumerate() {
             let [dq, dr, dl, dalpha, dbeta] = e.map(|v| v * unit);
             let (turned, slid) = if self.slides[i] { (0.0, q[i] + dq / 1e3) } else { (q[i] + dq * DEG, 0.0) };
-            t *= slide((l + dl) / 1e3, 0.0, 0.0) * turn(Vector3::x(), (alpha + dalpha) * DEG);
-            t *= turn(Vector3::y(), dbeta * DEG) * scaled(&self.joints[i]);
-            t *= turn(Vector3::z(), theta * DEG + turned) * slide(0.0, 0.0, (r + dr) / 1e3 + slid);
+            let link = slide((l + dl) / 1e3, 0.0, 0.0)
+                * turn(Vector3::x(), (alpha + dalpha) * DEG)
+                * turn(Vector3::y(), dbeta * DEG);
+            let joint = scaled(&self.joints[i])
+                * turn(Vector3::z(), theta * DEG + turned)
+                * slide(0.0, 0.0, (r + dr) / 1e3 + slid);
+            t *= if self.modified { link * joint } else { joint * link };
         }
         let mut tool = robot.tool.rotation.to_homogeneous();
         tool.fixed_view_mut::<3, 1>(0, 3).copy_from(&robot.tool.translation);
@@ -102,14 +111,15 @@ impl Chain {
 }
 
 #[test]
-fn errors_of_modified_dh_rows_agree_with_the_matrix_product() {
+fn errors_of_dh_rows_of_both_conventions_agree_with_the_matrix_product() {
     let mut rng = ChaCha8Rng::seed_from_u64(71);
     for k in 0..200 {
-        let chain = Chain::random(&mut rng, 1 + k % 8);
+        let chain = Chain::random(&mut rng, 1 + k % 8, k % 16 < 8);
+        let convention = if chain.modified { "modified" } else { "standard" };
         let text = format!(
             "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"ours\"\n\
              collision = false\n\
-             [robot]\nname = \"r\"\nsource = \"made up\"\nconvention = \"modified\"\n\
+             [robot]\nname = \"r\"\nsource = \"made up\"\nconvention = \"{convention}\"\n\
              tool = {{ position_mm = [30, -50, 120], rpy_deg = [40, 100, -70], axis = [1, 0, 0] }}\n\
              footprint = {{ size_mm = [100, 100] }}\n{}\n\
              [equipment.worktable]\nfrom = \"equipment/worktable.toml\"\n\

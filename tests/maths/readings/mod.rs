@@ -1,6 +1,7 @@
 //! Tests the readings of the errors against brute force, Monte Carlo, closed forms and published values.
 
 mod bench;
+mod best_fit;
 mod norm;
 mod normal_quantile;
 mod registration;

@@ -1,0 +1,66 @@
+//! Overlap of two floor spaces, or a distance of theirs below the clearance, and how users are told.
+
+use crate::cell::Cell;
+use crate::units::mm_from_m;
+
+/// Participant of an overlap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Party {
+    /// Index into [`Cell::equipment`].
+    Equipment(usize),
+    RobotBase,
+    /// Index into [`Cell::keep_out`].
+    KeepOut(usize),
+    Floor,
+    Fence,
+}
+
+/// Overlap of two floor spaces, or a distance between them that is below the clearance.
+///
+/// A move in plan by `depth` (m) separates them, clearance included. If `b` is the fence, `depth` is the
+/// distance by which `a` reaches beyond it, clearance included. If `b` is the floor, the move is upwards.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overlap {
+    pub a: Party,
+    pub b: Party,
+    pub depth: f64,
+    /// Part of `depth` that is the required clearance, m.
+    pub clearance: f64,
+    /// Vertical distance between the two, m; 0 if they share a height or if a height is not known.
+    pub rise: f64,
+}
+
+impl Overlap {
+    /// Returns whether the overlap involves a piece of equipment.
+    ///
+    /// A robot base that reaches beyond the fence involves all equipment.
+    pub fn concerns(&self, equipment: usize) -> bool {
+        let parties = [self.a, self.b];
+        parties.contains(&Party::Equipment(equipment)) || parties == [Party::RobotBase, Party::Fence]
+    }
+
+    /// Describes the overlap with the names that the cell gives to its objects.
+    ///
+    /// If the two are apart, the text tells how near they are, because this is not an overlap.
+    pub fn in_words(&self, cell: &Cell) -> String {
+        let name = |party: Party| match party {
+            Party::Equipment(i) => cell.equipment[i].name.clone(),
+            Party::RobotBase => "the robot base".into(),
+            Party::KeepOut(k) => format!("keep-out {}", cell.keep_out[k].name),
+            Party::Floor => "the floor".into(),
+            Party::Fence => "the fence".into(),
+        };
+        let (a, b) = (name(self.a), name(self.b));
+        // Positive if a side of one floor space keeps the other at this distance.
+        let aside = self.clearance - self.depth;
+        let verb = if self.b == Party::Fence { "passes" } else { "overlaps" };
+        if aside < 0.0 && self.rise == 0.0 {
+            return format!("{a} {verb} {b} by {:.1} mm", mm_from_m(-aside));
+        }
+        let how = if self.rise > aside { "in height" } else { "along a side" };
+        let (near, clearance) = (mm_from_m(self.rise.max(aside)), mm_from_m(self.clearance));
+        // One digit would not tell the two apart.
+        let near = if clearance - near < 0.05 { "just below".into() } else { format!("{near:.1} mm of") };
+        format!("{a} is nearer to {b} than the clearance: {near} {clearance:.1} mm {how}")
+    }
+}
