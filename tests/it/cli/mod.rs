@@ -21,3 +21,5 @@ mod schema;
 mod sweep;
 mod urdf;
 mod view;
+mod view_server;
+mod viewer;
