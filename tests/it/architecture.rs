@@ -83,9 +83,14 @@ fn every_heavy_crate_has_one_home() {
     let programs: Vec<_> = programs.map(|f| f.path).collect();
     let allowed = |path: &str| path == "layout/separate.rs" || path.starts_with("reach/numeric/");
     assert!(programs.iter().all(|path| allowed(path)), "clarabel is used in {programs:?}");
-    for (name, home) in
-        [("clap", "cli"), ("indicatif", "cli"), ("ctrlc", "cli"), ("tiny_http", "cli"), ("tempfile", "cli")]
-    {
+    for (name, home) in [
+        ("clap", "cli"),
+        ("indicatif", "cli"),
+        ("ctrlc", "cli"),
+        ("hyper", "cli"),
+        ("tokio", "cli"),
+        ("tempfile", "cli"),
+    ] {
         assert_eq!(homes(name), only(home), "{name}");
     }
     for name in ["minijinja", "base64", "gltf_json"] {

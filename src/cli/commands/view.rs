@@ -5,14 +5,13 @@ use crate::cell::Cell;
 use crate::cli::arguments::ViewArguments;
 use crate::cli::output::path_word;
 use crate::cli::packages::PackageFolders;
-use crate::cli::view::{AccessControl, LiveView, Origin, secret, serve};
+use crate::cli::view::{AccessControl, LiveView, LocalServer, Origin, open_in_browser, secret};
 use crate::cli::{Exit, asked, loading, output, results_folder};
 use crate::files::Loaded;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use tiny_http::Server;
+use tempfile::TempPath;
+use tokio::sync::Notify;
 
 /// Runs `sweetspot view`. Ends with exit code 0 at Ctrl-C.
 pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
@@ -25,20 +24,17 @@ pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     let workcell = workcell(cell, &file)?;
     warn_of_hopeless(&workcell);
     let view = LiveView::new(workcell, Origin { file: file.clone(), packages: a.packages.clone(), sources });
-    let server = Server::http(("127.0.0.1", a.port)).map_err(|e| {
+    let server = LocalServer::bind(a.port).map_err(|e| {
         output::error(&format!("cannot listen on 127.0.0.1:{}: {e}", a.port));
         Exit::Io
     })?;
-    let port = server.server_addr().to_ip().map_or(a.port, |address| address.port());
-    let access = AccessControl::new(secret().map_err(failed)?, port);
-    let server = Arc::new(server);
-    let over = end_at_signals(&server);
+    let access = AccessControl::new(secret().map_err(failed)?, server.port());
+    let over = end_at_signals();
     output::data(&format!("{}\n", access.url()))?;
     output::talk("open this address in a browser on this machine; press Ctrl-C here to stop");
-    if a.open {
-        open(&access.url());
-    }
-    serve(view, &server, access, &over).map_err(failed)?;
+    // The file that leads the browser to the page is deleted when the session ends.
+    let _redirect = if a.open { opened(&access.url()) } else { None };
+    server.serve(view, access, &over);
     suggest(&format!("check {}", path_word(&file)));
     Ok(Exit::Done)
 }
@@ -58,30 +54,19 @@ fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell 
     }
 }
 
-/// Returns a flag that Ctrl-C or SIGTERM sets. The server then stops waiting for requests.
-fn end_at_signals(server: &Arc<Server>) -> Arc<AtomicBool> {
-    let over = Arc::new(AtomicBool::new(false));
-    let (asked, server) = (over.clone(), server.clone());
-    let _ = ctrlc::set_handler(move || {
-        asked.store(true, Ordering::Relaxed);
-        server.unblock();
-    });
+/// Returns a notification of Ctrl-C or SIGTERM.
+fn end_at_signals() -> Arc<Notify> {
+    let over = Arc::new(Notify::new());
+    let asked = over.clone();
+    let _ = ctrlc::set_handler(move || asked.notify_one());
     over
 }
 
-/// Asks the desktop to open the page.
-fn open(url: &str) {
-    let mut command = if cfg!(target_os = "macos") {
-        Command::new("open")
-    } else if cfg!(windows) {
-        let mut command = Command::new("cmd");
-        command.args(["/C", "start", ""]);
-        command
-    } else {
-        Command::new("xdg-open")
-    };
-    let spawned = command.arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-    if spawned.is_err() {
-        output::talk("note: no browser could be started: copy the address into one");
+/// Opens the page in a browser. Returns the file that must last as long as the session.
+fn opened(url: &str) -> Option<TempPath> {
+    let opened = open_in_browser(url);
+    if let Err(why) = &opened {
+        output::talk(&format!("note: no browser could be started ({why}): copy the address into one"));
     }
+    opened.ok()
 }

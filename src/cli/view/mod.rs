@@ -5,15 +5,21 @@
 //! from [`crate::layout::evaluate`] and the error maps, as in the other commands.
 
 mod access_control;
+mod browser;
+mod http_response;
 mod job;
 mod question;
+mod requests;
 mod routes;
 mod save;
+mod server;
 mod session;
 mod values;
 
 pub use access_control::{AccessControl, secret};
+pub use browser::open_in_browser;
 pub use save::Origin;
+pub use server::LocalServer;
 
 use crate::assess::Assessment;
 use crate::cell::{Layout, Model, Reading};
@@ -23,11 +29,10 @@ use crate::report::json;
 use crate::units::{mm_from_m, rounded};
 use job::SearchThread;
 use question::{EvaluationSettings, Workcells};
-use serde_json::{Value, json};
+use requests::{QuestionBody, SearchBody};
+use serde_json::{Map, Value, json};
 use session::Session;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
-use tiny_http::Server;
 use values::LayoutValues;
 
 /// Decimals of numbers in documents.
@@ -51,29 +56,6 @@ pub struct LiveView {
 /// Locks a mutex even if another thread panicked while it held the lock.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
-}
-
-/// Answers requests until the flag `over` is set and the server is unblocked.
-///
-/// # Errors
-/// Fails with the reason if the server cannot continue.
-pub fn serve(
-    view: LiveView,
-    server: &Server,
-    access: AccessControl,
-    over: &AtomicBool,
-) -> Result<(), String> {
-    let shared = Arc::new((view, access));
-    loop {
-        let request = match server.recv() {
-            Ok(request) => request,
-            Err(_) if over.load(Ordering::Relaxed) => return Ok(()),
-            Err(e) => return Err(e.to_string()),
-        };
-        let shared = shared.clone();
-        // A request that sends its body slowly delays no other; if no thread starts, it is answered 500.
-        let _ = std::thread::Builder::new().spawn(move || routes::answer(&shared.0, &shared.1, request));
-    }
 }
 
 impl LiveView {
@@ -129,7 +111,7 @@ impl LiveView {
     }
 
     /// Evaluates a layout while equipment is dragged. With `draws`, adds the drawing for the 3-D view.
-    fn attempt(&self, asked: &Value, draws: bool) -> Result<Value, String> {
+    fn attempt(&self, asked: &Map<String, Value>, draws: bool) -> Result<Value, String> {
         let (question, values) = {
             let session = locked(&self.session);
             (session.question.clone(), session.now().values.changed(&self.cell, asked)?)
@@ -150,7 +132,7 @@ impl LiveView {
     }
 
     /// Adds the coordinates of a request as a new step of the history.
-    fn change(&self, asked: &Value) -> Result<(), String> {
+    fn change(&self, asked: &Map<String, Value>) -> Result<(), String> {
         let mut session = locked(&self.session);
         let values = session.now().values.changed(&self.cell, asked)?;
         let what = values.difference(&session.now().values, &self.cell);
@@ -166,17 +148,11 @@ impl LiveView {
     }
 
     /// Changes sense, model and reading.
-    fn ask(&self, asked: &Value) -> Result<(), String> {
-        let word = |key: &str| asked.get(key).and_then(Value::as_str);
-        let model = Model::ALL.into_iter().find(|m| Some(m.name()) == word("model"));
-        let reading = Reading::ALL.into_iter().find(|r| Some(r.name()) == word("reading"));
-        let sense = match asked.get("sense") {
-            None | Some(Value::Null) => None,
-            Some(Value::String(word)) => Some(word.clone()),
-            Some(_) => return Err("`sense` must be a string or null".into()),
-        };
+    fn ask(&self, asked: QuestionBody) -> Result<(), String> {
+        let model = Model::ALL.into_iter().find(|m| m.name() == asked.model);
+        let reading = Reading::ALL.into_iter().find(|r| r.name() == asked.reading);
         let question = EvaluationSettings {
-            sense,
+            sense: asked.sense,
             model: model.ok_or("unknown `model`")?,
             reading: reading.ok_or("unknown `reading`")?,
         };
@@ -207,12 +183,7 @@ impl LiveView {
     }
 
     /// Starts a search from the current layout, with the current sense, model and reading.
-    fn search(&self, asked: &Value) -> Result<(), String> {
-        let whole = |key: &str| match asked.get(key) {
-            None | Some(Value::Null) => Ok(None),
-            Some(v) => v.as_u64().map(Some).ok_or_else(|| format!("`{key}` must be a whole number")),
-        };
-        let (budget, seed) = (whole("budget")?, whole("seed")?);
+    fn search(&self, asked: &SearchBody) -> Result<(), String> {
         let (question, values) = {
             let session = locked(&self.session);
             (session.question.clone(), session.now().values.clone())
@@ -221,7 +192,7 @@ impl LiveView {
         if cell.free().is_empty() {
             return Err("nothing to search: every placement is fixed in the file".into());
         }
-        let cell = cell.searching(seed, budget)?;
+        let cell = cell.searching(asked.seed, asked.budget)?;
         let mut job = locked(&self.job);
         if job.as_ref().is_some_and(SearchThread::is_running) {
             return Err("a search is already running: stop it first".into());

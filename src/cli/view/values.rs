@@ -2,11 +2,10 @@
 //! `attitude.OPERATION.bend_deg`.
 
 use crate::cell::{Cell, Coordinate, Layout, Role, Slot};
-
 use crate::files::shown;
 use crate::record::coordinate_name;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 /// Largest magnitude that the page may give to a coordinate that the file fixes, m and rad.
 const MAX_FREE: (f64, f64) = (100.0, std::f64::consts::TAU);
@@ -62,10 +61,9 @@ impl LayoutValues {
     ///
     /// # Errors
     /// Fails with a message for the page if the request is refused.
-    pub fn changed(&self, cell: &Cell, asked: &Value) -> Result<Self, String> {
+    pub fn changed(&self, cell: &Cell, asked: &Map<String, Value>) -> Result<Self, String> {
         let mut values = self.clone();
-        let groups = asked.as_object().ok_or("the numbers must be an object")?;
-        for (group, entry) in groups {
+        for (group, entry) in asked {
             let entries = entry.as_object().ok_or_else(|| format!("`{}` must be an object", shown(group)))?;
             if group == "robot_base" {
                 values.take(cell, "the robot base", &Slot::Base, entries)?;
@@ -86,7 +84,7 @@ impl LayoutValues {
         cell: &Cell,
         owner: &str,
         slot: &dyn Fn(usize) -> Slot,
-        numbers: &serde_json::Map<String, Value>,
+        numbers: &Map<String, Value>,
     ) -> Result<(), String> {
         for (key, number) in numbers {
             let named = (0..4).map(slot).filter(|s| !matches!(s, Slot::Attitude(_, 3)));

@@ -22,3 +22,5 @@ mod schema;
 mod sweep;
 mod urdf;
 mod view;
+mod view_server;
+mod viewer;

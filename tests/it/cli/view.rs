@@ -1,127 +1,10 @@
 //! Tests `view` as a browser and as a stranger use it: addresses, requests, files, a search.
 
 use crate::cli::sandbox::*;
+use crate::cli::viewer::{HttpAnswer, Viewer};
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
-use std::path::PathBuf;
-use std::process::{Child, Stdio};
+use std::io::Write;
 use std::time::Duration;
-
-/// Running `view` that ends with the test.
-struct Viewer {
-    child: Child,
-    port: u16,
-    token: String,
-    talk: PathBuf,
-}
-
-impl Drop for Viewer {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-        let talk = std::fs::read_to_string(&self.talk).unwrap_or_default();
-        assert!(std::thread::panicking() || !talk.contains("panicked"), "{talk}");
-    }
-}
-
-/// Answer to a request.
-struct HttpAnswer {
-    status: u16,
-    head: String,
-    body: String,
-}
-
-impl HttpAnswer {
-    fn json(&self) -> Value {
-        serde_json::from_str(&self.body).unwrap_or_else(|e| panic!("{e}: {}", self.body))
-    }
-}
-
-impl Viewer {
-    fn of(shop: &Sandbox, args: &[&str]) -> Self {
-        let mut command = shop.command(&[&["view"], args].concat());
-        let talk = shop.path(".talk");
-        let said = std::fs::File::create(&talk).unwrap();
-        let mut child = command.stdout(Stdio::piped()).stderr(said).spawn().unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let inside = line.trim().strip_prefix("http://127.0.0.1:").unwrap_or_else(|| panic!("{line}"));
-        let (port, token) = inside.split_once('/').unwrap();
-        let token = token.strip_suffix('/').unwrap().to_string();
-        assert!(token.len() == 32 && token.bytes().all(|b| b.is_ascii_hexdigit()), "{token}");
-        Self { child, port: port.parse().unwrap(), token, talk }
-    }
-
-    fn stream(&self) -> TcpStream {
-        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        // A hang is a failure, not a wait.
-        stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
-        stream
-    }
-
-    /// Sends bytes unchanged.
-    fn raw(&self, bytes: &str) -> HttpAnswer {
-        let mut stream = self.stream();
-        stream.write_all(bytes.as_bytes()).unwrap();
-        answered(&mut stream)
-    }
-
-    fn get(&self, what: &str) -> HttpAnswer {
-        let Self { port, token, .. } = self;
-        self.raw(&format!(
-            "GET /{token}/{what} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
-        ))
-    }
-
-    fn post(&self, what: &str, body: &str) -> HttpAnswer {
-        let origin = format!("http://127.0.0.1:{}", self.port);
-        self.raw(&self.posting(what, body, &format!("127.0.0.1:{}", self.port), &origin))
-    }
-
-    fn posting(&self, what: &str, body: &str, host: &str, origin: &str) -> String {
-        format!(
-            "POST /{}/{what} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nContent-Length: {}\r\n\
-             Connection: close\r\n\r\n{body}",
-            self.token,
-            body.len()
-        )
-    }
-
-    /// Posts and insists on success.
-    fn done(&self, what: &str, body: &Value) -> Value {
-        let answered = self.post(what, &body.to_string());
-        assert_eq!(answered.status, 200, "{what}: {}", answered.body);
-        answered.json()
-    }
-
-    /// Posts, insists on a refusal and returns the message for the page.
-    fn refused(&self, what: &str, body: &str) -> String {
-        let answered = self.post(what, body);
-        assert_eq!(answered.status, 400, "{what} {body}: {}", answered.body);
-        text(&answered.json()["error"]).to_string()
-    }
-}
-
-fn answered(stream: &mut TcpStream) -> HttpAnswer {
-    let mut reader = BufReader::new(stream);
-    let (mut head, mut length) = (String::new(), None);
-    loop {
-        let mut line = String::new();
-        reader.read_line(&mut line).unwrap();
-        if let Some(value) = line.to_ascii_lowercase().strip_prefix("content-length:") {
-            length = Some(value.trim().parse::<usize>().unwrap());
-        }
-        if line.trim().is_empty() {
-            break;
-        }
-        head += &line;
-    }
-    let mut body = vec![0; length.unwrap_or_else(|| panic!("no length: {head}"))];
-    reader.read_exact(&mut body).unwrap();
-    let status = head.split(' ').nth(1).unwrap_or_else(|| panic!("{head}")).parse().unwrap();
-    HttpAnswer { status, head, body: String::from_utf8(body).unwrap() }
-}
 
 /// Returns a layout other than the start, with numbers that no rounding favours.
 fn elsewhere() -> Value {
@@ -319,7 +202,9 @@ fn view_refuses_invalid_requests_with_a_message() {
         }
     }
     let large = format!("{{\"x\":\"{}\"}}", "y".repeat(70_000));
-    assert!(view.refused("layout", &large).contains("more than"));
+    let refused = view.post("layout", &large);
+    assert_eq!(refused.status, 413, "{}", refused.body);
+    assert!(text(&refused.json()["error"]).contains("more than"), "{}", refused.body);
     for body in [
         "{}",
         "{\"model\":\"nonlinear\"}",
@@ -339,7 +224,7 @@ fn view_refuses_invalid_requests_with_a_message() {
     assert_eq!(view.raw(&format!("{head}Connection: close\r\n\r\n")).status, 400);
     let mut slow = view.stream();
     slow.write_all(format!("{head}Content-Length: 5000\r\n\r\n{{").as_bytes()).unwrap();
-    assert_eq!(view.raw(&format!("{head}Content-Length: 9000000000\r\n\r\n{{")).status, 400);
+    assert_eq!(view.raw(&format!("{head}Content-Length: 9000000000\r\n\r\n{{")).status, 413);
     assert_eq!(view.get("state").status, 200);
     // After all that the layout is the start layout.
     assert_eq!(view.get("state").json()["now"]["undo"], 0);

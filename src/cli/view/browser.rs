@@ -1,0 +1,26 @@
+//! Start of the user's browser without the secret on a command line, which all users of the machine can read.
+
+use std::io::Write;
+use tempfile::TempPath;
+
+/// Opens a URL in the user's browser by a temporary file that leads there and that only the user can read.
+///
+/// The file is deleted when the returned path is dropped; a slow browser needs it until then.
+///
+/// # Errors
+/// Fails with the reason if the file cannot be written or no browser can be started.
+pub fn open_in_browser(url: &str) -> Result<TempPath, String> {
+    // tempfile gives such a file a random name and, on Unix, mode 0600.
+    let file = tempfile::Builder::new().prefix("sweetspot-view-").suffix(".html").tempfile();
+    let mut file = file.map_err(|e| format!("a temporary file cannot be made: {e}"))?;
+    // The URL consists of letters, digits and `:/.`, so nothing needs an escape.
+    let page = format!(
+        "<!doctype html>\n<meta charset=\"utf-8\">\n<meta name=\"referrer\" content=\"no-referrer\">\n\
+         <meta http-equiv=\"refresh\" content=\"0; url={url}\">\n<title>sweetspot view</title>\n\
+         <p><a href=\"{url}\">sweetspot view</a></p>\n"
+    );
+    file.write_all(page.as_bytes()).map_err(|e| format!("a temporary file cannot be written: {e}"))?;
+    let path = file.into_temp_path();
+    open::that_detached(&path).map_err(|e| e.to_string())?;
+    Ok(path)
+}
