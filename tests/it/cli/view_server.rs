@@ -243,8 +243,8 @@ fn view_hands_the_browser_no_secret_on_its_command_line() {
     std::fs::create_dir(shop.path("bin")).unwrap();
     std::fs::create_dir(shop.path("temporary")).unwrap();
     // The kernel shows these words to every user; the file is copied as the browser finds it.
-    let script = "#!/bin/sh\ntr '\\0' '\\n' < /proc/$$/cmdline > words\nstat -c %a \"$1\" > mode\n\
-                  cp \"$1\" copy && mv copy page\n";
+    let script = "#!/bin/sh\nstat -c %a \"$1\" > mode\ncp \"$1\" page\n\
+                  tr '\\0' '\\n' < /proc/$$/cmdline > copy\nmv copy words\n";
     shop.write("bin/xdg-open", script);
     let mode = std::fs::Permissions::from_mode(0o755);
     std::fs::set_permissions(shop.path("bin/xdg-open"), mode).unwrap();
@@ -252,7 +252,7 @@ fn view_hands_the_browser_no_secret_on_its_command_line() {
     let path = format!("{}:{}", shop.path("bin").display(), std::env::var("PATH").unwrap());
     command.env("PATH", path).env("TMPDIR", shop.path("temporary"));
     let mut view = Viewer::by(&shop, command);
-    wait_until("a browser", || shop.path("page").exists());
+    wait_until("a browser", || shop.path("words").exists());
     let words = shop.text("words");
     assert!(words.contains("xdg-open") && !words.contains(&view.token), "{words}");
     let file = words.lines().last().unwrap();
