@@ -409,8 +409,38 @@ fn to_box(p: nalgebra::Vector3<f64>, pose: &sweetspot::pose::Pose, size: nalgebr
     (0..3).map(|k| (local[k].abs() - size[k] / 2.0).max(0.0).powi(2)).sum::<f64>().sqrt()
 }
 
+/// Returns the range of heights of the boxes of every equipment, and then that of the robot base, which
+/// reaches down to the floor, m.
+fn heights(cell: &Cell, layout: &Layout) -> Vec<(f64, f64)> {
+    use sweetspot::cell::Shape;
+    let upright = |shape: &Shape, z: f64| {
+        let Shape::Box { pose, size } = shape else { panic!("{shape:?}") };
+        (z + pose.translation.z - size.z / 2.0, z + pose.translation.z + size.z / 2.0)
+    };
+    let pairs = cell.equipment.iter().zip(&layout.placements);
+    let mut all: Vec<_> = pairs.map(|(e, at)| upright(&e.solids[0].shape, at.z)).collect();
+    let base = cell.robot.solids.iter().find(|s| s.link == 0).unwrap();
+    all.push((f64::NEG_INFINITY, upright(&base.solid.shape, layout.base.z).1));
+    all
+}
+
+/// Returns whether any of many points of the rectangle `a` lies in the rectangle `b` (corners anticlockwise).
+fn share_points(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
+    let is_in_b = |p: [f64; 2]| {
+        (0..4).all(|k| {
+            let (u, v) = (b[k], b[(k + 1) % 4]);
+            (v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0]) >= 0.0
+        })
+    };
+    let at = |s: f64, t: f64| {
+        [0, 1].map(|axis| a[0][axis] + s * (a[1][axis] - a[0][axis]) + t * (a[3][axis] - a[0][axis]))
+    };
+    (0..=200).any(|i| (0..=200).any(|j| is_in_b(at(f64::from(i) / 200.0, f64::from(j) / 200.0))))
+}
+
 /// The reference samples thousands of points along the capsules of the robot and the edges of floor spaces.
-/// The nearest sample is never nearer than the stated clearance, and hardly farther.
+/// The nearest sample is never nearer than the stated clearance, and hardly farther. Floor spaces whose
+/// solids are at different heights are apart by this height, too.
 #[test]
 fn the_clearance_goal_agrees_with_dense_sampling() {
     use sweetspot::cell::Shape;
@@ -450,10 +480,14 @@ fn the_clearance_goal_agrees_with_dense_sampling() {
             }
         }
         let robot = nearest;
-        let spaces = floor_corners(cell, layout);
+        let (spaces, heights) = (floor_corners(cell, layout), heights(cell, layout));
         // The last two are post and base, which do not move.
         for (i, a) in spaces.iter().enumerate().take(spaces.len() - 2) {
-            for b in &spaces[i + 1..] {
+            for (j, b) in spaces.iter().enumerate().skip(i + 1) {
+                let rise = (heights[i].0 - heights[j].1).max(heights[j].0 - heights[i].1).max(0.0);
+                if rise < nearest && share_points(a, b) {
+                    nearest = rise;
+                }
                 for (from, to) in [(a, b), (b, a)] {
                     for p in from {
                         for k in 0..4 {
@@ -461,7 +495,7 @@ fn the_clearance_goal_agrees_with_dense_sampling() {
                             for t in 0..=400 {
                                 let t = f64::from(t) / 400.0;
                                 let q = [u[0] + t * (v[0] - u[0]), u[1] + t * (v[1] - u[1])];
-                                nearest = nearest.min((p[0] - q[0]).hypot(p[1] - q[1]));
+                                nearest = nearest.min((p[0] - q[0]).hypot(p[1] - q[1]).hypot(rise));
                             }
                         }
                     }
