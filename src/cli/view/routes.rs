@@ -88,7 +88,7 @@ fn save(view: &LiveView, asked: &SaveBody) -> HttpResponse {
             output::talk(&format!("wrote {path}"));
             HttpResponse::json(StatusCode::OK, &json!({ "saved": path }))
         }
-        Err(Unsaved::OccupiedBoxes) => {
+        Err(Unsaved::FileExists) => {
             let why = format!("the file `{}` already exists", shown(asked.name.trim()));
             HttpResponse::json(StatusCode::CONFLICT, &json!({ "error": why, "taken": true }))
         }

@@ -17,7 +17,7 @@ const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
 /// Reason why a layout was not saved.
 pub enum Unsaved {
     /// The file exists. The page may repeat the request with the permission to overwrite the file.
-    OccupiedBoxes,
+    FileExists,
     /// The request is refused, with the reason for the page.
     Refused(String),
     /// The file cannot be written.
@@ -89,7 +89,7 @@ impl Origin {
             return Err(Unsaved::Refused(format!("`{name}` exists and is not a file")));
         }
         if path.symlink_metadata().is_ok() && !overwrite {
-            return Err(Unsaved::OccupiedBoxes);
+            return Err(Unsaved::FileExists);
         }
         let from = self.file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let comment = format!("A layout of {} made by hand in sweetspot view", shown(&from));
