@@ -147,9 +147,16 @@ fn deep_nesting_is_refused() {
 #[test]
 fn deep_nesting_is_refused_in_faulty_text_too() {
     let n = 20_000;
-    for piece in ["{ a = 9 b = ", "{ a = [1], b = { c = 9int = ", "{a={b=1]", "{ a = \"}\" b = ", "a = [{x={"]
-    {
-        let text = format!("{BASE}v = {}", piece.repeat(n));
+    let pieces = [
+        ("{ a = { b = 9", "i = { c = 1 }, d = { e = 9"),
+        ("{ a = { b = 9", "int = { c = [-nan, 1] }, d = { e = 9, f = 9"),
+        ("", "{ a = 9 b = "),
+        ("", "{a={b=1]"),
+        ("", "{ a = \"}\" b = "),
+        ("", "a = [{x={"),
+    ];
+    for (start, piece) in pieces {
+        let text = format!("{BASE}v = {start}{}", piece.repeat(n));
         let faults = load_text(&text).unwrap_err();
         let first = faults.iter().map(|f| &f.message).find(|m| m.contains("nested too deep"));
         assert!(first.is_some(), "{piece}: {} faults", faults.len());
