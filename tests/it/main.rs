@@ -22,6 +22,8 @@ mod drawing;
 mod envelope;
 mod families;
 mod front;
+mod fuzz;
+mod hostile_numbers;
 mod kinematics;
 mod layout;
 mod library;

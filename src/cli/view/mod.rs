@@ -14,6 +14,7 @@ mod values;
 
 pub use access_control::{AccessControl, secret};
 pub use save::Origin;
+pub use values::requested_layout;
 
 use crate::assess::Assessment;
 use crate::cell::{Layout, Model, Reading};
