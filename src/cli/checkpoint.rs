@@ -202,6 +202,14 @@ fn refused(path: &Path, line: usize, why: &str) -> Exit {
     Exit::BadInput
 }
 
+/// Returns how many layouts the search of a checkpoint had evaluated, from the bytes of the file.
+///
+/// # Errors
+/// Returns the line of the file and why it cannot be used.
+pub fn evaluations_of_checkpoint(bytes: &[u8]) -> Result<u64, (usize, String)> {
+    understood(bytes).map(|content| content.state.evaluations())
+}
+
 /// Parses a checkpoint. Returns the line number and the fault if the file cannot be used.
 fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (usize, String)> {
     let split = bytes.iter().position(|&b| b == b'\n').map_or(bytes.len(), |end| end + 1);

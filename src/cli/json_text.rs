@@ -3,7 +3,8 @@
 
 use super::loading::sha256;
 use super::{Exit, output};
-use serde::Serialize;
+use erased_serde::Serialize;
+use std::io::{BufWriter, Write};
 
 /// Description of a sealed file that [`unsealed`] refuses.
 pub const DAMAGED: &str = "it is damaged: its text has not the hash of its last line";
@@ -13,18 +14,23 @@ const END: &[u8] = b"\n}\n";
 
 /// Returns a document as the text of a JSON file.
 ///
-/// Every document becomes a [`serde_json::Value`] first, so that each document type is compiled for one
-/// serializer only.
-pub fn pretty(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
-    let value = serde_json::to_value(document).map_err(not_json)?;
-    let mut bytes = serde_json::to_vec_pretty(&value).map_err(not_json)?;
+/// The document is a trait object, so that each document type is compiled for one serializer only.
+pub fn pretty(document: &dyn Serialize) -> Result<Vec<u8>, Exit> {
+    let mut bytes = serde_json::to_vec_pretty(document).map_err(not_json)?;
     bytes.push(b'\n');
     Ok(bytes)
 }
 
 /// Returns a document as one line of JSON.
-pub fn line(document: &impl Serialize) -> Result<String, Exit> {
-    Ok(serde_json::to_value(document).map_err(not_json)?.to_string() + "\n")
+pub fn line(document: &dyn Serialize) -> Result<String, Exit> {
+    Ok(serde_json::to_string(document).map_err(not_json)? + "\n")
+}
+
+/// Writes a document to stdout as one line of JSON, piece by piece. A closed pipe (`| head`) is no error.
+pub fn print(document: &dyn Serialize) -> Result<(), Exit> {
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    let written = serde_json::to_writer(&mut out, document).map_err(std::io::Error::from);
+    output::written(written.and_then(|()| out.write_all(b"\n")).and_then(|()| out.flush()))
 }
 
 fn not_json(e: serde_json::Error) -> Exit {
@@ -35,7 +41,7 @@ fn not_json(e: serde_json::Error) -> Exit {
 /// Returns a document as the text of a JSON file whose last key, `sha256`, is the hash of the text before it.
 ///
 /// The SHA-256 is that of all bytes before the key and the comma in front of it.
-pub fn sealed(document: &impl Serialize) -> Result<Vec<u8>, Exit> {
+pub fn sealed(document: &dyn Serialize) -> Result<Vec<u8>, Exit> {
     let mut bytes = pretty(document)?;
     bytes.truncate(bytes.len().saturating_sub(END.len()));
     let seal = seal(&bytes);

@@ -25,6 +25,11 @@ mod sweep;
 mod view;
 mod written_layout;
 
+pub use checkpoint::evaluations_of_checkpoint;
+pub use json_text::unsealed;
+#[cfg(feature = "view")]
+pub use view::requested_layout;
+
 use arguments::{Arguments, Command};
 use clap::Parser;
 use clap::error::ErrorKind;

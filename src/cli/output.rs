@@ -9,7 +9,12 @@ use std::path::Path;
 /// Writes data to stdout. A closed pipe (`| head`) is no error.
 pub fn data(text: &str) -> Result<(), Exit> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// Prints why stdout could not be written. A closed pipe is no error.
+pub fn written(result: std::io::Result<()>) -> Result<(), Exit> {
+    match result {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
             error(&format!("cannot write to stdout: {e}"));
             Err(Exit::Io)

@@ -13,6 +13,8 @@ mod toml;
 mod urdf;
 
 pub use fault::{Fault, FaultKind, Severity, shown};
+pub use keys::key::NumberRange;
+pub use keys::operation::MAX_BEND;
 pub use schema::{FileKind, reference, schema};
 pub use toml::{Choices, ReadFile, Setting, Source, of_setting, toml_string};
 

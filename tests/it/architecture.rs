@@ -272,7 +272,15 @@ fn the_agreed_packages_are_dependencies() {
 #[test]
 fn the_top_level_holds_only_the_agreed_entries() {
     let folders = ["src", "cells", "tests", "benches", "results", "docs", "python", "target"];
-    let files = ["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "rustfmt.toml"];
+    let files = [
+        "Cargo.toml",
+        "Cargo.lock",
+        "README.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "rustfmt.toml",
+        "deny.toml",
+    ];
     for entry in std::fs::read_dir(crate::common::root()).unwrap() {
         let entry = entry.unwrap();
         let name = entry.file_name().to_string_lossy().into_owned();

@@ -143,6 +143,36 @@ fn deep_nesting_is_refused() {
     assert!(only_error(&nested).contains("error: nested too deep"));
 }
 
+/// Faults inside of inline tables once let the TOML parser overflow the stack, which ends the process.
+#[test]
+fn deep_nesting_is_refused_in_faulty_text_too() {
+    let n = 20_000;
+    let pieces = [
+        ("{ a = { b = 9", "i = { c = 1 }, d = { e = 9"),
+        ("{ a = { b = 9", "int = { c = [-nan, 1] }, d = { e = 9, f = 9"),
+        ("", "{ a = 9 b = "),
+        ("", "{a={b=1]"),
+        ("", "{ a = \"}\" b = "),
+        ("", "a = [{x={"),
+    ];
+    for (start, piece) in pieces {
+        let text = format!("{BASE}v = {start}{}", piece.repeat(n));
+        let faults = load_text(&text).unwrap_err();
+        let first = faults.iter().map(|f| &f.message).find(|m| m.contains("nested too deep"));
+        assert!(first.is_some(), "{piece}: {} faults", faults.len());
+    }
+    // Brackets in strings and comments do not nest.
+    let quiet = "[".repeat(100);
+    for text in [
+        format!("name = '{quiet}'"),
+        format!("source = \"\"\"\n{quiet} \\\" {quiet}\"\"\""),
+        format!("# {quiet}"),
+    ] {
+        let faults = load_text(&format!("{BASE}{text}\n")).err().unwrap_or_default();
+        assert!(!faults.iter().any(|f| f.message.contains("nested")), "{text}: {faults:#?}");
+    }
+}
+
 #[test]
 fn hostile_texts_are_refused_quickly() {
     let megabyte = |t: &str| t.repeat(1_000_000 / t.len());

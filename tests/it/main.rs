@@ -11,6 +11,8 @@ mod charts;
 mod cli;
 #[path = "../common/mod.rs"]
 mod common;
+mod fuzz;
+mod hostile_numbers;
 mod records;
 mod report;
 mod schema;

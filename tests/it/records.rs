@@ -162,3 +162,37 @@ fn words_of_documents_equal_the_names_in_the_program() {
     same(&Unit::ALL, Unit::word);
     same(&NodeSign::ALL, NodeSign::name);
 }
+
+/// The nodes of a map become text one by one: no list of them, and no text of all of them, is in memory.
+#[test]
+fn a_map_is_written_node_by_node() {
+    let workcell = workcell("hitachi_paper.toml");
+    let assessment = Assessment::new("start", &workcell, workcell.cell.start());
+    let document = MapDocument::new(&assessment);
+    let written = serde_json::to_string(&document).unwrap();
+    // Through a value in memory, as documents were once written, the bytes are the same.
+    assert_eq!(written, serde_json::to_value(&document).unwrap().to_string());
+    let erased: &dyn erased_serde::Serialize = &document;
+    let mut bytes = 0;
+    let counted = allocation_counter::measure(|| {
+        let mut out = CountedBytes(&mut bytes);
+        serde_json::to_writer(&mut out, erased).unwrap();
+    });
+    assert_eq!(bytes, written.len());
+    let of_node = written.len() as u64 / 99;
+    assert!(counted.bytes_max < 8 * of_node, "{} bytes at most, {of_node} per node", counted.bytes_max);
+}
+
+/// Writer that counts its bytes and forgets them.
+struct CountedBytes<'a>(&'a mut usize);
+
+impl std::io::Write for CountedBytes<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        *self.0 += bytes.len();
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}

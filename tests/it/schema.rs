@@ -17,7 +17,7 @@ fn validator(kind: FileKind) -> Validator {
     jsonschema::draft7::new(&schema).unwrap()
 }
 
-fn validators() -> BTreeMap<&'static str, Validator> {
+pub fn validators() -> BTreeMap<&'static str, Validator> {
     FileKind::ALL.map(|kind| (kind.name(), validator(kind))).into_iter().collect()
 }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use sweetspot::files::{FileKind, reference, schema};
 
 /// A table of keys by its description, and one of its keys.
-type TableKey = (String, String);
+pub type TableKey = (String, String);
 
 /// The tables of a schema, also those in lists and those that are one of several ways to write a value.
 fn inside(schema: &Value) -> Vec<&Value> {
@@ -21,7 +21,7 @@ fn key_of(table: &Value, key: &str) -> TableKey {
 }
 
 /// Every key of every table of a schema.
-fn keys_of(schema: &Value, all: &mut BTreeSet<TableKey>) {
+pub fn keys_of(schema: &Value, all: &mut BTreeSet<TableKey>) {
     for table in inside(schema) {
         for (key, below) in table["properties"].as_object().into_iter().flatten() {
             all.insert(key_of(table, key));
@@ -35,7 +35,7 @@ fn keys_of(schema: &Value, all: &mut BTreeSet<TableKey>) {
 }
 
 /// The pointers to all keys of a document, each with the table of the schema that it stands in.
-fn pointers(value: &Value, schemas: Vec<&Value>, path: &str, all: &mut Vec<(String, TableKey)>) {
+pub fn pointers(value: &Value, schemas: Vec<&Value>, path: &str, all: &mut Vec<(String, TableKey)>) {
     let tables: Vec<&Value> = schemas.into_iter().flat_map(inside).flat_map(inside).collect();
     match value {
         Value::Object(entries) => {

@@ -1,7 +1,7 @@
 //! Arguments of the commands that judge one posture: `budget` and `explain`.
 
 use super::question::QuestionFlags;
-use super::value_parsers::{at, finite};
+use super::value_parsers::{at, measure};
 use crate::assess::NodeChoice;
 use crate::cli::packages::PackageFolders;
 use clap::Args;
@@ -43,7 +43,7 @@ pub struct ExplainArguments {
         long,
         value_name = "Q1,Q2,...",
         value_delimiter = ',',
-        value_parser = finite,
+        value_parser = measure,
         allow_hyphen_values = true,
         conflicts_with = "at"
     )]

@@ -125,6 +125,6 @@ impl QuestionFlags {
 }
 
 /// Returns a number as a user types it: whole numbers have no decimal point.
-fn typed(value: f64) -> String {
+pub fn typed(value: f64) -> String {
     if value.fract() == 0.0 && value.abs() < 1e15 { value.to_string() } else { toml_number(value) }
 }

@@ -1,6 +1,6 @@
 //! Arguments of the commands about a robot alone: `robots`, `robot`, `envelope`.
 
-use super::value_parsers::{bend, finite, step};
+use super::value_parsers::{bend, measure, step};
 use crate::cli::packages::PackageFolders;
 use clap::Args;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ pub struct EnvelopeArguments {
     pub bend: Option<f64>,
     /// Draw the plan at this height above the robot base; can be given several times [default: the height of
     /// the operation, or that of the widest reach]
-    #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "MM", value_parser = measure, allow_hyphen_values = true)]
     pub height: Vec<f64>,
     /// Distance between sample points [default: depends on the robot]
     #[arg(long, value_name = "MM", value_parser = step, allow_hyphen_values = true)]

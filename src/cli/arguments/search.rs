@@ -1,7 +1,7 @@
 //! Arguments of `search`.
 
-use super::question::{QuestionFlags, toml_number, word};
-use super::value_parsers::{finite, seconds};
+use super::question::{QuestionFlags, toml_number, typed, word};
+use super::value_parsers::{number, seconds};
 use crate::cell::{Goal, Solver};
 use crate::cli::packages::PackageFolders;
 use crate::files::{Setting, toml_string};
@@ -54,7 +54,7 @@ pub struct SearchArguments {
     pub resume: Option<PathBuf>,
     /// Seconds between checkpoints; with 0, a checkpoint is written only at the start and when the search is
     /// stopped
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "5")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "5", allow_hyphen_values = true)]
     pub checkpoint: f64,
     /// Progress on stderr [default: a bar on a terminal, otherwise one line of JSON per second]
     #[arg(long, value_parser = PossibleValuesParser::new(["bar", "json", "none"]))]
@@ -71,13 +71,13 @@ pub struct StoppingFlags {
     #[arg(long, value_name = "N")]
     pub budget: Option<u64>,
     /// Stop when the best layout is within this relative gap of the proven lower bound: 0.01 is 1 %
-    #[arg(long, value_name = "SHARE", value_parser = finite)]
+    #[arg(long, value_name = "SHARE", value_parser = number, allow_hyphen_values = true)]
     pub gap: Option<f64>,
     /// Stop after this many evaluations without a better layout
     #[arg(long, value_name = "N")]
     pub stagnation: Option<u64>,
     /// Stop after this time with a checkpoint and exit code 4
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
     pub time: Option<f64>,
 }
 
@@ -99,7 +99,7 @@ impl SearchArguments {
             settings.push(Setting::of_flag("--robust", "search.robust", "true"));
         }
         if let Some(gap) = self.rules.gap {
-            settings.push(Setting::of_flag(&format!("--gap {gap}"), "search.gap", toml_number(gap)));
+            settings.push(Setting::of_flag(&format!("--gap {}", typed(gap)), "search.gap", toml_number(gap)));
         }
         if let Some(goals) = &self.pareto {
             let listed: Vec<_> = goals.iter().map(|goal| toml_string(goal)).collect();

@@ -1,20 +1,24 @@
 //! Parsers of option values (clap `value_parser`s).
 //!
 //! Values that a cell file can hold are not checked against a range here. Their flags become settings, which
-//! the reader of the file checks.
+//! the reader of the file checks. Other lengths and angles have the range that files give them.
 
 use crate::assess::NodeChoice;
-use crate::files::{Choices, Setting};
+use crate::files::{Choices, MAX_BEND, NumberRange, Setting};
 
 /// Parses an elevation in degrees.
 pub fn bend(text: &str) -> Result<f64, String> {
-    let number = finite(text)?;
-    if number.abs() <= 90.0 { Ok(number) } else { Err("it must be from -90 to 90".into()) }
+    let number = measure(text)?;
+    if number.abs() <= MAX_BEND {
+        Ok(number)
+    } else {
+        Err(format!("it must be from -{MAX_BEND} to {MAX_BEND}"))
+    }
 }
 
 /// Parses the distance of sample points in mm.
 pub fn step(text: &str) -> Result<f64, String> {
-    let number = finite(text)?;
+    let number = measure(text)?;
     if number >= 1.0 { Ok(number) } else { Err("it must be at least 1".into()) }
 }
 
@@ -23,15 +27,15 @@ pub fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| "it is not a number".to_string())
 }
 
-/// Parses a finite number.
-pub fn finite(text: &str) -> Result<f64, String> {
+/// Parses a length in mm or an angle in degrees, which must be within the range that files allow.
+pub fn measure(text: &str) -> Result<f64, String> {
     let number = number(text)?;
-    if number.is_finite() { Ok(number) } else { Err("it must be finite".into()) }
+    NumberRange::Finite.refuses(number).map_or(Ok(number), |(wrong, _)| Err(format!("it {wrong}")))
 }
 
 /// Parses a duration in seconds.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    let number = finite(text)?;
+    let number = number(text)?;
     if (0.0..=1e9).contains(&number) { Ok(number) } else { Err("it must be from 0 to 1e9".into()) }
 }
 

@@ -1,7 +1,7 @@
 //! `check`: validates a cell and everything it refers to.
 
 use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
-use crate::assess::Assessment;
+use crate::assess::Feasibility;
 use crate::cell::{Cell, ErrorSet};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
@@ -34,7 +34,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         let valid = exit == Exit::Done;
         let document =
             CheckDocument { schema: CHECK_SCHEMA.into(), valid, faults, self_collision: pairs, urdf };
-        output::data(&json_text::line(&document)?)?;
+        json_text::print(&document)?;
         return Ok(exit);
     }
     let loaded = loading::load(&a.cell, &a.packages)?;
@@ -44,6 +44,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
     let free = cell.free().len();
+    let judged = Feasibility::new(&workcell, &cell.start());
     let nodes: usize = cell.operations.iter().map(|o| o.nodes()).sum();
     output::data(&format!(
         "{}\n{}, {} equipment and obstacles, {} on {nodes} nodes, {}\n{}\n{}\n{}valid{}\n",
@@ -54,7 +55,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         counted(free, "search variable", "search variables"),
         error_sets(cell),
         report::text::self_collision_pairs(&workcell),
-        report::text::feasibility(&Assessment::new("start", &workcell, cell.start())),
+        report::text::verdict("start", cell.unit(), judged.evaluation.objective, &judged.reasons),
         if warnings == 0 { String::new() } else { format!(", {}", counted(warnings, "warning", "warnings")) },
     ))?;
     warn_of_hopeless(&workcell);

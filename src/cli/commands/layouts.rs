@@ -34,7 +34,7 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         output::talk(&format!("wrote {} ({} kB)", path_word(out), html.len().div_ceil(1 << 10)));
     }
     if a.json {
-        output::data(&json_text::line(&ComparisonDocument::new(&comparison))?)?;
+        json_text::print(&ComparisonDocument::new(&comparison))?;
     } else {
         output::data(&report::text::comparison(&comparison))?;
         for sentence in comparison.in_words() {

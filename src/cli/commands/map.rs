@@ -42,7 +42,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
         None => None,
     };
     if a.json {
-        output::data(&json_text::line(&document)?)?;
+        json_text::print(&document)?;
     } else {
         let headline = report::text::headline(&workcell.cell);
         output::data(&format!("{headline}\n{}", report::text::maps(&assessment)))?;

@@ -30,7 +30,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
         ));
     }
     if a.json {
-        output::data(&json_text::line(&BudgetDocument::new(cell, &accounts))?)?;
+        json_text::print(&BudgetDocument::new(cell, &accounts))?;
     } else {
         let budgets: Vec<String> = accounts.iter().map(report::text::budget).collect();
         output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
@@ -81,7 +81,7 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
         output::talk(&format!("warning: the {model} model cannot be trusted at this posture"));
     }
     if a.json {
-        output::data(&json_text::line(&ExplanationDocument::new(explanation))?)?;
+        json_text::print(&ExplanationDocument::new(explanation))?;
         return Ok(Exit::Done);
     }
     let text = report::text::explanation(explanation);

@@ -42,7 +42,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
         None => None,
     };
     if a.json {
-        output::data(&json_text::line(&document)?)?;
+        json_text::print(&document)?;
     } else {
         let title = report::text::question(cell);
         output::data(&format!("{title}\n\n{}", report::text::readings(&readings)))?;

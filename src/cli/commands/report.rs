@@ -136,7 +136,7 @@ fn refuse_other_limits(
 fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report) -> Result<(), Exit> {
     let verdict = &report.verdict;
     if a.json {
-        output::data(&json_text::line(verdict)?)?;
+        json_text::print(verdict)?;
     } else {
         let facts = verdict.facts.iter().map(|f| format!("  {}: {} ({})\n", f.label, f.text, f.note));
         let reasons = verdict.reasons.iter().map(|r| format!("  {r}\n"));

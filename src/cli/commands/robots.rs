@@ -28,7 +28,7 @@ pub fn robots(a: &RobotsArguments) -> Result<Exit, Exit> {
         all.push((name, robot, family));
     }
     if a.json {
-        output::data(&json_text::line(&RobotsDocument::new(&all))?)?;
+        json_text::print(&RobotsDocument::new(&all))?;
     } else {
         output::data(&report::text::robots(&all))?;
         suggest(&format!("robot {}", library::ROBOTS[0].0));
@@ -46,7 +46,7 @@ pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
     let sheet = RobotDataSheet::new(&robot, &|count, of| output::advance(&bar, count, of));
     bar.finish_and_clear();
     if a.json {
-        output::data(&json_text::line(&RobotSheetDocument::new(&sheet))?)?;
+        json_text::print(&RobotSheetDocument::new(&sheet))?;
     } else {
         output::data(&report::text::robot(&sheet))?;
         suggest(&format!("envelope {} --svg envelope.svg", path_word(&a.robot)));
@@ -135,7 +135,7 @@ fn drawn(
         loading::write_whole(path, report::chart::envelope(&envelope).as_bytes())?;
     }
     if a.json {
-        output::data(&json_text::line(&EnvelopeDocument::new(&envelope))?)?;
+        json_text::print(&EnvelopeDocument::new(&envelope))?;
     } else {
         output::data(&report::text::envelope(&envelope))?;
     }

@@ -14,7 +14,7 @@ pub fn robust(a: &RobustArguments) -> Result<Exit, Exit> {
     let workcell = workcell(cell, &a.cell)?;
     let assessment = Assessment::new("start", &workcell, workcell.cell.start()).misplaced();
     if a.json {
-        output::data(&json_text::line(&RobustDocument::new(&assessment))?)?;
+        json_text::print(&RobustDocument::new(&assessment))?;
     } else {
         let headline = report::text::headline(&workcell.cell);
         let mut said = format!("{headline}\n\n{}", report::text::robustness(&assessment));

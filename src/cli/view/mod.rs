@@ -20,6 +20,7 @@ pub use access_control::{AccessControl, secret};
 pub use browser::open_in_browser;
 pub use save::Origin;
 pub use server::LocalServer;
+pub use values::requested_layout;
 
 use crate::assess::Assessment;
 use crate::cell::{Layout, Model, Reading};

@@ -126,6 +126,15 @@ impl LayoutValues {
     }
 }
 
+/// Returns the start of a cell with the coordinates that the body of a request changes.
+///
+/// # Errors
+/// Fails with a message for the page if the request is refused.
+pub fn requested_layout(cell: &Cell, body: &[u8]) -> Result<Layout, String> {
+    let asked: Value = serde_json::from_slice(body).map_err(|e| format!("the request is not JSON: {e}"))?;
+    LayoutValues::start(cell).changed(cell, &asked).map(|values| values.layout(cell))
+}
+
 fn owner(cell: &Cell, slot: Slot) -> String {
     match slot {
         Slot::Base(_) => "robot base".into(),

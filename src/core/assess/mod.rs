@@ -8,6 +8,7 @@ mod budget;
 mod distribution;
 mod envelope_study;
 mod explain;
+mod feasibility;
 mod operation_difference;
 mod parameter_motion;
 mod posture_context;
@@ -17,6 +18,7 @@ pub use budget::{BudgetReport, Tighter};
 pub use distribution::ErrorDistribution;
 pub use envelope_study::{EnvelopeQuery, Reachable, RobotDataSheet, step_of, tolerance_of};
 pub use explain::{DhRow, Explanation, ParameterEffect, SenseRow};
+pub use feasibility::Feasibility;
 pub use operation_difference::{NodePair, OperationDifference};
 pub use parameter_motion::{MotionFrame, ParameterMotion};
 pub use posture_context::{NoPosture, NodeChoice, PostureContext};
@@ -29,7 +31,6 @@ use crate::layout::{Evaluation, Refined, Robustness, Workcell, evaluate, separat
 use crate::reach::{Envelope, Fineness};
 use crate::reading::{Figures, MonteCarlo, monte_carlo};
 use crate::safe_text::shown;
-use crate::units::mm_from_m;
 
 /// Full evaluation of one layout, with maps and figures.
 pub struct Assessment<'a> {
@@ -174,27 +175,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns why the layout is infeasible, in words; empty if it is feasible.
     pub fn reasons(&self) -> Vec<String> {
-        let overlaps = self.evaluation.overlaps.iter().map(|o| o.in_words(self.cell));
-        let spotless = self.maps.iter().filter(|m| m.best.is_none());
-        let spotless = spotless.map(|m| posture_context::no_usable_node(self.cell, m));
-        let blocked = self.evaluation.blocked.iter().map(|b| b.in_words(self.cell));
-        let mut all: Vec<String> =
-            overlaps.chain(self.nearest_without_overlap()).chain(spotless).chain(blocked).collect();
-        if all.is_empty() && self.evaluation.objective.is_none() {
-            all.push("feasible as drawn, but not everywhere within its placement tolerances".into());
-        }
-        all
-    }
-
-    /// Describes in words where to move overlapping equipment: the nearest placements found without overlap.
-    fn nearest_without_overlap(&self) -> Option<String> {
-        let apart = self.apart.as_ref()?;
-        let moves = self.cell.equipment.iter().zip(self.layout.placements.iter().zip(&apart.placements));
-        let moved = moves.filter(|(_, (from, to))| from != to).map(|(e, (_, to))| {
-            let world = if e.on.is_some() { " (world)" } else { "" };
-            format!("{} at x {:.1}, y {:.1} mm{world}", e.name, mm_from_m(to.x), mm_from_m(to.y))
-        });
-        Some(format!("nearest without overlap: {}", moved.collect::<Vec<_>>().join("; ")))
+        let spotless = self.maps.iter().filter(|map| map.best.is_none());
+        feasibility::reasons(self.cell, &self.layout, &self.evaluation, self.apart.as_ref(), spotless)
     }
 }
 

@@ -12,8 +12,9 @@ use crate::pose::Displacement;
 use crate::reading::WorkContext;
 
 /// Recorder of every node of a walk.
-#[derive(Default)]
 struct NodeRecorder {
+    /// Whether nodes get their posture and its errors. This takes most of the time of a map.
+    has_postures: bool,
     /// Candidates of the current node.
     candidates: Vec<PostureCandidate>,
     nodes: Vec<NodeRecord>,
@@ -28,8 +29,10 @@ impl PostureVisitor for NodeRecorder {
 
     fn end_of_node(&mut self, query: &OperationQuery<'_>, node: &VisitedNode, memory: &mut PostureMemory) {
         self.candidates.sort_by(|a, b| b.cmp(a));
-        let (status, posture) = query.judge(node, &self.candidates, memory);
+        let (status, shown) = query.judge(node, &self.candidates, memory);
         self.candidates.clear();
+        let posture = shown.filter(|_| self.has_postures);
+        let posture = posture.and_then(|(context, candidate)| query.record(context, &candidate, memory));
         let (i, j) = query.setup.grid.index(node.node);
         let position = query.placed.layout.base.pose().transform(&node.target);
         self.nodes.push(NodeRecord { i, j, position, status, posture });
@@ -40,10 +43,7 @@ impl PlacedLayout<'_> {
     /// Maps an operation; `spots` holds the spots of the earlier operations.
     pub fn map(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {
         let query = OperationQuery::new(self, operation, spots);
-        let mut memory = PostureMemory::new(self.mapper, operation);
-        let mut recorder = NodeRecorder::default();
-        query.walk(&mut memory, &mut recorder);
-        let nodes = recorder.nodes;
+        let nodes = query.nodes(true);
         let usable = |n: &NodeRecord| {
             let posture = n.posture.as_ref().filter(|p| n.status == Status::Ok && !p.touched);
             posture.map(|p| p.value)
@@ -53,16 +53,33 @@ impl PlacedLayout<'_> {
         let (best, value) = chosen(query.setup.over, &values, all_usable);
         OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
     }
+
+    /// Maps the status of every node of an operation without a spot, which is many times faster than
+    /// [`PlacedLayout::map`]. No node has a posture.
+    pub fn statuses(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {
+        let nodes = OperationQuery::new(self, operation, spots).nodes(false);
+        OperationMap { operation, senses: Vec::new(), nodes, best: None, value: None }
+    }
 }
 
 impl OperationQuery<'_> {
+    /// Records every node; with `has_postures`, also its posture with the errors.
+    fn nodes(&self, has_postures: bool) -> Vec<NodeRecord> {
+        let mut memory = PostureMemory::new(self.placed.mapper, self.operation);
+        let mut recorder = NodeRecorder { has_postures, candidates: Vec::new(), nodes: Vec::new() };
+        self.walk(&mut memory, &mut recorder);
+        recorder.nodes
+    }
+
     /// Judges one node by its candidates, which must be sorted with the best one first.
+    ///
+    /// Returns the status, and the candidate to record with the context of its errors.
     fn judge(
         &self,
         node: &VisitedNode,
         candidates: &[PostureCandidate],
         memory: &mut PostureMemory,
-    ) -> (Status, Option<PostureRecord>) {
+    ) -> (Status, Option<(&WorkContext, PostureCandidate)>) {
         let context = match (&self.context, node.missed) {
             (_, Some(_)) => return (self.why_unreached(&node.target, |_| true), None),
             (Err(why), None) => return (Status::Unjudged(*why), None),
@@ -74,7 +91,7 @@ impl OperationQuery<'_> {
             Some(free) => (Status::Ok, Some(free)),
             None => (self.why_none(&node.target, &found, memory), found.nearest),
         };
-        (status, shown.and_then(|candidate| self.record(context, &candidate, memory)))
+        (status, shown.map(|candidate| (context, candidate)))
     }
 
     /// Records the posture of a candidate with its errors by every model and in every reported sense.

@@ -18,6 +18,8 @@ const PACKAGE: &str = "give the folder of the package: --package NAME=DIR";
 
 const NAMING: &str = "write its path relative to the folder of the file that names it";
 
+const ENCODING: &str = "save it as UTF-8 in a text editor";
+
 /// File as it was read: its path and bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
@@ -90,12 +92,23 @@ impl<'a> Library<'a> {
     }
 
     /// Reads a text file, unless it has been read, and returns its index among the sources.
+    ///
+    /// A file that is not UTF-8 is a fault at the place that names it. Nothing names the cell file, so its
+    /// fault is at its first byte that is not UTF-8.
     pub fn text(&mut self, path: &str, at: Option<At>) -> Option<usize> {
         let file = self.file(path, at)?;
-        if std::str::from_utf8(&self.sources[file].bytes).is_ok() {
+        let bytes = &self.sources[file].bytes;
+        let Some(text) = bytes.utf8_chunks().next().filter(|chunk| !chunk.invalid().is_empty()) else {
             return Some(file);
+        };
+        let (text, wrong) = (text.valid(), "it is not UTF-8 text");
+        match at {
+            Some(at) => self.error(at, format!("cannot read `{}`: {wrong}", shown(path)), ENCODING),
+            None => {
+                let fault = Fault::in_text(path, text, text.len(), wrong.into(), ENCODING.into());
+                self.faults.push(fault);
+            }
         }
-        self.unreadable(path, at, "it is not UTF-8 text");
         None
     }
 

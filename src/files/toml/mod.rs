@@ -3,6 +3,7 @@
 
 pub mod document;
 pub mod from;
+mod nesting;
 pub mod reader;
 pub mod setting;
 pub mod tree;

@@ -3,6 +3,7 @@
 //! serde stops at the first fault and does not keep the place of a value. The tree keeps the place of every
 //! value, and [`super::reader`] reads it.
 
+use super::nesting::too_deep;
 use crate::files::fault::shown;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -95,6 +96,9 @@ impl Value {
 
 /// Parses the text of a file; returns its entries, or its faults with their byte offsets.
 pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<SyntaxFault>> {
+    if let Some(offset) = too_deep(text, MAX_NESTING) {
+        return Err(vec![(offset, TOO_DEEP.0.into(), TOO_DEEP.1)]);
+    }
     let (table, errors) = DeTable::parse_recoverable(text);
     let worth = errors.iter().take(MAX_SLIPS);
     let mut faults: Vec<_> = worth.map(|e| explained(text, e.message(), e.span())).collect();

@@ -47,11 +47,14 @@ pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
 
 /// Returns the objective of a layout, or the reasons why it is not feasible, one per line.
 pub fn feasibility(a: &Assessment<'_>) -> String {
-    match a.objective() {
-        Some(objective) => {
-            format!("{} layout: objective {objective:.4} {}\n", a.label, a.cell.unit().word())
-        }
-        None => format!("{} layout is not feasible:\n  {}\n", a.label, a.reasons().join("\n  ")),
+    verdict(&a.label, a.cell.unit(), a.evaluation.objective, &a.reasons())
+}
+
+/// Returns the objective (SI) of the layout `label`, or the reasons why it is not feasible, one per line.
+pub fn verdict(label: &str, unit: Unit, objective: Option<f64>, reasons: &[String]) -> String {
+    match objective.map(|objective| unit.from_si(objective)) {
+        Some(objective) => format!("{label} layout: objective {objective:.4} {}\n", unit.word()),
+        None => format!("{label} layout is not feasible:\n  {}\n", reasons.join("\n  ")),
     }
 }
 

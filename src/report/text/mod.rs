@@ -15,7 +15,7 @@ pub mod table;
 mod urdf;
 
 pub use budget::budget;
-pub use compare::{comparison, comparison_table, feasibility};
+pub use compare::{comparison, comparison_table, feasibility, verdict};
 pub use envelope::{envelope, envelope_title, robot, robots};
 pub use explain::explanation;
 pub use front::{front, goals_line};

@@ -50,7 +50,7 @@ fn an_unknown_robot_exits_2_with_a_suggestion() {
     for args in [["robot", "nowhere.toml"], ["envelope", "nowhere.toml"]] {
         assert_eq!(shop.run(&args).code, Some(3), "{args:?}");
     }
-    for bad in [&["--bend", "91"][..], &["--step", "0"], &["--operation", "picking"], &["--height", "nan"]] {
+    for bad in [&["--bend", "136"][..], &["--step", "0"], &["--operation", "picking"], &["--height", "nan"]] {
         let ran = shop.run(&[&["envelope", "hitachi_pw10"][..], bad].concat());
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{bad:?}");
     }

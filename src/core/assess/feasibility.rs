@@ -1,0 +1,61 @@
+//! Whether a layout is feasible, and why it is not, without the maps of its operations.
+
+use super::posture_context::no_usable_node;
+use crate::cell::{Cell, Layout};
+use crate::error_map::OperationMap;
+use crate::layout::{Evaluation, Workcell, evaluate, separated};
+use crate::units::mm_from_m;
+
+/// Evaluation of a layout with the reasons why it is infeasible.
+///
+/// No errors are computed except those that the search minimizes. A map computes many more at every node.
+pub struct Feasibility {
+    pub evaluation: Evaluation,
+    /// Reasons why the layout is infeasible, in words; empty if it is feasible.
+    pub reasons: Vec<String>,
+}
+
+impl Feasibility {
+    /// Evaluates one layout.
+    pub fn new(workcell: &Workcell, layout: &Layout) -> Self {
+        let evaluation = evaluate(workcell, layout);
+        if evaluation.objective.is_some() {
+            return Self { evaluation, reasons: Vec::new() };
+        }
+        let apart = if evaluation.overlaps.is_empty() { None } else { separated(workcell, layout) };
+        let maps = workcell.maps_without_spot(layout);
+        let reasons = reasons(&workcell.cell, layout, &evaluation, apart.as_ref(), maps.iter());
+        Self { evaluation, reasons }
+    }
+}
+
+/// Returns why a layout is infeasible, in words; empty if it is feasible.
+///
+/// `apart` is the nearest layout without overlaps. `spotless` are the maps of the operations without a spot.
+pub fn reasons<'m>(
+    cell: &Cell,
+    layout: &Layout,
+    evaluation: &Evaluation,
+    apart: Option<&Layout>,
+    spotless: impl Iterator<Item = &'m OperationMap>,
+) -> Vec<String> {
+    let overlaps = evaluation.overlaps.iter().map(|o| o.in_words(cell));
+    let apart = apart.map(|apart| nearest_without_overlap(cell, layout, apart));
+    let spotless = spotless.map(|map| no_usable_node(cell, map));
+    let blocked = evaluation.blocked.iter().map(|b| b.in_words(cell));
+    let mut all: Vec<String> = overlaps.chain(apart).chain(spotless).chain(blocked).collect();
+    if all.is_empty() && evaluation.objective.is_none() {
+        all.push("feasible as drawn, but not everywhere within its placement tolerances".into());
+    }
+    all
+}
+
+/// Describes in words where to move overlapping equipment: the nearest placements found without overlap.
+fn nearest_without_overlap(cell: &Cell, layout: &Layout, apart: &Layout) -> String {
+    let moves = cell.equipment.iter().zip(layout.placements.iter().zip(&apart.placements));
+    let moved = moves.filter(|(_, (from, to))| from != to).map(|(e, (_, to))| {
+        let world = if e.on.is_some() { " (world)" } else { "" };
+        format!("{} at x {:.1}, y {:.1} mm{world}", e.name, mm_from_m(to.x), mm_from_m(to.y))
+    });
+    format!("nearest without overlap: {}", moved.collect::<Vec<_>>().join("; "))
+}

@@ -1,0 +1,49 @@
+//! Scan of TOML text for deep nesting of brackets, before the text is parsed.
+//!
+//! The TOML parser limits its own recursion, but not while it recovers from a fault inside an inline table:
+//! one line of 130 kB then overflows the stack of a thread.
+
+/// Returns the byte offset of the first bracket that is nested deeper than `deepest`.
+///
+/// A closing bracket counts only for its own kind, so that faulty text is never nested deeper than it seems.
+pub fn too_deep(text: &str, deepest: usize) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let (mut open, mut at) = (Vec::new(), 0);
+    while let Some(&byte) = bytes.get(at) {
+        match byte {
+            b'[' | b'{' if open.len() == deepest => return Some(at),
+            // The closing bracket is the second character after the opening one.
+            b'[' | b'{' => open.push(byte + 2),
+            b']' | b'}' if open.last() == Some(&byte) => drop(open.pop()),
+            b'#' => at = end_of_line(bytes, at),
+            b'"' | b'\'' => at = end_of_string(bytes, at, byte),
+            _ => {}
+        }
+        at += 1;
+    }
+    None
+}
+
+/// Returns the offset of the line break at or after `at`, or the end of the text.
+fn end_of_line(bytes: &[u8], at: usize) -> usize {
+    bytes[at..].iter().position(|b| *b == b'\n').map_or(bytes.len(), |end| at + end)
+}
+
+/// Returns the offset of the last byte of the string that begins at `start`.
+///
+/// A string of one line that is not closed ends with its line.
+fn end_of_string(bytes: &[u8], start: usize, quote: u8) -> usize {
+    let is_long = bytes[start..].starts_with(&[quote; 3]);
+    let mut at = start + if is_long { 3 } else { 1 };
+    while let Some(&byte) = bytes.get(at) {
+        match byte {
+            b'\\' if quote == b'"' && bytes.get(at + 1) != Some(&b'\n') => at += 1,
+            b'\n' if !is_long => return at,
+            _ if is_long && bytes[at..].starts_with(&[quote; 3]) => return at + 2,
+            _ if !is_long && byte == quote => return at,
+            _ => {}
+        }
+        at += 1;
+    }
+    at
+}
