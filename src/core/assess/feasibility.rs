@@ -39,6 +39,9 @@ pub fn reasons<'m>(
     apart: Option<&Layout>,
     spotless: impl Iterator<Item = &'m OperationMap>,
 ) -> Vec<String> {
+    if let Some(misfit) = &evaluation.misfit {
+        return vec![misfit.in_words(cell)];
+    }
     let overlaps = evaluation.overlaps.iter().map(|o| o.in_words(cell));
     let apart = apart.map(|apart| nearest_without_overlap(cell, layout, apart));
     let spotless = spotless.map(|map| no_usable_node(cell, map));
