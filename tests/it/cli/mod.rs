@@ -21,3 +21,4 @@ mod schema;
 mod sweep;
 mod urdf;
 mod view;
+mod yields;

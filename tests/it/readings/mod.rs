@@ -1,8 +1,11 @@
 //! Tests the readings of the errors against brute force, Monte Carlo, closed forms and published values.
 
 mod bench;
+mod bounded;
+mod joint;
 mod norm;
 mod normal_quantile;
+mod refuted;
 mod registration;
 mod sampling;
 mod spread;
