@@ -69,6 +69,36 @@ fn the_node_loop_does_not_allocate() {
     assert!(measure(|| drop(BestFit::new(&chain, &ErrorSources::new(&cell, 0, None), true))).count_total > 0);
 }
 
+/// Bounded parameters that dominate use points which are prepared before the node loop.
+#[test]
+fn the_node_loop_does_not_allocate_for_bounded_parameters() {
+    let mut cell = shipped("hitachi_cell.toml");
+    let chain = Chain::new(&cell.robot);
+    let axes = cell.robot.axes();
+    let mut spreads = vec![Spread::of_magnitude(0.0); Parameter::count(axes)];
+    for (k, distribution) in
+        [(0, Distribution::Uniform), (5, Distribution::Triangular), (6, Distribution::Normal)]
+    {
+        spreads[k] = Spread { plus_minus: 1e-3, distribution, sigmas: 3.0 };
+    }
+    cell.robot.errors =
+        vec![ErrorSet::Tolerance(Tolerance { name: "bounded".into(), spreads, covariance: None })];
+    (cell.errors, cell.reading, cell.operations[0].limit) = (0, Reading::Statistical, Some(1e-3));
+    let frames = chain.frames(
+        &chain.posture(&std::array::from_fn(|i| [0.3, 0.2, 0.1, -0.4].get(i).copied().unwrap_or(0.0))),
+    );
+    for quantity in Quantity::ALL {
+        cell.quantity = quantity;
+        let evaluator = ErrorEvaluator::new(&cell, &cell.operations[0]);
+        let mut memory = evaluator.memory();
+        for situation in situations(&cell, &evaluator, &chain) {
+            let mut value = 0.0;
+            let used = measure(|| value = evaluator.value(&situation, &frames, &mut memory));
+            assert!(value.is_finite() && used.count_total == 0, "{quantity:?}: {value} {}", used.count_total);
+        }
+    }
+}
+
 /// An evaluation of ten times the nodes allocates no more memory than one of few nodes, ranked or judged.
 #[test]
 fn an_evaluation_does_not_allocate_per_node() {

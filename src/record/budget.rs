@@ -1,5 +1,6 @@
 //! The document of `budget --json`.
 
+use super::map::MonteCarloEntry;
 use super::numbers::{in_unit, joints, nine_digits, percent, position_mm};
 use super::parameter_names as names;
 use super::words::{VALUE_WORDS, value_word};
@@ -47,6 +48,11 @@ pub struct OperationBudget {
     /// Whether the linear worst case is exact; otherwise it is an upper bound.
     pub worst_linear_exact: bool,
     pub total: TotalEntry,
+    /// Limit minus the value of the operation; negative if the value exceeds the limit, and null without a
+    /// limit and under the quantity yield.
+    pub margin: Option<f64>,
+    /// Monte Carlo check of the posture; null unless the reading is statistical.
+    pub monte_carlo: Option<MonteCarloEntry>,
     /// Shares of the parameters, the largest first.
     pub parameters: Vec<ShareEntry>,
     /// Gains from halving the tolerances of the parameters with the largest shares.
@@ -131,6 +137,8 @@ impl OperationBudget {
             joints_deg: joints(context.cell, &context.joints),
             worst_linear_exact: a.worst.exact,
             total: TotalEntry::new(context, &a.judged),
+            margin: context.requirement(a.judged.value).map(|r| in_unit(unit, r.margin)),
+            monte_carlo: a.check.as_ref().map(|c| MonteCarloEntry::of(&c.samples, unit, Some(c.confirmed))),
             parameters: a.budget.shares.iter().map(|s| ShareEntry::new(context, s)).collect(),
             tighten: a.tighter.iter().map(|t| TightenEntry::new(a, t)).collect(),
             linear_worst: in_unit(unit, a.budget.worst),

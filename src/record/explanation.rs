@@ -1,6 +1,7 @@
 //! The document of `explain --json`.
 
 use super::budget::TotalEntry;
+use super::map::MonteCarloEntry;
 use super::numbers::{
     degrees, in_unit, joint_coordinate, joints, millimetres, nine_digits, percent, plain, position_mm,
     rotation_deg,
@@ -79,6 +80,11 @@ pub struct ExplanationDocument {
     /// Sign of every parameter at the worst corner of the tolerance box.
     pub worst_corner: ByName<i8>,
     pub total: TotalEntry,
+    /// Limit minus the value of the operation; negative if the value exceeds the limit, and null without a
+    /// limit and under the quantity yield.
+    pub margin: Option<f64>,
+    /// Monte Carlo check of the posture; null unless the reading is statistical.
+    pub monte_carlo: Option<MonteCarloEntry>,
     /// Value of the minimized figure, in `unit`.
     pub value: f64,
     pub unit: Unit,
@@ -219,6 +225,7 @@ impl ExplanationDocument {
         let context = &e.context;
         let cell = context.cell;
         let operation = &cell.operations[context.operation];
+        let sense_unit = operation.sense.unit;
         let to_world = context.situation.site.world.transpose();
         let tool = to_world * context.frames.tcp.rotation * cell.robot.tool_axis;
         let world = |d: &Displacement| DisplacementEntry::new(&d.turned(&to_world));
@@ -255,6 +262,11 @@ impl ExplanationDocument {
             sense_rows: e.sense.iter().map(|row| SenseRowEntry::new(e, row)).collect(),
             worst_corner: corner(e),
             total: TotalEntry::new(context, &e.judged),
+            margin: context.requirement(e.judged.value).map(|r| in_unit(sense_unit, r.margin)),
+            monte_carlo: e
+                .check
+                .as_ref()
+                .map(|c| MonteCarloEntry::of(&c.samples, sense_unit, Some(c.confirmed))),
             value: in_unit(e.unit(), e.judged.value),
             unit: e.unit(),
         }

@@ -1,5 +1,7 @@
 //! The document of `map --json`.
 
+use super::cell_yield::CellYieldEntry;
+use super::estimate::EstimateEntry;
 use super::node::{MapNode, MapNodes};
 use super::numbers::{degrees, in_unit, joints, nine_digits, percent};
 use super::placement::{ByName, PlacementEntry, placements};
@@ -9,7 +11,7 @@ use crate::assess::Assessment;
 use crate::cell::{Cell, JointKind, Model, NodeAggregation, Reading, Registration, Sense, Unit};
 use crate::error_map::{NodeSign, OperationMap};
 use crate::motion::Transfer;
-use crate::reading::{Estimate, MonteCarlo};
+use crate::reading::MonteCarlo;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +39,10 @@ pub struct MapDocument<'a> {
     pub notes: Vec<String>,
     /// Pairs of objects whose floor spaces overlap, or are nearer than the clearance.
     pub overlaps: Vec<String>,
+    /// Yield of all operations together. Left out unless the reading is statistical and an operation has a
+    /// limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell_yield: Option<CellYieldEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
     /// Motions between consecutive operations; empty if a motion is blocked. Left out for a cell without
@@ -123,6 +129,7 @@ impl<'a> MapDocument<'a> {
             unit: cell.unit(),
             notes: caveats(cell),
             overlaps: a.evaluation.overlaps.iter().map(|o| o.in_words(cell)).collect(),
+            cell_yield: CellYieldEntry::new(a),
             reasons: a.reasons(),
             transfers: cell.transfer.is_some().then(|| transfers(a)),
             layout: placements(cell, &a.layout),
@@ -245,33 +252,22 @@ pub struct MonteCarloEntry {
     /// Share of samples within the limit; null if the operation has no limit.
     pub r#yield: Option<EstimateEntry>,
     pub share_above_first_order_p95: EstimateEntry,
-    /// Whether the samples confirm the first-order figures.
+    /// Whether the samples confirm the first-order figures. If not, their figures replace the first-order ones
+    /// at the spot, in the value of the operation and in its margin.
     pub first_order_holds: Option<bool>,
-}
-
-/// A figure with its 95 % confidence interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EstimateEntry {
-    pub value: f64,
-    pub low: f64,
-    pub high: f64,
-}
-
-impl EstimateEntry {
-    fn new(e: &Estimate, unit: Unit) -> Self {
-        let [value, low, high] = [e.value, e.low, e.high].map(|v| in_unit(unit, v));
-        Self { value, low, high }
-    }
 }
 
 impl MonteCarloEntry {
     /// Makes the entry; None unless the reading is statistical and the operation has a spot.
     pub fn new(a: &Assessment<'_>, operation: usize) -> Option<Self> {
         let unit = a.cell.operations[operation].sense.unit;
-        let MonteCarlo { samples, rms, mean, p95, p99, above, success, .. } =
-            a.samples[operation].as_ref()?;
-        Some(Self {
+        Some(Self::of(a.samples[operation].as_ref()?, unit, a.first_order_holds(operation)))
+    }
+
+    /// Makes the entry of an operation whose sense has the unit `unit`.
+    pub fn of(samples: &MonteCarlo, unit: Unit, first_order_holds: Option<bool>) -> Self {
+        let MonteCarlo { samples, rms, mean, p95, p99, above, success, .. } = samples;
+        Self {
             samples: *samples,
             unit,
             rms: EstimateEntry::new(rms, unit),
@@ -280,8 +276,8 @@ impl MonteCarloEntry {
             p99: EstimateEntry::new(p99, unit),
             r#yield: success.as_ref().map(|s| EstimateEntry::new(s, Unit::Share)),
             share_above_first_order_p95: EstimateEntry::new(above, Unit::Share),
-            first_order_holds: a.first_order_holds(operation),
-        })
+            first_order_holds,
+        }
     }
 }
 

@@ -6,8 +6,10 @@
 //! schema does not require are left out instead. Reading a document refuses unknown fields.
 
 mod budget;
+mod cell_yield;
 mod check;
 mod comparison;
+mod estimate;
 mod explanation;
 pub mod goals;
 mod manifest;
@@ -30,8 +32,10 @@ mod verdict;
 mod words;
 
 pub use budget::{BudgetDocument, OperationBudget, ShareEntry, TightenEntry, TotalEntry};
+pub use cell_yield::CellYieldEntry;
 pub use check::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, PoseEntry, UrdfEntry, UrdfRow, roll_pitch_yaw};
 pub use comparison::{ComparedLayout, ComparisonDocument};
+pub use estimate::EstimateEntry;
 pub use explanation::{
     DhEntry, DisplacementEntry, ExplanationDocument, FrameEntry, JointKindWord, MotionEntry, MotionKind,
     ParameterEntry, PostureGuardEntry, SenseRowEntry, SenseRowKind,
@@ -39,8 +43,8 @@ pub use explanation::{
 pub use goals::GoalsEntry;
 pub use manifest::{HashedFile, ManifestDocument};
 pub use map::{
-    EstimateEntry, GuardEntry, JointEntry, MapDocument, ModelGuardEntry, MonteCarloEntry, OperationMapEntry,
-    SenseEntry, StatusCounts, TransferEntry,
+    GuardEntry, JointEntry, MapDocument, ModelGuardEntry, MonteCarloEntry, OperationMapEntry, SenseEntry,
+    StatusCounts, TransferEntry,
 };
 pub use misplacement::{
     CornerEntry, EndedEntry, LargestEntry, LostEntry, MisplacedOperation, MoveEntry, RobustDocument,
@@ -67,4 +71,4 @@ pub use verdict::{
     FactEntry, FactMood, REPORT_SCHEMA, RequirementState, RunnerUpEntry, RunnerUpKind, VerdictAnswer,
     VerdictDocument, VerdictSpot, VerdictSubject,
 };
-pub use words::{caveats, value_word};
+pub use words::{caveats, objective_word, value_word};

@@ -1,5 +1,6 @@
 //! The result of a search: `search.json` and `search --json`.
 
+use super::cell_yield::CellYieldEntry;
 use super::goals::{self, GoalsEntry};
 use super::numbers::{in_unit, nine_digits, rounded_down};
 use super::placement::{AttitudeEntry, ByName, PlacementEntry, attitudes, placements};
@@ -73,6 +74,10 @@ pub struct SearchResult {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
+    /// Yield of all operations together. Left out unless the reading is statistical and an operation has a
+    /// limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell_yield: Option<CellYieldEntry>,
     pub start: StartEntry,
     /// Pareto front or shortlist of layouts; null if the search was not asked to keep layouts.
     pub front: Option<Vec<AlternativeEntry>>,
@@ -126,6 +131,10 @@ pub struct StartEntry {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
+    /// Yield of all operations together. Left out unless the reading is statistical and an operation has a
+    /// limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell_yield: Option<CellYieldEntry>,
 }
 
 /// Layout of the Pareto front or of the shortlist.
@@ -151,6 +160,7 @@ impl SearchResult {
         gain_percent: Option<f64>,
     ) -> Self {
         let cell = best.cell;
+        let (proof, gap) = best.proven(proof);
         let settings = &cell.search;
         Self {
             schema: SEARCH_SCHEMA.into(),
@@ -159,9 +169,9 @@ impl SearchResult {
             objective_value: best.objective().map(nine_digits),
             unit: cell.unit(),
             gain_percent,
-            bound: record.bound.map(|b| rounded_down(cell.unit().from_si(b))),
-            gap_percent: record.gap().map(|g| rounded(g * 100.0, 6)),
-            proof: ProofEntry::new(cell, proof),
+            bound: proof.bound.map(|b| rounded_down(cell.unit().from_si(b))),
+            gap_percent: gap.map(|g| rounded(g * 100.0, 6)),
+            proof: ProofEntry::new(cell, &proof),
             evaluations: record.evaluations,
             feasible: record.feasible,
             ended: record.ended,
@@ -186,6 +196,7 @@ impl SearchResult {
             base: PlacementEntry::new(&best.layout.base),
             attitudes: attitudes(cell, &best.layout),
             operations: SpotEntry::all(best),
+            cell_yield: CellYieldEntry::new(best),
             start: StartEntry::new(start),
             front: AlternativeEntry::all(cell, record),
             trace: record.trace.iter().map(|(n, e)| (*n, in_unit(cell.unit(), *e))).collect(),
@@ -242,6 +253,7 @@ impl StartEntry {
             base: PlacementEntry::new(&start.layout.base),
             attitudes: attitudes(start.cell, &start.layout),
             operations: SpotEntry::all(start),
+            cell_yield: CellYieldEntry::new(start),
         }
     }
 }

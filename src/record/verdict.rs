@@ -1,5 +1,6 @@
 //! The verdict of a report: the document of `report --json`, and the head of its page.
 
+use super::cell_yield::CellYieldEntry;
 use super::words::VALUE_WORDS;
 use crate::cell::{Objective, Unit};
 use crate::search::SearchEnd;
@@ -36,6 +37,10 @@ pub struct VerdictDocument {
     pub requirement: RequirementState,
     pub runner_up: Option<RunnerUpEntry>,
     pub facts: Vec<FactEntry>,
+    /// Yield of all operations together. Left out unless the reading is statistical and an operation has a
+    /// limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell_yield: Option<CellYieldEntry>,
     pub operations: Vec<VerdictSpot>,
     /// Reasons why the answer is no.
     pub reasons: Vec<String>,

@@ -1,6 +1,6 @@
 //! Words that documents, pages and the terminal share.
 
-use crate::cell::{Cell, ErrorSet, Quantity, Reading, Spread};
+use crate::cell::{Cell, ErrorSet, Objective, Quantity, Reading, Spread};
 use crate::files::shown;
 
 /// Returns the name of the figure that a cell minimizes: "error", "worst case", "p95" and so on.
@@ -10,6 +10,28 @@ pub fn value_word(cell: &Cell) -> &'static str {
         (Reading::WorstCase, _) => "worst case",
         (Reading::Statistical, Quantity::Yield) => "share of failures",
         (Reading::Statistical, quantity) => quantity.name(),
+    }
+}
+
+/// Returns the name of the objective: the figure of the only operation, or the way in which the figures of
+/// several operations combine.
+///
+/// A combination of statistical or worst-case figures is no figure of one arm, and gets a name of its own.
+pub fn objective_word(cell: &Cell) -> String {
+    let word = value_word(cell);
+    if cell.operations.len() < 2 || cell.reading == Reading::Signed {
+        return word.to_string();
+    }
+    let each = match word {
+        "worst case" => "worst cases".to_string(),
+        "share of failures" => "shares of failures".to_string(),
+        word => format!("{word} figures"),
+    };
+    let weighted = if cell.operations.iter().any(|o| o.weight != 1.0) { "weighted " } else { "" };
+    match cell.search.objective {
+        Objective::WeightedSum => format!("{weighted}sum of the operations' {each}"),
+        Objective::WeightedMaximum => format!("{weighted}maximum of the operations' {each}"),
+        Objective::Lexicographic => format!("combination by priority of the operations' {each}"),
     }
 }
 

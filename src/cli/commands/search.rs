@@ -188,26 +188,29 @@ fn answer(
     seconds: f64,
 ) -> String {
     let cell = &workcell.cell;
+    let best = comparison.columns.last().map(|best| best.proven(proof));
+    let (proof, gap) = best.unwrap_or_else(|| (proof.clone(), None));
     let said = match (record.ended, record.found()) {
         (SearchEnd::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
         (_, false) => "no feasible layout found; `best` is the closest to feasible".to_string(),
         (_, true) => match comparison.change_percent(1, Assessment::objective) {
             Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
             Some(change) => {
-                let word = crate::record::value_word(cell);
+                let word = crate::record::objective_word(cell);
                 format!("the best layout has {:.1} % less {word} than the start", -change)
             }
             None => "the start layout is infeasible, the best layout is feasible".to_string(),
         },
     };
     format!(
-        "{}\n\n{}\n{}{}{}{said}\n{}{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
+        "{}\n\n{}\n{}{}{}{}{said}\n{}{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
         report::text::headline(cell),
         report::text::comparison(comparison),
         comparison.columns.last().map(report::text::robustness).unwrap_or_default(),
         comparison.columns.last().map(report::text::goals_line).unwrap_or_default(),
+        comparison.columns.last().map(report::text::yield_lines).unwrap_or_default(),
         report::text::front(cell, record),
-        report::text::proven(workcell, record, proof),
+        report::text::proven(workcell, gap, &proof),
         record.evaluations,
         record.feasible,
         cell.search.solver.name(),

@@ -246,7 +246,9 @@ fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Ass
         maps,
         refined: vec![None; operations],
         robustness: Vec::new(),
-        samples: (0..operations).map(|_| None).collect(),
+        samples: vec![None; operations],
+        cell_yield: None,
+        confirmed: vec![None; operations],
         apart,
     }
 }

@@ -1,5 +1,6 @@
 //! Error budget of a spot: the share of each parameter, and the gain from tightening its tolerance.
 
+use super::posture_check::PostureCheck;
 use super::posture_context::PostureContext;
 use crate::cell::{Parameter, Reading, Unit};
 use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
@@ -21,8 +22,11 @@ pub struct BudgetReport<'a> {
     pub context: PostureContext<'a>,
     pub budget: Budget,
     pub judged: PostureErrors,
+    /// Monte Carlo check of the posture; None unless the reading is statistical.
+    pub check: Option<PostureCheck>,
     pub worst: WorstCase,
-    /// Figure that smaller tolerances reduce: the quantity of the statistical reading, else the worst case.
+    /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, else the
+    /// worst case.
     pub figure: f64,
     /// Trials on the parameters with the largest shares of the budget. Each trial halves the tolerance of one
     /// parameter; the last halves the tolerances of all these parameters.
@@ -35,7 +39,7 @@ impl<'a> BudgetReport<'a> {
         let PostureContext { evaluator, situation, frames, .. } = &context;
         let mut memory = evaluator.memory();
         let budget = Budget::new(evaluator, situation, frames, &mut memory);
-        let judged = evaluator.judge(situation, frames, &mut memory);
+        let (judged, check) = PostureCheck::judged(&context, &mut memory);
         evaluator.prepare(situation, frames, &mut memory);
         let worst = evaluator.worst(&evaluator.sense, situation, frames, &mut memory);
         let first: Vec<Parameter> = budget.shares.iter().take(TIGHTENED).map(|s| s.parameter).collect();
@@ -49,7 +53,7 @@ impl<'a> BudgetReport<'a> {
         });
         let tighter = tighter.collect();
         let figure = figure(evaluator, &context, &mut memory);
-        Self { budget, judged, worst, figure, tighter, context }
+        Self { budget, judged, check, worst, figure, tighter, context }
     }
 
     /// Returns the unit of [`Self::figure`], which is in m, rad or a share.

@@ -1,6 +1,7 @@
 //! Explanation of one posture's error, step by step, so that it can be checked by hand.
 
 use super::parameter_motion::{ParameterMotion, motions};
+use super::posture_check::PostureCheck;
 use super::posture_context::PostureContext;
 use crate::cell::{Frame, JointKind, Model, Parameter, Reading, Unit};
 use crate::kinematic_error::{deviation, pose_error};
@@ -72,6 +73,8 @@ pub struct Explanation<'a> {
     pub rows: Vec<DhRow>,
     pub lines: Vec<ParameterEffect>,
     pub judged: PostureErrors,
+    /// Monte Carlo check of the posture; None unless the reading is statistical.
+    pub check: Option<PostureCheck>,
     pub worst: WorstCase,
     /// Nonlinear error of the robot alone, before registration and pick remove a part of it.
     pub robot: Displacement,
@@ -87,7 +90,7 @@ impl<'a> Explanation<'a> {
     pub fn new(context: PostureContext<'a>) -> Self {
         let PostureContext { evaluator, situation, frames, .. } = &context;
         let mut memory = evaluator.memory();
-        let judged = evaluator.judge(situation, frames, &mut memory);
+        let (judged, check) = PostureCheck::judged(&context, &mut memory);
         evaluator.prepare(situation, frames, &mut memory);
         let worst = evaluator.worst(&evaluator.sense, situation, frames, &mut memory);
         let sources = &evaluator.sources;
@@ -114,7 +117,7 @@ impl<'a> Explanation<'a> {
         let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);
         let (linear_off, second_order_off) = (off(&judged.linear), off(&judged.second_order));
         let (rows, sense) = (dh_rows(&context), sense_rows(&context, &judged.error));
-        Self { rows, lines, worst, robot, sense, linear_off, second_order_off, judged, context }
+        Self { rows, lines, worst, robot, sense, linear_off, second_order_off, judged, check, context }
     }
 
     /// Returns the error figures of the posture in the operation's sense, m or rad.

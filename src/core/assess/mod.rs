@@ -11,8 +11,10 @@ mod explain;
 mod feasibility;
 mod operation_difference;
 mod parameter_motion;
+mod posture_check;
 mod posture_context;
 mod readings;
+mod sampled_spots;
 
 pub use budget::{BudgetReport, Tighter};
 pub use distribution::ErrorDistribution;
@@ -21,15 +23,19 @@ pub use explain::{DhRow, Explanation, ParameterEffect, SenseRow};
 pub use feasibility::Feasibility;
 pub use operation_difference::{NodePair, OperationDifference};
 pub use parameter_motion::{MotionFrame, ParameterMotion};
+pub use posture_check::PostureCheck;
 pub use posture_context::{NoPosture, NodeChoice, PostureContext};
 pub use readings::{ReadingChoice, ReadingRow, Readings};
+pub use sampled_spots::SAMPLES;
+use sampled_spots::{SampledSpots, take_over};
 
 use crate::cell::{Cell, Goals, Layout, Operation, Reading, Role, Unit};
 
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::layout::{Evaluation, Refined, Robustness, Workcell, evaluate, separated};
+use crate::proof::Proof;
 use crate::reach::{Envelope, Fineness};
-use crate::reading::{Figures, MonteCarlo, monte_carlo};
+use crate::reading::{Estimate, Figures, MonteCarlo};
 use crate::safe_text::shown;
 
 /// Full evaluation of one layout, with maps and figures.
@@ -48,6 +54,14 @@ pub struct Assessment<'a> {
     pub robustness: Vec<Option<Robustness>>,
     /// Monte Carlo estimates at the spot of each operation; None unless the reading is statistical.
     pub samples: Vec<Option<MonteCarlo>>,
+    /// Yield of the whole cell: share of arms that keep the limits of all operations at their spots.
+    ///
+    /// None unless the reading is statistical, every operation has a spot and at least one has a limit.
+    pub cell_yield: Option<Estimate>,
+    /// Whether the samples confirm the first-order figures of each operation; None without samples.
+    ///
+    /// Where they do not, the maps hold the figures of the samples.
+    pub confirmed: Vec<Option<bool>>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
     pub apart: Option<Layout>,
 }
@@ -55,11 +69,12 @@ pub struct Assessment<'a> {
 impl<'a> Assessment<'a> {
     /// Evaluates one layout, maps its operations and refines their spots.
     pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
-        let evaluation = evaluate(workcell, &layout);
-        let maps = workcell.maps(&layout);
+        let mut evaluation = evaluate(workcell, &layout);
+        let mut maps = workcell.maps(&layout);
         let apart = if evaluation.overlaps.is_empty() { None } else { separated(workcell, &layout) };
         let refined = workcell.refined(&layout, &maps);
-        let samples = (0..maps.len()).map(|k| sampled(workcell, &layout, &maps, k)).collect();
+        let SampledSpots { samples, cell_yield } = SampledSpots::new(workcell, &layout, &maps);
+        let confirmed = take_over(workcell, &samples, &mut maps, &mut evaluation);
         let (cell, robustness) = (&workcell.cell, Vec::new());
         Self {
             label: label.to_string(),
@@ -71,6 +86,8 @@ impl<'a> Assessment<'a> {
             refined,
             robustness,
             samples,
+            cell_yield,
+            confirmed,
             apart,
         }
     }
@@ -135,10 +152,21 @@ impl<'a> Assessment<'a> {
 
     /// Returns whether the Monte Carlo samples confirm the first-order figures at the spot of an operation.
     ///
-    /// Returns None if the operation has no samples.
+    /// Where they do not, the figures of the samples replace the first-order ones. Returns None if the
+    /// operation has no samples.
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
-        let name = &self.cell.operations[operation].sense.name;
-        Some(self.samples[operation].as_ref()?.confirms(self.figures(operation, name)?))
+        self.confirmed[operation]
+    }
+
+    /// Returns the part of a proof that holds for the values of this layout, and the gap of its objective to
+    /// the bound: `objective / bound - 1`.
+    ///
+    /// A bound of first-order figures is left out where samples refute them.
+    pub fn proven(&self, proof: &Proof) -> (Proof, Option<f64>) {
+        let proof = proof.without(self.workcell, |k| self.confirmed[k] == Some(false));
+        let bound = proof.bound.filter(|bound| *bound > 0.0);
+        let gap = self.evaluation.objective.zip(bound).map(|(objective, bound)| objective / bound - 1.0);
+        (proof, gap)
     }
 
     /// Returns the values of all goals in the order of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share.
@@ -193,20 +221,6 @@ impl Requirement {
     pub fn is_met(self) -> bool {
         self.margin >= 0.0
     }
-}
-
-/// Number of Monte Carlo samples that are drawn at a spot.
-pub const SAMPLES: usize = 1 << 16;
-
-fn sampled(workcell: &Workcell, layout: &Layout, maps: &[OperationMap], k: usize) -> Option<MonteCarlo> {
-    if workcell.cell.reading != Reading::Statistical {
-        return None;
-    }
-    let posture = maps[k].best_node()?.posture.as_ref()?;
-    let (situation, frames) = workcell.posed(layout, maps, k, posture).ok()?;
-    let evaluator = workcell.evaluator(k);
-    let p95 = posture.figures[evaluator.own()].p95;
-    Some(monte_carlo(evaluator, &situation, &frames, SAMPLES, workcell.cell.search.seed, p95))
 }
 
 /// Layouts with the same operations, reading, registration and objective, side by side.

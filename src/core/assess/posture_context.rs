@@ -1,7 +1,7 @@
 //! Context of one posture of an operation: all data that `budget` and `explain` need for its errors.
 
-use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
-
+use super::Requirement;
+use crate::cell::{Cell, JointVector, Layout, Placement, Registration, Unit};
 use crate::error_map::{NodeSign, OperationMap, Status};
 use crate::layout::Workcell;
 use crate::reading::{ErrorEvaluator, WorkContext, WorkFrame};
@@ -119,6 +119,17 @@ impl<'a> PostureContext<'a> {
         let position = layout.base.pose().transform(&frames.tcp.translation);
         let base = layout.base;
         Ok(Self { cell, operation, base, node: None, position, joints, evaluator, situation, frames })
+    }
+}
+
+impl PostureContext<'_> {
+    /// Returns the limit of the operation and the margin that a value of the reading leaves.
+    ///
+    /// Returns None without a limit. Under the quantity yield it is None as well, because the yield already
+    /// contains the limit.
+    pub fn requirement(&self, value: f64) -> Option<Requirement> {
+        let limit = self.evaluator.limit.filter(|_| self.cell.unit() != Unit::Share)?;
+        Some(Requirement { limit, margin: limit - value })
     }
 }
 

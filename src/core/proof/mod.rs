@@ -92,6 +92,8 @@ pub enum WhyNot {
     Share,
     /// The lower bound did not rise above 0 within the allowed number of boxes of joint coordinates.
     Boxes,
+    /// Samples refute the first-order figure that the bound is of.
+    Refuted,
 }
 
 impl WhyNot {
@@ -110,6 +112,7 @@ impl WhyNot {
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",
             Self::Boxes => "no bound above 0 was found within the boxes allowed",
+            Self::Refuted => "a bound would be of its first-order figure, which the samples refute",
         }
     }
 }
@@ -164,6 +167,30 @@ pub struct Proof {
 }
 
 impl Proof {
+    fn new(workcell: &Workcell, operations: Vec<OperationBound>, interrupted: bool) -> Self {
+        let values: Vec<f64> = operations.iter().map(|bound| bound.value.unwrap_or(0.0)).collect();
+        let sum = combined(&workcell.cell, &values);
+        let proven = operations.iter().filter(|o| o.value.is_ok()).count();
+        let covers = match proven {
+            _ if operations.iter().any(|o| o.value == Err(WhyNot::Infeasible)) => Covers::Infeasible,
+            0 => Covers::Nothing,
+            all if all == operations.len() => Covers::Everything,
+            _ => Covers::Part,
+        };
+        let bound = matches!(covers, Covers::Everything | Covers::Part).then_some(sum);
+        Self { bound, operations, covers, interrupted }
+    }
+
+    /// Returns this proof without the bounds of the operations whose figures the samples refute.
+    ///
+    /// The bounds are of first-order figures, and say nothing about the figures of samples.
+    pub fn without(&self, workcell: &Workcell, is_refuted: impl Fn(usize) -> bool) -> Self {
+        let mut operations = self.operations.clone();
+        let bounded = operations.iter_mut().enumerate().filter(|(_, bound)| bound.value.is_ok());
+        bounded.filter(|(k, _)| is_refuted(*k)).for_each(|(_, bound)| bound.value = Err(WhyNot::Refuted));
+        Self::new(workcell, operations, self.interrupted)
+    }
+
     /// Returns the largest share by which another layout could still reduce `objective` (m or rad).
     pub fn gap(&self, objective: f64) -> Option<f64> {
         self.bound.filter(|_| objective > 0.0).map(|bound| (1.0 - bound / objective).max(0.0))
@@ -211,17 +238,7 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
             bound
         })
         .collect();
-    let values: Vec<f64> = operations.iter().map(|bound| bound.value.unwrap_or(0.0)).collect();
-    let sum = combined(&workcell.cell, &values);
-    let proven = operations.iter().filter(|o| o.value.is_ok()).count();
-    let covers = match proven {
-        _ if operations.iter().any(|o| o.value == Err(WhyNot::Infeasible)) => Covers::Infeasible,
-        0 => Covers::Nothing,
-        all if all == operations.len() => Covers::Everything,
-        _ => Covers::Part,
-    };
-    let bound = matches!(covers, Covers::Everything | Covers::Part).then_some(sum);
-    Proof { bound, operations, covers, interrupted }
+    Proof::new(workcell, operations, interrupted)
 }
 
 /// Bounds the value of one operation over several regions: the least of their bounds.

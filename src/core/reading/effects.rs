@@ -1,7 +1,7 @@
 //! First-order effects of the error sources on the TCP, relative to the equipment worked on.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
-use crate::cell::Parameter;
+use crate::cell::{Distribution, Parameter};
 use crate::kinematic_error::Expansion;
 use crate::pose::{Displacement, Pose};
 use nalgebra::Vector3;
@@ -67,14 +67,16 @@ impl Effects {
     }
 
     /// Calls `add` for every independent random factor, with its effect at one standard deviation and its
-    /// excess kurtosis.
-    pub fn independent(&self, sources: &ErrorSources, mut add: impl FnMut(Displacement, f64)) {
-        for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
-            add(self.columns[k] * source.deviation, source.kurtosis);
+    /// distribution.
+    pub fn independent(&self, sources: &ErrorSources, mut add: impl FnMut(Displacement, Distribution)) {
+        for (k, source) in sources.list.iter().enumerate() {
+            if let Some(spread) = &source.spread {
+                add(self.columns[k] * source.deviation, spread.distribution);
+            }
         }
         for factor in &sources.factors {
             let moved = factor.iter().fold(Displacement::NONE, |sum, &(k, v)| sum + self.columns[k] * v);
-            add(moved, 0.0);
+            add(moved, Distribution::Normal);
         }
     }
 

@@ -2,13 +2,13 @@
 
 use super::error_propagation::{ErrorPropagation, PreparedSample};
 use super::error_sources::ErrorSources;
-use super::norm::NormDistribution;
+use super::norm::{ConditionalScratch, NormLaw};
 use super::registration::BestFit;
 use super::work_context::{PickReference, WorkContext, WorkFrame};
 use super::worst_case::{WorstCase, by_model, farthest};
 use super::zonotope::{Farthest, ZonotopeScratch};
 use super::{Effects, MAX_SOURCES, SenseRows};
-use crate::cell::{Cell, Model, Operation, Quantity, Reading, Registration, Sense};
+use crate::cell::{Cell, Distribution, Model, Operation, Quantity, Reading, Registration, Sense};
 use crate::kinematic_error::{Expansion, Perturbation, position_error};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
@@ -39,8 +39,9 @@ pub struct EvaluatorScratch {
     expansion: Expansion,
     effects: Effects,
     columns: [Vector6<f64>; MAX_SOURCES],
-    kurtosis: [f64; MAX_SOURCES],
+    distributions: [Distribution; MAX_SOURCES],
     scratch: ZonotopeScratch,
+    conditional: ConditionalScratch,
 }
 
 impl EvaluatorScratch {
@@ -96,8 +97,12 @@ impl ErrorEvaluator {
             expansion: self.sources.expansion(&self.chain),
             effects: Effects::default(),
             columns: [Vector6::zeros(); MAX_SOURCES],
-            kurtosis: [0.0; MAX_SOURCES],
+            distributions: [Distribution::Normal; MAX_SOURCES],
             scratch: ZonotopeScratch::default(),
+            conditional: match self.sources.has_bounded() {
+                true => ConditionalScratch::new(),
+                false => ConditionalScratch::default(),
+            },
         }
     }
 
@@ -140,17 +145,7 @@ impl ErrorEvaluator {
                 self.prepare(context, frames, memory);
                 self.worst(&self.sense, context, frames, memory).by_model
             }
-            Reading::Statistical => {
-                self.prepare(context, frames, memory);
-                let norm = self.norm(&self.sense, context, frames, memory);
-                match self.quantity {
-                    Quantity::Rms => norm.rms(),
-                    Quantity::Mean => norm.mean(),
-                    Quantity::P95 => norm.quantile(0.95),
-                    Quantity::P99 => norm.quantile(0.99),
-                    Quantity::Yield => 1.0 - self.limit.map_or(1.0, |limit| norm.cdf(limit)),
-                }
-            }
+            Reading::Statistical => self.statistical_value(context, frames, memory),
         }
     }
 
@@ -293,21 +288,22 @@ impl ErrorEvaluator {
     }
 
     /// Returns the distribution of the size of the error in a sense. Call [`Self::prepare`] first.
-    pub fn norm(
+    pub fn norm<'m>(
         &self,
         sense: &Sense,
         context: &WorkContext,
         frames: &Frames,
-        memory: &mut EvaluatorScratch,
-    ) -> NormDistribution {
+        memory: &'m mut EvaluatorScratch,
+    ) -> NormLaw<'m> {
         let measure = self.measure(sense, context, frames);
         let mut n = 0;
-        let EvaluatorScratch { effects, columns, kurtosis, .. } = memory;
-        effects.independent(&self.sources, |effect, excess| {
-            (columns[n], kurtosis[n]) = (measure.column(&effect), excess);
+        let EvaluatorScratch { effects, columns, distributions, conditional, .. } = memory;
+        effects.independent(&self.sources, |effect, distribution| {
+            (columns[n], distributions[n]) = (measure.column(&effect), distribution);
             n += 1;
         });
-        NormDistribution::new(measure.rows(), &columns[..n], &kurtosis[..n], &measure.column(&effects.mean))
+        let mean = measure.column(&effects.mean);
+        NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
     }
 
     /// Restricts the reported senses to that of the operation, which makes reports several times faster.

@@ -20,6 +20,14 @@ pub struct Figures {
 }
 
 impl Figures {
+    /// Returns the value of the statistical reading: an error (m or rad), or a share of failures.
+    pub fn statistic(&self, quantity: Quantity, success: Option<f64>) -> f64 {
+        match quantity {
+            Quantity::Yield => 1.0 - success.unwrap_or(1.0),
+            quantity => self.in_reading(Reading::Statistical, quantity),
+        }
+    }
+
     /// Returns the figure of a reading. For a yield, which is not an error in m or rad, this is the 95th
     /// percentile.
     pub fn in_reading(&self, reading: Reading, quantity: Quantity) -> f64 {

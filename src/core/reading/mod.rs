@@ -7,11 +7,12 @@
 //! ```text
 //! signed        |e|                        e = the model's error of the sample
 //! worst-case    max |sum_k s_k g_k|        over all signs s: the farthest vertex of a zonotope
-//! statistical   |N(mu, sum_k g_k g_k^T)|   its RMS, mean, percentiles, P(|e| <= limit)
+//! statistical   |mu + sum_k g_k x_k|       random x_k: its RMS, mean, percentiles, P(|e| <= limit)
 //! ```
 //!
 //! Here `g_k` is the effect of [`ErrorSource`] k in the rows of a sense ([`SenseRows`]). In the worst case
 //! the source is at its tolerance, in a statistic at its standard deviation; `mu` is the mean error. The
+//! factors `x_k` have the distributions of the sources, scaled to unit variance. The
 //! effect excludes the error that a registration removes ([`BestFit`], [`Taught`]). For a picked part it also
 //! excludes the error of the pick ([`PickReference`]).
 
@@ -28,7 +29,9 @@ pub mod normal_quantile;
 mod position_moments;
 mod posture_errors;
 mod registration;
+mod sample_space;
 mod sense_rows;
+mod statistics;
 mod work_context;
 mod workspace_average;
 mod worst_case;
@@ -40,8 +43,11 @@ pub use error_propagation::{ErrorPropagation, PreparedSample};
 pub use error_sources::{ErrorSource, ErrorSources, MAX_SOURCES};
 pub use evaluator::{ErrorEvaluator, EvaluatorScratch};
 pub use figures::{Figures, PostureErrors};
-pub use monte_carlo::{Estimate, Histogram, MonteCarlo, monte_carlo};
+pub use monte_carlo::{
+    Estimate, Histogram, JointSamples, MonteCarlo, SampledPosture, joint_monte_carlo, monte_carlo, share_of,
+};
 pub use registration::{BestFit, Taught};
+pub use sample_space::SampleSpace;
 pub use sense_rows::SenseRows;
 pub use work_context::{PickReference, WorkContext, WorkFrame};
 pub use worst_case::WorstCase;

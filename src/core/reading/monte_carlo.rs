@@ -3,14 +3,11 @@
 //! Each replicate is a Richtmyer sequence with a random shift, which follows from an explicit seed. The
 //! scatter of the replicates gives the confidence interval.
 
-use super::normal_quantile::normal_quantile;
+use super::sample_space::{SampleSpace, SampleStream};
 use super::work_context::WorkContext;
-use super::{ErrorEvaluator, Figures};
-use crate::cell::{Distribution, Model, Spread};
-use crate::low_discrepancy::richtmyer_steps;
+use super::{ErrorEvaluator, Figures, SenseRows};
+use crate::cell::{Model, Quantity};
 use crate::robot::Frames;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 /// Number of independently shifted replicates.
@@ -19,9 +16,15 @@ const REPLICATES: usize = 32;
 /// Quantile of Student's t distribution for 97.5 % and 31 degrees of freedom.
 const STUDENT_T: f64 = 2.039_513_446;
 
+/// Quantile of the standard normal distribution for 97.5 %.
+const NORMAL_QUANTILE: f64 = 1.959_963_985;
+
 /// Relative deviation up to which a first-order figure agrees with an estimate, even outside the confidence
 /// interval.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
+
+/// Deviation up to which a first-order yield agrees with an estimate, even outside the confidence interval.
+pub const YIELD_TOLERANCE: f64 = 0.005;
 
 /// Number of bins of a [`Histogram`].
 const BINS: usize = 72;
@@ -84,6 +87,33 @@ impl Histogram {
 }
 
 impl MonteCarlo {
+    /// Replaces first-order figures, yield and value by the estimates unless these confirm them.
+    ///
+    /// Returns whether the estimates confirm them. The value is that of the statistical reading.
+    pub fn check(
+        &self,
+        quantity: Quantity,
+        figures: &mut Figures,
+        success: &mut Option<f64>,
+        value: &mut f64,
+    ) -> bool {
+        if self.confirms(figures) && self.confirms_yield(*success) {
+            return true;
+        }
+        let Self { rms, mean, p95, p99, .. } = self;
+        (figures.rms, figures.mean) = (rms.value, mean.value);
+        (figures.p95, figures.p99) = (p95.value, p99.value);
+        *success = self.success.map(|estimate| estimate.value);
+        *value = figures.statistic(quantity, *success);
+        false
+    }
+
+    /// Returns whether a first-order yield agrees with the estimate; true without a limit.
+    pub fn confirms_yield(&self, first_order: Option<f64>) -> bool {
+        let Some((estimate, share)) = self.success.zip(first_order) else { return true };
+        (estimate.low..=estimate.high).contains(&share) || (share - estimate.value).abs() <= YIELD_TOLERANCE
+    }
+
     /// Returns whether the first-order figures agree with the estimates.
     pub fn confirms(&self, first_order: &Figures) -> bool {
         let pairs = [
@@ -94,6 +124,24 @@ impl MonteCarlo {
         ];
         pairs.iter().all(|(estimate, figure)| estimate.agrees(*figure))
     }
+}
+
+/// Operation at a posture, whose error is sampled.
+pub struct SampledPosture<'a> {
+    pub evaluator: &'a ErrorEvaluator,
+    pub context: &'a WorkContext,
+    pub frames: &'a Frames,
+    /// First-order 95th percentile; the share of samples above it is estimated.
+    pub p95: f64,
+}
+
+/// Estimates for several operations of one cell, by the same samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointSamples {
+    /// Estimates of each operation alone.
+    pub operations: Vec<MonteCarlo>,
+    /// Probability that every operation with a limit keeps it; None without a limit.
+    pub together: Option<Estimate>,
 }
 
 /// Estimates the figures of the error in the operation's sense at one posture, by samples of the nonlinear
@@ -108,45 +156,119 @@ pub fn monte_carlo(
     seed: u64,
     p95: f64,
 ) -> MonteCarlo {
+    let space = SampleSpace::of([evaluator.sources.clone()].into_iter());
+    SampledPosture { evaluator, context, frames, p95 }.monte_carlo(&space, samples, seed)
+}
+
+/// Estimates the figures of several operations of one cell by the same samples of the nonlinear model.
+///
+/// Each sample is one arm in one cell (`space`), which is judged in all operations.
+pub fn joint_monte_carlo(
+    space: &SampleSpace,
+    postures: &[SampledPosture<'_>],
+    samples: usize,
+    seed: u64,
+) -> JointSamples {
     let each = samples.div_ceil(REPLICATES).max(1);
-    let measure = evaluator.measure(&evaluator.sense, context, frames);
-    let propagation = evaluator.propagation();
-    let replicate = |r: usize| {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(r as u64);
-        let mut points = SampleStream::new(evaluator, &mut rng);
-        let mut sizes: Vec<f64> = (0..each)
-            .map(|_| {
-                let sample = propagation.sample(points.next(), Model::Nonlinear);
-                measure.size(&propagation.error(context, frames, &sample, Model::Nonlinear))
-            })
-            .collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes
-    };
-    let replicates: Vec<Vec<f64>> = (0..REPLICATES).into_par_iter().map(replicate).collect();
-    let mut all: Vec<f64> = replicates.iter().flatten().copied().collect();
-    all.sort_by(f64::total_cmp);
-    let estimate = |figure: &dyn Fn(&[f64]) -> f64| {
-        let value = figure(&all);
-        let values: Vec<f64> = replicates.iter().map(|r| figure(r)).collect();
-        let mean = values.iter().sum::<f64>() / REPLICATES as f64;
-        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (REPLICATES - 1) as f64;
-        let half = STUDENT_T * (variance / REPLICATES as f64).sqrt();
-        Estimate { value, low: value - half, high: value + half }
-    };
-    let share =
-        |sizes: &[f64], limit: f64| sizes.partition_point(|v| *v <= limit) as f64 / sizes.len() as f64;
-    MonteCarlo {
-        samples: all.len(),
-        rms: estimate(&|s| (s.iter().map(|v| v * v).sum::<f64>() / s.len() as f64).sqrt()),
-        mean: estimate(&|s| s.iter().sum::<f64>() / s.len() as f64),
-        p95: estimate(&|s| percentile(s, 0.95)),
-        p99: estimate(&|s| percentile(s, 0.99)),
-        success: evaluator.limit.map(|limit| estimate(&|s| share(s, limit))),
-        above: estimate(&|s| 1.0 - share(s, p95)),
-        histogram: Histogram::of(&all),
+    let replicate = |r: usize| Replicate::new(SampleStream::new(space, seed, r), space, postures, each);
+    let mut replicates: Vec<Replicate> = (0..REPLICATES).into_par_iter().map(replicate).collect();
+    let kept: usize = replicates.iter().map(|r| r.kept).sum();
+    let is_limited = postures.iter().any(|p| p.evaluator.limit.is_some());
+    let operations = postures.iter().enumerate().map(|(k, posture)| {
+        let sizes = replicates.iter_mut().map(|r| std::mem::take(&mut r.sizes[k])).collect();
+        posture.estimates(sizes)
+    });
+    let operations = operations.collect();
+    JointSamples { operations, together: is_limited.then(|| share_of(kept, each * REPLICATES)) }
+}
+
+/// Samples of one randomly shifted point set.
+struct Replicate {
+    /// Sizes of the errors of each operation, in ascending order.
+    sizes: Vec<Vec<f64>>,
+    /// Number of samples that keep the limits of all operations.
+    kept: usize,
+}
+
+impl Replicate {
+    fn new(
+        mut stream: SampleStream<'_>,
+        space: &SampleSpace,
+        postures: &[SampledPosture<'_>],
+        count: usize,
+    ) -> Self {
+        let measure = |p: &SampledPosture<'_>| p.evaluator.measure(&p.evaluator.sense, p.context, p.frames);
+        let measures: Vec<SenseRows> = postures.iter().map(measure).collect();
+        let places: Vec<_> = postures.iter().map(|p| space.places(&p.evaluator.sources)).collect();
+        let mut sizes = vec![Vec::with_capacity(count); postures.len()];
+        let (mut kept, mut values) = (0, Vec::new());
+        for _ in 0..count {
+            let (drawn, mut is_kept) = (stream.next(), true);
+            for (k, p) in postures.iter().enumerate() {
+                values.clear();
+                values.extend(places[k].iter().map(|&place| drawn[place]));
+                let propagation = p.evaluator.propagation();
+                let sample = propagation.sample(&values, Model::Nonlinear);
+                let error = propagation.error(p.context, p.frames, &sample, Model::Nonlinear);
+                let size = measures[k].size(&error);
+                is_kept &= p.evaluator.limit.is_none_or(|limit| size <= limit);
+                sizes[k].push(size);
+            }
+            kept += usize::from(is_kept);
+        }
+        sizes.iter_mut().for_each(|sizes| sizes.sort_by(f64::total_cmp));
+        Self { sizes, kept }
     }
+}
+
+impl SampledPosture<'_> {
+    /// Estimates the figures of this operation alone, by the samples of a joint estimate with the same seed.
+    pub fn monte_carlo(self, space: &SampleSpace, samples: usize, seed: u64) -> MonteCarlo {
+        let each = samples.div_ceil(REPLICATES).max(1);
+        let one = std::slice::from_ref(&self);
+        let replicate =
+            |r: usize| Replicate::new(SampleStream::new(space, seed, r), space, one, each).sizes.remove(0);
+        self.estimates((0..REPLICATES).into_par_iter().map(replicate).collect())
+    }
+
+    /// Returns the estimates from the sorted sizes of the errors in each replicate.
+    fn estimates(&self, replicates: Vec<Vec<f64>>) -> MonteCarlo {
+        let mut all: Vec<f64> = replicates.iter().flatten().copied().collect();
+        all.sort_by(f64::total_cmp);
+        let estimate = |figure: &dyn Fn(&[f64]) -> f64| {
+            let value = figure(&all);
+            let values: Vec<f64> = replicates.iter().map(|r| figure(r)).collect();
+            let mean = values.iter().sum::<f64>() / REPLICATES as f64;
+            let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (REPLICATES - 1) as f64;
+            let half = STUDENT_T * (variance / REPLICATES as f64).sqrt();
+            Estimate { value, low: value - half, high: value + half }
+        };
+        let within = |sizes: &[f64], limit: f64| sizes.partition_point(|v| *v <= limit);
+        let share = |sizes: &[f64], limit: f64| within(sizes, limit) as f64 / sizes.len() as f64;
+        MonteCarlo {
+            samples: all.len(),
+            rms: estimate(&|s| (s.iter().map(|v| v * v).sum::<f64>() / s.len() as f64).sqrt()),
+            mean: estimate(&|s| s.iter().sum::<f64>() / s.len() as f64),
+            p95: estimate(&|s| percentile(s, 0.95)),
+            p99: estimate(&|s| percentile(s, 0.99)),
+            success: self.evaluator.limit.map(|limit| share_of(within(&all, limit), all.len())),
+            above: estimate(&|s| 1.0 - share(s, self.p95)),
+            histogram: Histogram::of(&all),
+        }
+    }
+}
+
+/// Returns the share of `count` among independent samples, with Wilson's 95 % score interval.
+///
+/// The shares of quasi-random points scatter less, so that the interval is a cautious one for them. Unlike
+/// their scatter, it does not vanish where all samples agree (E. B. Wilson, "Probable inference, the law of
+/// succession, and statistical inference", J. Amer. Statist. Assoc. 22, 1927).
+pub fn share_of(count: usize, samples: usize) -> Estimate {
+    let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
+    let value = count as f64 / n;
+    let centre = (value + 0.5 * z2 / n) / (1.0 + z2 / n);
+    let half = (z2 * value * (1.0 - value) / n + 0.25 * z2 * z2 / (n * n)).sqrt() / (1.0 + z2 / n);
+    Estimate { value, low: (centre - half).clamp(0.0, value), high: (centre + half).clamp(value, 1.0) }
 }
 
 /// Returns a percentile of sorted values, interpolated between ranks (Hazen's rule).
@@ -155,53 +277,4 @@ fn percentile(sorted: &[f64], p: f64) -> f64 {
     let (k, f) = (at.floor() as usize, at.fract());
     let next = sorted[(k + 1).min(sorted.len() - 1)];
     sorted[k] + (next - sorted[k]) * f
-}
-
-/// Stream of samples, one value per source.
-struct SampleStream<'a> {
-    evaluator: &'a ErrorEvaluator,
-    /// Coordinate of the current point of the unit cube and step of the sequence, for each dimension.
-    at: Vec<(f64, f64)>,
-    values: Vec<f64>,
-}
-
-impl<'a> SampleStream<'a> {
-    fn new(evaluator: &'a ErrorEvaluator, rng: &mut ChaCha8Rng) -> Self {
-        let sources = &evaluator.sources;
-        let dimensions = sources.list.len() + sources.factors.len();
-        let steps = richtmyer_steps().take(dimensions);
-        let at = steps.map(|step| (rng.random::<f64>(), step)).collect();
-        Self { evaluator, at, values: vec![0.0; sources.list.len()] }
-    }
-
-    fn next(&mut self) -> &[f64] {
-        for (at, step) in &mut self.at {
-            *at = (*at + *step).fract();
-        }
-        let sources = &self.evaluator.sources;
-        let (own, factors) = self.at.split_at(sources.list.len());
-        for ((value, source), (u, _)) in self.values.iter_mut().zip(&sources.list).zip(own) {
-            *value = source.spread.map_or(0.0, |spread| drawn(&spread, *u));
-        }
-        for (factor, (u, _)) in sources.factors.iter().zip(factors) {
-            let z = bounded_normal(*u);
-            factor.iter().for_each(|&(k, v)| self.values[k] += v * z);
-        }
-        &self.values
-    }
-}
-
-/// Returns the quantile of the distribution of a parameter at the probability `u`.
-fn drawn(spread: &Spread, u: f64) -> f64 {
-    match spread.distribution {
-        Distribution::Normal => spread.deviation() * bounded_normal(u),
-        Distribution::Uniform => spread.plus_minus * (2.0 * u - 1.0),
-        Distribution::Triangular if u < 0.5 => spread.plus_minus * ((2.0 * u).sqrt() - 1.0),
-        Distribution::Triangular => spread.plus_minus * (1.0 - (2.0 - 2.0 * u).sqrt()),
-    }
-}
-
-/// Returns the standard normal quantile at the probability `u`, clamped away from 0 and 1 to keep it finite.
-fn bounded_normal(u: f64) -> f64 {
-    normal_quantile(u.clamp(1e-16, 1.0 - 1e-16))
 }

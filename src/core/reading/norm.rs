@@ -6,13 +6,19 @@
 //! and its inverse transform gives the probability `P(|e| <= c)`; no moments are fitted. For normal
 //! parameters the probability is accurate to 1e-10, whatever the ratios of the eigenvalues of the covariance.
 //! For other parameters, the fourth and sixth cumulants correct the transform to second order. In three
-//! dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five. The
-//! method does not suit fewer parameters that are not normal.
+//! dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five. Where
+//! fewer parameters dominate that are not normal, [`NormLaw`] uses a [`ConditionalNorm`] instead.
 
 mod bromwich;
+mod conditional;
 mod cumulants;
 mod jacobi;
+mod law;
+mod points;
 mod spectrum;
+
+pub use conditional::{ConditionalNorm, ConditionalScratch};
+pub use law::NormLaw;
 
 use super::normal_quantile::normal_quantile;
 use bromwich::invert;

@@ -4,7 +4,8 @@ use super::error_sources::MAX_SOURCES;
 use super::evaluator::{ErrorEvaluator, EvaluatorScratch};
 use super::figures::{Figures, PostureErrors};
 use super::work_context::WorkContext;
-use crate::cell::{Model, Quantity, Reading, Sense};
+use super::worst_case::WorstCase;
+use crate::cell::{Model, Reading, Sense};
 use crate::robot::Frames;
 
 impl ErrorEvaluator {
@@ -18,10 +19,13 @@ impl ErrorEvaluator {
         self.prepare(context, frames, memory);
         let each = |sense: &Sense| self.worst(sense, context, frames, memory);
         let worst: Vec<_> = self.reported.iter().map(each).collect();
-        let each = |sense: &Sense| self.norm(sense, context, frames, memory);
-        let norms: Vec<_> = self.reported.iter().map(each).collect();
+        let pairs = self.reported.iter().zip(&worst);
+        let each = |(sense, worst): (&Sense, &WorstCase)| {
+            self.statistics(sense, context, frames, worst.by_model, memory)
+        };
+        let statistics: Vec<_> = pairs.map(each).collect();
         let own = self.own();
-        let success = self.limit.map(|limit| norms[own].cdf(limit));
+        let success = self.limit.map(|limit| self.norm(&self.sense, context, frames, memory).cdf(limit));
         let mut values = [0.0; MAX_SOURCES];
         match self.reading {
             Reading::Signed => values[..self.signed_values.len()].copy_from_slice(&self.signed_values),
@@ -36,19 +40,19 @@ impl ErrorEvaluator {
             Model::SecondOrder => second_order,
         };
         let figures =
-            self.reported.iter().zip(worst.iter().zip(&norms)).map(|(sense, (worst, norm))| Figures {
+            self.reported.iter().zip(worst.iter().zip(&statistics)).map(|(sense, (worst, random))| Figures {
                 error: self.measure(sense, context, frames).size(&error),
                 worst_linear: worst.linear,
                 worst: worst.by_model,
-                rms: norm.rms(),
-                mean: norm.mean(),
-                p95: norm.quantile(0.95),
-                p99: norm.quantile(0.99),
+                rms: random.rms,
+                mean: random.mean,
+                p95: random.p95,
+                p99: random.p99,
             });
         let figures: Vec<Figures> = figures.collect();
         let value = match (self.reading, self.quantity) {
             (Reading::Signed, _) => self.value(context, frames, memory),
-            (Reading::Statistical, Quantity::Yield) => 1.0 - success.unwrap_or(1.0),
+            (Reading::Statistical, quantity) => figures[own].statistic(quantity, success),
             (reading, quantity) => figures[own].in_reading(reading, quantity),
         };
         PostureErrors { value, error, nonlinear, linear, second_order, figures, success }

@@ -9,7 +9,7 @@ use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate, Layout, PLAIN, Placement, Rectangle, Role, Slot};
 use crate::drawing::{ErrorView, lenses};
 use crate::error_map::OperationMap;
-use crate::record::{ByName, StatusCounts, coordinate_name, nine_digits as length, value_word};
+use crate::record::{ByName, StatusCounts, coordinate_name, nine_digits as length, objective_word};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -120,7 +120,7 @@ pub fn answer(a: &Assessment<'_>) -> Value {
         met: a.meets_requirements(),
         objective: a.objective().map(length),
         unit: cell.unit(),
-        word: value_word(cell),
+        word: objective_word(cell),
         reasons: a.reasons(),
         placements: a.layout.placements.iter().map(placed).collect(),
         base: placed(&a.layout.base),

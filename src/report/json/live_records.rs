@@ -74,7 +74,7 @@ pub struct AnswerRecord<'a> {
     pub objective: Option<f64>,
     pub unit: Unit,
     /// Name of the figure that the search minimizes.
-    pub word: &'static str,
+    pub word: String,
     pub reasons: Vec<String>,
     pub placements: Vec<[f64; 4]>,
     pub base: [f64; 4],

@@ -58,7 +58,7 @@ fn spread(a: &Assessment<'_>) -> String {
         let (name, unit) = (shown(&a.cell.operations[k].name), a.cell.operations[k].sense.unit);
         let holds = match a.first_order_holds(k)? {
             true => "the first-order figures hold",
-            false => "the first-order figures do NOT hold: use those of the samples",
+            false => "the first-order figures do NOT hold: those of the samples are shown",
         };
         let [p95, low, high] = [samples.p95.value, samples.p95.low, samples.p95.high].map(|v| unit.from_si(v));
         Some(format!(

@@ -9,9 +9,10 @@ use crate::cell::{Cell, Objective, Unit};
 use crate::files::shown;
 use crate::proof::Covers;
 use crate::record::{
-    FactEntry, FactMood, ProvenOperation, REPORT_SCHEMA, RequirementState, RunnerUpEntry, SearchResult,
-    VerdictAnswer, VerdictDocument, VerdictSpot, VerdictSubject, value_word,
+    CellYieldEntry, FactEntry, FactMood, ProvenOperation, REPORT_SCHEMA, RequirementState, RunnerUpEntry,
+    SearchResult, VerdictAnswer, VerdictDocument, VerdictSpot, VerdictSubject, objective_word, value_word,
 };
+use crate::report::text::yield_in_words;
 use crate::units::{mm_from_m, rounded};
 
 fn nine(value: f64) -> f64 {
@@ -49,11 +50,12 @@ pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
         requirement,
         runner_up: runner_up(subject).filter(|_| is_found),
         facts: Vec::new(),
+        cell_yield: CellYieldEntry::new(a).filter(|_| is_found),
         operations: if is_found { (0..a.maps.len()).map(|k| spot(a, k)).collect() } else { Vec::new() },
         reasons: reasons(subject, is_found),
     };
     verdict.facts = facts(&verdict, subject);
-    verdict.headline = headline(&verdict, cell.unit());
+    verdict.headline = headline(&verdict, cell);
     verdict
 }
 
@@ -66,14 +68,14 @@ fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     }
 }
 
-fn headline(v: &VerdictDocument, unit: Unit) -> String {
+fn headline(v: &VerdictDocument, cell: &Cell) -> String {
     let Some(value) = v.objective_value else {
         return match v.of {
             VerdictSubject::Search => "No: the search has found no feasible layout".into(),
             VerdictSubject::Layout => "No: the layout as drawn is not feasible".into(),
         };
     };
-    let (what, value) = (&v.quantity, told(unit, value));
+    let (what, value) = (objective_word(cell), told(cell.unit(), value));
     let answer = match v.requirement {
         RequirementState::Met => "Yes, every requirement is met: ",
         RequirementState::Missed => "No, a requirement is missed: ",
@@ -113,6 +115,7 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
             mood: FactMood::Plain,
         });
         facts.push(requirement(a));
+        facts.extend(joint_yield(a));
     }
     if let Some(found) = &subject.found {
         if v.feasible {
@@ -151,17 +154,25 @@ fn summed(cell: &Cell) -> String {
 }
 
 /// Describes the meaning of a figure under the reading.
+///
+/// A figure over arms is one of a single spot: where several spots combine, no such share of arms is known.
 pub fn reading_in_words(cell: &Cell) -> String {
     let set = shown(cell.error_set().name());
+    let every_node = cell.operations.iter().any(|o| o.over.needs_every_node());
+    let alone = match cell.operations.len() {
+        _ if every_node => "at each node alone, ",
+        0 | 1 => "",
+        _ => "in each operation alone, ",
+    };
     match value_word(cell) {
         "error" => format!("for the one arm with the errors {set}"),
-        "worst case" => format!("largest value for any arm within the tolerances {set}"),
-        "p95" => format!("95 of 100 arms built to the tolerances {set} have a smaller error"),
-        "p99" => format!("99 of 100 arms built to the tolerances {set} have a smaller error"),
+        "worst case" => format!("{alone}largest value for any arm within the tolerances {set}"),
+        "p95" => format!("{alone}95 of 100 arms built to the tolerances {set} have a smaller error"),
+        "p99" => format!("{alone}99 of 100 arms built to the tolerances {set} have a smaller error"),
         "share of failures" => {
-            format!("share of the arms built to the tolerances {set} that exceed the limit")
+            format!("{alone}share of the arms built to the tolerances {set} that exceed the limit")
         }
-        word => format!("the {word} over the arms built to the tolerances {set}"),
+        word => format!("{alone}the {word} over the arms built to the tolerances {set}"),
     }
 }
 
@@ -194,6 +205,13 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
         note,
         mood,
     }
+}
+
+/// Returns the entry on the share of arms that keep the limits of all operations; None without such a share.
+fn joint_yield(a: &Assessment<'_>) -> Option<FactEntry> {
+    let value = a.cell_yield?.value;
+    let (text, note) = (quantity(Unit::Share, value), yield_in_words(a)?);
+    Some(FactEntry { label: "Yield".into(), value: Some(nine(value)), text, note, mood: FactMood::Plain })
 }
 
 fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {

@@ -1,5 +1,6 @@
 //! The error budget: which tolerance to tighten first.
 
+use super::check::{requirement_line, samples_line};
 use super::table::TextTable;
 use super::{amount, fixed, percent1, place_words};
 use crate::assess::{BudgetReport, Tighter};
@@ -35,6 +36,7 @@ pub fn budget(a: &BudgetReport<'_>) -> String {
     );
     out.push_str(&shares(a));
     out.push_str(&totals(a));
+    out.push_str(&verdicts(a));
     out.push_str(&tighten(a));
     out
 }
@@ -81,11 +83,20 @@ fn totals(a: &BudgetReport<'_>) -> String {
     let bound = if a.worst.exact { "" } else { " at most" };
     let word = unit.word();
     let success = a.judged.success.map_or(String::new(), |s| format!(", yield {s:.6}"));
+    let by = if a.check.as_ref().is_some_and(|c| !c.confirmed) { "by samples" } else { "to first order" };
     format!(
         "  worst case {worst_linear} {word}{bound} by the linear model, {worst} {word} by the {} one\n  \
-         rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}{success}, to first order\n",
+         rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}{success}, {by}\n",
         evaluator.model.name()
     )
+}
+
+/// Returns the verdicts on the limit and on the first-order figures, as in a map.
+fn verdicts(a: &BudgetReport<'_>) -> String {
+    let unit = a.context.evaluator.sense.unit;
+    let limit = a.context.requirement(a.judged.value).map(|r| requirement_line(r, unit));
+    let check = a.check.as_ref().map(|c| samples_line(&c.samples, unit, c.confirmed));
+    limit.into_iter().chain(check).map(|line| format!("  {line}\n")).collect()
 }
 
 fn tighten(a: &BudgetReport<'_>) -> String {

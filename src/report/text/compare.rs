@@ -36,6 +36,11 @@ pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
     }
     let objective = |a: &Assessment<'_>| a.objective();
     let cells = (0..columns.len()).map(|c| with_change(comparison, c, &objective));
+    if columns.iter().any(|c| c.cell_yield.is_some()) && columns.iter().all(|c| c.maps.len() > 1) {
+        let share = |a: &Assessment<'_>| a.cell_yield.map(|estimate| estimate.value);
+        let cells = (0..columns.len()).map(|c| with_change(comparison, c, &share));
+        table.labelled("all operations", "yield of the samples", cells);
+    }
     let robust = columns.iter().any(|c| c.cell.search.robust);
     table.labelled(
         if robust { "objective if misplaced" } else { "objective" },
@@ -106,14 +111,13 @@ fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
     if let Some(limit) = operation.limit.filter(|_| unit != Unit::Share) {
         let word = format!("limit {} {}", fixed(unit.from_si(limit), 4), unit.word());
-        let told = |a: &Assessment<'_>| a.requirement(k).map_or("-".into(), |r| margin(a, r));
+        let told = |a: &Assessment<'_>| a.requirement(k).map_or("-".into(), |r| margin(a.cell.unit(), r));
         table.labelled("", &word, columns.iter().map(told));
     }
 }
 
 /// Returns the margin of a value to its limit.
-pub fn margin(a: &Assessment<'_>, r: Requirement) -> String {
-    let unit = a.cell.unit();
+pub fn margin(unit: Unit, r: Requirement) -> String {
     if r.is_met() {
         format!("met, {} to spare", fixed(unit.from_si(r.margin), 4))
     } else {

@@ -1,5 +1,6 @@
 //! The error calculation of one posture, step by step.
 
+use super::check::{requirement_line, samples_line};
 use super::table::TextTable;
 use super::{fixed, percent, place_words};
 use crate::assess::{Explanation, MotionFrame, ParameterEffect, ParameterMotion};
@@ -245,14 +246,20 @@ fn risk(e: &Explanation<'_>) -> String {
         .map(|(l, s)| format!("{}{}", sign(s), names::parameter(e.context.cell, l.source.parameter)))
         .collect();
     let word = unit.word();
+    let by = if e.check.as_ref().is_some_and(|c| !c.confirmed) { "by samples" } else { "to first order" };
     let mut out = format!(
         "\n7. As plus-or-minus tolerances\n  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
-         {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}, to first order\n",
+         {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}, {by}\n",
         evaluator.model.name(),
         corner.join(" ")
     );
     if let Some(success) = e.judged.success {
         let _ = writeln!(out, "  yield {success:.6}");
+    }
+    let limit = e.context.requirement(e.judged.value).map(|r| requirement_line(r, unit));
+    let check = e.check.as_ref().map(|c| samples_line(&c.samples, unit, c.confirmed));
+    for line in limit.into_iter().chain(check) {
+        let _ = writeln!(out, "  {line}");
     }
     let value = fixed(e.unit().from_si(e.judged.value), 6);
     let _ = writeln!(

@@ -1,12 +1,12 @@
 //! Summary of the error maps, operation by operation.
 
-use super::compare::margin;
+use super::check::{requirement_line, samples_line, yield_lines};
 use super::{feasibility, mm1, percent, percent1};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
 use crate::error_map::{NodeSign, OperationMap};
 use crate::kinematic_error::{Discrepancy, discrepancy};
-use crate::reading::{Estimate, Figures};
+use crate::reading::Figures;
 use crate::record::value_word;
 use crate::units::deg_from_rad;
 use std::fmt::Write;
@@ -22,6 +22,7 @@ pub fn maps(a: &Assessment<'_>) -> String {
         let travel = deg_from_rad(t.travel);
         let _ = writeln!(out, "from {from} to {to}: {}, {travel:.1} deg of joint travel", t.way.in_words());
     }
+    out.push_str(&yield_lines(a));
     if a.evaluation.objective.is_none() {
         out.push_str(&feasibility(a));
     }
@@ -30,8 +31,7 @@ pub fn maps(a: &Assessment<'_>) -> String {
 
 /// Returns the limit of an operation and the margin to it; None without a limit.
 fn limit_in_words(a: &Assessment<'_>, operation: usize) -> Option<String> {
-    let (r, unit) = (a.requirement(operation)?, a.cell.unit());
-    Some(format!("limit {:.4} {}: {}", unit.from_si(r.limit), unit.word(), margin(a, r)))
+    Some(requirement_line(a.requirement(operation)?, a.cell.unit()))
 }
 
 fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
@@ -109,23 +109,7 @@ fn risk(f: &Figures, unit: Unit, success: Option<f64>) -> String {
 /// Describes how well the Monte Carlo samples agree with the first-order figures.
 fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     let samples = a.samples[k].as_ref()?;
-    let unit = a.cell.operations[k].sense.unit;
-    let said = |e: &Estimate| {
-        let [value, low, high] = [e.value, e.low, e.high].map(|v| unit.from_si(v));
-        format!("{value:.4} ({low:.4} to {high:.4})")
-    };
-    let verdict = match a.first_order_holds(k)? {
-        true => "the first-order figures hold",
-        false => "the first-order figures do NOT hold: use those of the samples",
-    };
-    Some(format!(
-        "{} Monte Carlo samples of the nonlinear model: rms {}, p95 {}, p99 {} {}; {verdict}",
-        samples.samples,
-        said(&samples.rms),
-        said(&samples.p95),
-        said(&samples.p99),
-        unit.word()
-    ))
+    Some(samples_line(samples, a.cell.operations[k].sense.unit, a.first_order_holds(k)?))
 }
 
 /// Returns the largest difference of each model from the nonlinear one, and whether the chosen model can be

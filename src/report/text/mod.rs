@@ -1,6 +1,7 @@
 //! Text for the terminal.
 
 mod budget;
+mod check;
 mod compare;
 mod envelope;
 mod explain;
@@ -15,7 +16,8 @@ pub mod table;
 mod urdf;
 
 pub use budget::budget;
-pub use compare::{comparison, comparison_table, feasibility, verdict};
+pub use check::{yield_in_words, yield_lines};
+pub use compare::{comparison, comparison_table, feasibility};
 pub use envelope::{envelope, envelope_title, robot, robots};
 pub use explain::explanation;
 pub use front::{front, goals_line};

@@ -4,18 +4,17 @@ use super::percent1;
 use crate::files::shown;
 use crate::layout::Workcell;
 use crate::proof::Proof;
-use crate::search::SearchRecord;
 use std::fmt::Write;
 
 /// Returns the lower bound, the gap from it to the best layout found, and what the bound covers.
-pub fn proven(workcell: &Workcell, record: &SearchRecord, proof: &Proof) -> String {
+pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
     let (cell, covers) = (&workcell.cell, proof.in_words(workcell));
     let Some(bound) = proof.bound else { return format!("{covers}\n") };
     let unit = cell.unit();
     // Rounded down, so that the printed number is proven as well.
     let down = |v: f64| format!("{:.4} {}", (unit.from_si(v) * 1e4).floor() / 1e4, unit.word());
     let mut out = format!("proven lower bound: no layout in these ranges has less than {}", down(bound));
-    if let Some(gap) = record.gap() {
+    if let Some(gap) = gap {
         let gap = gap.max(0.0);
         let gap = if gap < 1e-3 { format!("{:.3} %", 100.0 * gap) } else { percent1(gap) };
         let _ = write!(out, "; the best found is within {gap} of it");

@@ -25,3 +25,4 @@ mod urdf;
 mod view;
 mod view_server;
 mod viewer;
+mod yields;

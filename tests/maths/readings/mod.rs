@@ -2,8 +2,11 @@
 
 mod bench;
 mod best_fit;
+mod bounded;
+mod joint;
 mod norm;
 mod normal_quantile;
+mod refuted;
 mod registration;
 mod sampling;
 mod spread;

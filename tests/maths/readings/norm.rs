@@ -11,7 +11,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sweetspot::reading::norm::NormDistribution;
 
-fn vector(values: &[f64]) -> Vector6<f64> {
+pub fn vector(values: &[f64]) -> Vector6<f64> {
     Vector6::from_fn(|i, _| values.get(i).copied().unwrap_or(0.0))
 }
 
@@ -28,7 +28,7 @@ fn close(value: f64, wanted: f64, relative: f64) {
 }
 
 #[track_caller]
-fn near(value: f64, wanted: f64, absolute: f64) {
+pub fn near(value: f64, wanted: f64, absolute: f64) {
     assert!((value - wanted).abs() <= absolute, "{value} instead of {wanted}");
 }
 
@@ -42,7 +42,7 @@ fn erf(x: f64) -> f64 {
     sum * 2.0 / std::f64::consts::PI.sqrt()
 }
 
-fn normal_cdf(x: f64) -> f64 {
+pub fn normal_cdf(x: f64) -> f64 {
     0.5 * (1.0 + erf(x / 2.0_f64.sqrt()))
 }
 
@@ -443,7 +443,7 @@ fn the_kurtosis_of_several_components_follows_a_mixture() {
 }
 
 /// Returns P(|sum_k w_k u_k| <= c) with `u_k` uniform on -1..1: the box spline of three.
-fn three_uniforms(w: [f64; 3], c: f64) -> f64 {
+pub fn three_uniforms(w: [f64; 3], c: f64) -> f64 {
     let mut sum = 0.0;
     for signs in 0..8 {
         let sign = |k: usize| if signs >> k & 1 == 1 { 1.0 } else { -1.0 };

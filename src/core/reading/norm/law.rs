@@ -1,0 +1,98 @@
+//! Choice of the method that gives the distribution of the norm of an error.
+
+use super::NormDistribution;
+use super::conditional::{ConditionalNorm, ConditionalScratch};
+use crate::cell::Distribution;
+use crate::reading::MAX_SOURCES;
+use nalgebra::Vector6;
+
+/// Largest [`excess`] at which the corrected transform of a normal vector is used.
+const MAX_EXCESS: f64 = 0.1;
+
+/// Distribution of the norm `|e|` of an error `e`, by the method that suits the parameters.
+#[allow(clippy::large_enum_variant)] // It lives on the stack of the node loop, which must not allocate.
+pub enum NormLaw<'a> {
+    /// No bounded parameter dominates: `e` is nearly normal.
+    NearlyNormal(NormDistribution),
+    /// Bounded parameters dominate.
+    Bounded(ConditionalNorm<'a>),
+}
+
+impl<'a> NormLaw<'a> {
+    /// Returns the distribution of `|e|`, where `e` are the first `m` components of a random vector.
+    ///
+    /// `columns` are the effects of independent parameters at one standard deviation, `distributions` those
+    /// of the parameters, and `mean` is the mean of `e`.
+    pub fn new(
+        m: usize,
+        columns: &[Vector6<f64>],
+        distributions: &[Distribution],
+        mean: &Vector6<f64>,
+        scratch: &'a mut ConditionalScratch,
+    ) -> Self {
+        let mut kurtosis = [0.0; MAX_SOURCES];
+        kurtosis.iter_mut().zip(distributions).for_each(|(k, d)| *k = d.excess_kurtosis());
+        let kurtosis = &kurtosis[..columns.len()];
+        if excess(m, columns, kurtosis, mean) > MAX_EXCESS
+            && let Some(bounded) = ConditionalNorm::new(m, columns, distributions, mean, scratch)
+        {
+            return Self::Bounded(bounded);
+        }
+        Self::NearlyNormal(NormDistribution::new(m, columns, kurtosis, mean))
+    }
+
+    /// Returns the RMS `sqrt(E |e|^2)`, which is exact for any distribution of the parameters.
+    pub fn rms(&self) -> f64 {
+        match self {
+            Self::NearlyNormal(norm) => norm.rms(),
+            Self::Bounded(norm) => norm.rms(),
+        }
+    }
+
+    /// Returns the mean of `|e|`.
+    pub fn mean(&self) -> f64 {
+        match self {
+            Self::NearlyNormal(norm) => norm.mean(),
+            Self::Bounded(norm) => norm.mean(),
+        }
+    }
+
+    /// Returns the probability `P(|e| <= c)`.
+    pub fn cdf(&self, c: f64) -> f64 {
+        match self {
+            Self::NearlyNormal(norm) => norm.cdf(c),
+            Self::Bounded(norm) => norm.cdf(c),
+        }
+    }
+
+    /// Returns the least c with `P(|e| <= c) = p`.
+    pub fn quantile(&self, p: f64) -> f64 {
+        match self {
+            Self::NearlyNormal(norm) => norm.quantile(p),
+            Self::Bounded(norm) => norm.quantile(p),
+        }
+    }
+}
+
+/// Returns how far an error is from normal: the size of its excess kurtosis.
+///
+/// This is `sum_k |gamma_k| |g_k|^4 / (sum_k |g_k|^2)^2` with the effects `g_k` and the excess kurtosis
+/// `gamma_k` of the parameters. For one component it is the excess kurtosis of the error. Where the mean is
+/// large, the norm follows the component along it, so that the larger of both figures is returned.
+fn excess(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> f64 {
+    if kurtosis.iter().all(|gamma| *gamma == 0.0) {
+        return 0.0;
+    }
+    let dot = |a: &Vector6<f64>, b: &Vector6<f64>| (0..m).map(|i| a[i] * b[i]).sum::<f64>();
+    let share = |size: &dyn Fn(&Vector6<f64>) -> f64| {
+        let total: f64 = columns.iter().map(size).sum();
+        let squares = columns.iter().zip(kurtosis).map(|(g, gamma)| gamma.abs() * size(g) * size(g));
+        if total > 0.0 { squares.sum::<f64>() / (total * total) } else { 0.0 }
+    };
+    let whole = share(&|g| dot(g, g));
+    let trace: f64 = columns.iter().map(|g| dot(g, g)).sum();
+    if 4.0 * dot(mean, mean) < trace {
+        return whole;
+    }
+    whole.max(share(&|g| dot(g, mean).powi(2)))
+}

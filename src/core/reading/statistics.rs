@@ -1,0 +1,67 @@
+//! Figures of the statistical reading at one posture.
+
+use super::norm::NormLaw;
+use super::work_context::WorkContext;
+use super::{ErrorEvaluator, EvaluatorScratch};
+use crate::cell::{Quantity, Sense};
+use crate::robot::Frames;
+
+/// Figures of a random error in one sense, m or rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Statistics {
+    pub rms: f64,
+    pub mean: f64,
+    pub p95: f64,
+    pub p99: f64,
+}
+
+impl ErrorEvaluator {
+    /// Returns the statistical figures in a sense, with the worst case `worst` in this sense. Call
+    /// [`Self::prepare`] first.
+    pub(super) fn statistics(
+        &self,
+        sense: &Sense,
+        context: &WorkContext,
+        frames: &Frames,
+        worst: f64,
+        memory: &mut EvaluatorScratch,
+    ) -> Statistics {
+        let norm = self.norm(sense, context, frames, memory);
+        let most = if self.caps(&norm) { worst } else { f64::INFINITY };
+        Statistics {
+            rms: norm.rms(),
+            mean: norm.mean(),
+            p95: norm.quantile(0.95).min(most),
+            p99: norm.quantile(0.99).min(most),
+        }
+    }
+
+    /// Returns the value of the statistical reading: an error (m or rad), or a share of failures.
+    pub(super) fn statistical_value(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> f64 {
+        self.prepare(context, frames, memory);
+        let norm = self.norm(&self.sense, context, frames, memory);
+        let share = match self.quantity {
+            Quantity::Rms => return norm.rms(),
+            Quantity::Mean => return norm.mean(),
+            Quantity::Yield => return 1.0 - self.limit.map_or(1.0, |limit| norm.cdf(limit)),
+            Quantity::P95 => 0.95,
+            Quantity::P99 => 0.99,
+        };
+        let (percentile, is_capped) = (norm.quantile(share), self.caps(&norm));
+        match is_capped {
+            true => percentile.min(self.worst(&self.sense, context, frames, memory).by_model),
+            false => percentile,
+        }
+    }
+
+    /// Returns whether the worst case limits the percentiles: bounded parameters dominate, and no other kind
+    /// has an error.
+    fn caps(&self, norm: &NormLaw<'_>) -> bool {
+        matches!(norm, NormLaw::Bounded(_)) && self.sources.are_all_bounded()
+    }
+}

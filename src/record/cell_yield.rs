@@ -1,0 +1,38 @@
+//! Yield of a whole cell in documents.
+
+use super::estimate::EstimateEntry;
+use super::placement::ByName;
+use crate::assess::Assessment;
+use crate::cell::Unit;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Share of arms that keep the limits of the operations, by samples of the nonlinear model.
+///
+/// One sample is one arm in one cell. It is judged in all operations, each at its spot; an operation at every
+/// node is judged at its worst node. An operation without a limit is always kept. The intervals are Wilson's
+/// score intervals for 95 %.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CellYieldEntry {
+    pub samples: usize,
+    /// Share of arms that keep the limits of all operations.
+    pub together: EstimateEntry,
+    /// Share of arms that keep the limit of each operation alone; only operations with a limit are listed.
+    pub operations: ByName<EstimateEntry>,
+}
+
+impl CellYieldEntry {
+    /// Makes the entry; None unless the reading is statistical, every operation has a spot and at least one
+    /// has a limit.
+    pub fn new(a: &Assessment<'_>) -> Option<Self> {
+        let together = EstimateEntry::new(a.cell_yield.as_ref()?, Unit::Share);
+        let sampled = a.cell.operations.iter().zip(&a.samples);
+        let alone = sampled.filter_map(|(operation, samples)| {
+            let success = samples.as_ref()?.success.as_ref()?;
+            Some((operation.name.clone(), EstimateEntry::new(success, Unit::Share)))
+        });
+        let samples = a.samples.iter().flatten().map(|samples| samples.samples).max()?;
+        Some(Self { samples, together, operations: alone.collect() })
+    }
+}
