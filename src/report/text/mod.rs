@@ -17,7 +17,7 @@ mod urdf;
 
 pub use budget::budget;
 pub use check::{yield_in_words, yield_lines};
-pub use compare::{comparison, comparison_table, feasibility};
+pub use compare::{comparison, comparison_table, feasibility, verdict};
 pub use envelope::{envelope, envelope_title, robot, robots};
 pub use explain::explanation;
 pub use front::{front, goals_line};
