@@ -1,6 +1,7 @@
 //! Coordinates of a layout under the names that the page uses: `equipment.NAME.x_mm`, `robot_base.yaw_deg`,
 //! `attitude.OPERATION.bend_deg`.
 
+use super::requests;
 use crate::cell::{Cell, Coordinate, Layout, Role, Slot};
 use crate::files::shown;
 use crate::record::coordinate_name;
@@ -131,7 +132,7 @@ impl LayoutValues {
 /// # Errors
 /// Fails with a message for the page if the request is refused.
 pub fn requested_layout(cell: &Cell, body: &[u8]) -> Result<Layout, String> {
-    let asked: Value = serde_json::from_slice(body).map_err(|e| format!("the request is not JSON: {e}"))?;
+    let asked = requests::object(body)?;
     LayoutValues::start(cell).changed(cell, &asked).map(|values| values.layout(cell))
 }
 
