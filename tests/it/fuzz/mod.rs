@@ -157,61 +157,61 @@ fn kind_of(answer: &Result<(), String>) -> String {
 
 #[test]
 fn cells() {
-    fuzz(targets::cell, 1_500);
+    fuzz(targets::cell, 250);
 }
 
 #[test]
 fn robots() {
-    fuzz(targets::robot, 2_500);
+    fuzz(targets::robot, 400);
 }
 
 #[test]
 fn equipment() {
-    fuzz(targets::equipment, 2_500);
+    fuzz(targets::equipment, 400);
 }
 
 #[test]
 fn urdfs() {
-    fuzz(targets::urdf, 4_000);
+    fuzz(targets::urdf, 1_000);
 }
 
 #[test]
 fn stl_meshes() {
-    fuzz(targets::stl, 20_000);
+    fuzz(targets::stl, 5_000);
 }
 
 #[test]
 fn obj_meshes() {
-    fuzz(targets::obj, 20_000);
+    fuzz(targets::obj, 5_000);
 }
 
 #[test]
 fn checkpoints() {
-    fuzz(targets::checkpoint, 10_000);
+    fuzz(targets::checkpoint, 1_500);
 }
 
 #[test]
 fn manifests() {
-    fuzz(targets::manifest, 20_000);
+    fuzz(targets::manifest, 3_000);
 }
 
 #[test]
 fn plans_and_rows_of_sweeps() {
-    fuzz(targets::sweep, 20_000);
+    fuzz(targets::sweep, 3_000);
 }
 
 #[test]
 fn search_results() {
-    fuzz(targets::search_result, 5_000);
+    fuzz(targets::search_result, 1_000);
 }
 
 #[test]
 fn settings() {
-    fuzz(targets::settings, 10_000);
+    fuzz(targets::settings, 800);
 }
 
 #[cfg(feature = "view")]
 #[test]
 fn layouts_of_the_page() {
-    fuzz(targets::page_layout, 20_000);
+    fuzz(targets::page_layout, 3_000);
 }
