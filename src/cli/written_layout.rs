@@ -12,10 +12,9 @@ use std::path::Path;
 /// Refuses best.toml unless its map equals the map of the search in every bit.
 pub fn check_best(file: &Path, packages: &PackageFolders, best: &Assessment<'_>) -> Result<(), Exit> {
     let workcell = read_again(file, packages)?;
-    let layout = workcell.cell.start();
-    let is_same = layout == best.layout
-        && evaluate(&workcell, &layout) == best.evaluation
-        && workcell.maps(&layout) == best.maps;
+    let again = Assessment::new(&best.label, &workcell, workcell.cell.start());
+    let is_same =
+        again.layout == best.layout && again.evaluation == best.evaluation && again.maps == best.maps;
     is_same.then_some(()).ok_or_else(|| refused(file, "it gives another error map"))
 }
 

@@ -1,7 +1,7 @@
 //! Refined spot of an operation between the nodes, by compass search over the surface from the best nodes.
 //!
 //! Eight directions are polled at one distance, and the step with the largest gain is taken. If no direction
-//! gains, the distance is halved. It starts at half the spacing of the nodes and ends at a micrometre (Kolda,
+//! gains in several polls, the distance is halved. It starts at half the spacing of the nodes and ends at a micrometre (Kolda,
 //! Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions rotate by the golden angle from poll to
 //! poll, so that they meet an edge of the usable area at many angles. Only gains are accepted, so the refined
 //! spot is never worse than the best node.
@@ -29,6 +29,9 @@ const LEAST_STEP: f64 = 1e-6;
 const LEAST_GAIN: f64 = 1e-9;
 /// Greatest number of postures tried one after the other from one start node.
 const MAX_POSTURES: usize = 4;
+/// Number of polls without a gain after which the distance is halved. A worst case has narrow curved valleys with a
+/// kink along them, in which one poll often finds no way down.
+const MAX_FAILURES: usize = 3;
 /// Greatest number of polls of one search; a few hundred are usual.
 const MAX_POLLS: usize = 1000;
 
@@ -149,7 +152,7 @@ fn descend(
     mut judge: impl FnMut((f64, f64)) -> Option<PointSpot>,
 ) -> PointSpot {
     let inside = |v: f64, centre: f64, size: f64| v.clamp(centre - size / 2.0, centre + size / 2.0);
-    let mut best = from;
+    let (mut best, mut failures) = (from, 0);
     for poll in 0..MAX_POLLS {
         if step < LEAST_STEP {
             break;
@@ -163,8 +166,9 @@ fn descend(
         });
         let least = candidates.min_by(|a, b| a.value.total_cmp(&b.value));
         match least.filter(|c| c.value < best.value - LEAST_GAIN * best.value.abs()) {
-            Some(better) => best = better,
-            None => step /= 2.0,
+            Some(better) => (best, failures) = (better, 0),
+            None if failures + 1 < MAX_FAILURES => failures += 1,
+            None => (step, failures) = (step / 2.0, 0),
         }
     }
     best

@@ -25,7 +25,7 @@ const SAME_POINT: f64 = 1e-6;
 
 /// Best fit of the base frame: the least squares of the TCP position errors over the workspace.
 ///
-/// The mean of their squares is over all postures between the joint limits ([`WorkspaceAverage`]).
+/// The mean of their squares is over all postures between the joint limits.
 #[derive(Debug, Clone)]
 pub struct BestFit {
     workspace: WorkspaceAverage,

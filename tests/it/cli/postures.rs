@@ -308,8 +308,8 @@ fn bad_joints_exit_2_and_joints_beyond_limits_are_reported() {
     for (joints, why) in [
         ("1,2,3", "--joints has 3 values, but the robot has 4 joints"),
         ("1,2,3,4,5", "--joints has 5 values"),
-        ("1,2,3,nan", "it must be finite"),
-        ("1,2,3,inf", "it must be finite"),
+        ("1,2,3,nan", "it must be a finite number"),
+        ("1,2,3,inf", "it must be a finite number"),
         ("1,2,3,x", "it is not a number"),
         ("1,2,,4", "it is not a number"),
         ("", "it is not a number"),
