@@ -7,6 +7,7 @@ use sweetspot::assess::Assessment;
 use sweetspot::cell::{Azimuth, Goal, Goals, Layout, MAX_COORDINATE, Misfit, Placement, Slot, Spin};
 use sweetspot::error_map::{Outcome, Unjudged};
 use sweetspot::layout::{Workcell, evaluate, separated};
+use sweetspot::record::MapDocument;
 
 /// A wrong change of a layout, and the reason that must be given.
 type Damage = (Box<dyn Fn(&mut Layout)>, Misfit);
@@ -82,8 +83,17 @@ fn a_layout_of_no_cell_is_infeasible_with_its_reason() {
             assert!(workcell.robustness(&layout, &maps).iter().all(Option::is_none));
             let goals = Goals::of(&[Goal::Error, Goal::Footprint]).unwrap();
             assert_eq!(workcell.goals(&layout, &feasible, &goals), None);
+            let free = workcell.cell.free();
+            let values: Vec<f64> = free.iter().map(|(slot, _)| layout.value(&workcell.cell, *slot)).collect();
+            assert_eq!(values.len(), free.len());
+            assert_eq!(workcell.cell.misplaced(&layout, &[]).placements.len(), layout.placements.len());
             let assessment = Assessment::new("none", &workcell, layout).misplaced();
             assert!(!assessment.is_robust() && assessment.reachable(0).is_empty());
+            // The layout as drawn is shown in its place, with the reason.
+            assert_eq!(assessment.layout, start);
+            let document = serde_json::to_value(MapDocument::new(&assessment)).unwrap();
+            assert_eq!(document["feasible"], false);
+            assert_eq!(document["reasons"][0], reason.in_words(&workcell.cell));
         }
     }
 }

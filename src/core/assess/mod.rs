@@ -68,6 +68,9 @@ pub struct Assessment<'a> {
 
 impl<'a> Assessment<'a> {
     /// Evaluates one layout, maps its operations and refines their spots.
+    ///
+    /// A layout that does not belong to the cell cannot be shown: the evaluation says why, and the layout as
+    /// drawn stands in its place.
     pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
         let mut evaluation = evaluate(workcell, &layout);
         let mut maps = workcell.maps(&layout);
@@ -75,6 +78,7 @@ impl<'a> Assessment<'a> {
         let refined = workcell.refined(&layout, &maps);
         let SampledSpots { samples, cell_yield } = SampledSpots::new(workcell, &layout, &maps);
         let confirmed = take_over(workcell, &samples, &mut maps, &mut evaluation);
+        let layout = if evaluation.misfit.is_some() { workcell.cell.start() } else { layout };
         let (cell, robustness) = (&workcell.cell, Vec::new());
         Self {
             label: label.to_string(),

@@ -36,12 +36,15 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// Returns the value of a coordinate, m or rad.
+    ///
+    /// What a layout that does not belong to the cell lacks is where the cell draws it.
     pub fn value(&self, cell: &Cell, slot: Slot) -> f64 {
         match slot {
             Slot::Base(axis) => self.base.values()[axis],
             Slot::Equipment(k, axis) => cell.own_placement(self, k).values()[axis],
             Slot::Attitude(k, angle) => {
-                let attitude = &self.attitudes[k];
+                let attitude = self.attitudes.get(k).unwrap_or(&cell.operations[k].attitude);
                 match (angle, &attitude.azimuth, &attitude.spin) {
                     (0, ..) => attitude.elevation,
                     (1, Azimuth::Surface(azimuth), _) => *azimuth,
@@ -101,13 +104,17 @@ impl Cell {
 
     /// Returns the placement of a piece of equipment in the frame that the cell file uses.
     ///
-    /// That is the frame of the equipment that carries it, or the world frame.
+    /// That is the frame of the equipment that carries it, or the world frame. A piece that the layout does not
+    /// place is where the cell draws it.
     pub fn own_placement(&self, layout: &Layout, equipment: usize) -> Placement {
-        let at = layout.placements[equipment];
+        let placed = |k: usize| layout.placements.get(k).copied();
+        let drawn =
+            || Placement::from_values(self.equipment[equipment].placement.each_ref().map(|c| c.start()));
         match self.equipment[equipment].on {
-            Some(under) => at.seen_from(&layout.placements[under]),
-            None => at,
+            Some(under) => placed(equipment).zip(placed(under)).map(|(at, under)| at.seen_from(&under)),
+            None => placed(equipment),
         }
+        .unwrap_or_else(drawn)
     }
 
     /// Returns the coordinates of robot base and equipment that have a tolerance, with its half width (m,
@@ -149,7 +156,9 @@ impl Cell {
                 .any(|under| self.rides_on(k, under) && by(&|axis| Slot::Equipment(under, axis)) != [0.0; 4])
         };
         for k in (0..own.len()).filter(|k| stirred(*k)) {
-            moved.placements[k] = self.in_world(&own, k);
+            if let Some(place) = moved.placements.get_mut(k) {
+                *place = self.in_world(&own, k);
+            }
         }
         moved
     }

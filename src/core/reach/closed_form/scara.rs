@@ -71,7 +71,7 @@ impl Scara {
     /// Computes the vectors from joint to joint, and height and direction of the flange, at theta = 0.
     fn measure(&mut self, chain: &Chain) {
         let (mut sense, mut direction, mut side) = (1.0, Plane::new(1.0, 0.0), 0);
-        for (i, link) in chain.links.iter().enumerate() {
+        for link in &chain.links {
             match link.kind {
                 JointKind::Revolute => {
                     self.senses[side] = sense;
@@ -79,7 +79,6 @@ impl Scara {
                     self.height += sense * link.r;
                 }
                 JointKind::Prismatic => {
-                    debug_assert!(i == self.sliding);
                     self.sliding_sense = sense;
                     direction *= Plane::new(link.theta.cos(), sense * link.theta.sin());
                 }
