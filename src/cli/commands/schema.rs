@@ -9,6 +9,7 @@ use crate::files;
 use crate::files::FileKind;
 use crate::record::DocumentKind;
 use serde_json::Value;
+use std::path::Path;
 
 /// Runs `sweetspot schema`.
 pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
@@ -27,9 +28,10 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
     for (name, text) in &all {
         loading::write_whole(&folder.join(name), text.as_bytes())?;
     }
-    let first = path_word(&folder.join(file_name(FileKind::Cell.name())));
+    // Joining keeps an absolute path as it is.
+    let first = path_word(&Path::new(".").join(folder).join(file_name(FileKind::Cell.name())));
     output::talk(&format!("wrote {} schemas into {}", all.len(), path_word(folder)));
-    output::talk(&format!("editors use a schema if the first line of a file names it: #:schema ./{first}"));
+    output::talk(&format!("editors use a schema if the first line of a file names it: #:schema {first}"));
     suggest("init");
     Ok(Exit::Done)
 }

@@ -13,7 +13,7 @@ use crate::record::{
     SearchResult, VerdictAnswer, VerdictDocument, VerdictSpot, VerdictSubject, objective_word, value_word,
 };
 use crate::report::text::yield_in_words;
-use crate::units::{mm_from_m, rounded};
+use crate::units::{mm_from_m, percent_from_share, rounded};
 
 fn nine(value: f64) -> f64 {
     rounded(value, 9)
@@ -210,7 +210,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
 /// Returns the entry on the share of arms that keep the limits of all operations; None without such a share.
 fn joint_yield(a: &Assessment<'_>) -> Option<FactEntry> {
     let value = a.cell_yield?.value;
-    let (text, note) = (quantity(Unit::Share, value), yield_in_words(a)?);
+    let (text, note) = (format!("{:.3} %", percent_from_share(value)), yield_in_words(a)?);
     Some(FactEntry { label: "Yield".into(), value: Some(nine(value)), text, note, mood: FactMood::Plain })
 }
 

@@ -34,10 +34,16 @@ pub fn samples_line(samples: &MonteCarlo, unit: Unit, holds: bool) -> String {
 
 /// Returns the yield of all operations together and of each alone; empty without a joint yield.
 pub fn yield_lines(a: &Assessment<'_>) -> String {
-    yield_in_words(a).map_or(String::new(), |said| format!("{said}\n"))
+    let line = a.cell_yield.zip(yield_in_words(a));
+    line.map_or(String::new(), |(all, said)| {
+        format!("yield: {:.3} %, {said}\n", percent_from_share(all.value))
+    })
 }
 
-/// Describes the yield of all operations together and of each alone; None without a joint yield.
+/// Describes what the joint yield is the share of, with its confidence interval, and the yield of each operation
+/// alone.
+///
+/// Returns None without a joint yield.
 pub fn yield_in_words(a: &Assessment<'_>) -> Option<String> {
     let (together, samples) = (a.cell_yield?, a.samples.iter().flatten().map(|s| s.samples).max()?);
     let alone = a.cell.operations.iter().zip(&a.samples).filter_map(|(operation, samples)| {
@@ -46,11 +52,15 @@ pub fn yield_in_words(a: &Assessment<'_>) -> Option<String> {
     let alone: Vec<String> = alone.collect();
     let what = if alone.len() > 1 { "the limits of all operations" } else { "the limit" };
     let each = if alone.len() > 1 { format!("; each alone: {}", alone.join(", ")) } else { String::new() };
-    Some(format!("yield: {} of {samples} sampled arms keep {what}{each}", share(&together)))
+    Some(format!("share of {samples} sampled arms that keep {what} {}{each}", interval(&together)))
 }
 
 /// Returns a share as percent, with its 95 % confidence interval.
 fn share(e: &Estimate) -> String {
-    let [value, low, high] = [e.value, e.low, e.high].map(percent_from_share);
-    format!("{value:.3} % ({low:.3} to {high:.3} %)")
+    format!("{:.3} % {}", percent_from_share(e.value), interval(e))
+}
+
+/// Returns the 95 % confidence interval of a share in percent.
+fn interval(e: &Estimate) -> String {
+    format!("({:.3} to {:.3} %)", percent_from_share(e.low), percent_from_share(e.high))
 }

@@ -20,7 +20,11 @@ fn a_map_gives_the_yield_of_all_operations_together() {
     assert!(alone.len() == 2 && together <= alone[0].min(alone[1]) && together >= alone[0] + alone[1] - 1.0);
     assert!(number(&whole["together"]["low"]) < together && together < number(&whole["together"]["high"]));
     let said = shop.done(&[&["map", CELL], &QUESTION[..]].concat()).out;
-    assert!(said.contains("sampled arms keep the limits of all operations; each alone: assembly "), "{said}");
+    assert!(
+        said.contains("sampled arms that keep the limits of all operations (")
+            && said.contains("; each alone: assembly "),
+        "{said}"
+    );
     let without = shop.json(&["map", CELL, "--quantity", "p99"]);
     assert!(without.get("cell_yield").is_none());
 }
