@@ -15,10 +15,12 @@ mod cumulants;
 mod jacobi;
 mod law;
 mod points;
+mod power_normal;
 mod spectrum;
 
 pub use conditional::{ConditionalNorm, ConditionalScratch};
 pub use law::NormLaw;
+pub use power_normal::PowerNormal;
 
 use super::normal_quantile::normal_quantile;
 use bromwich::invert;

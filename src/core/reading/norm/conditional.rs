@@ -14,20 +14,23 @@
 //! what such points need (A. Griewank, F. Y. Kuo, H. Leovey, I. H. Sloan, "High dimensional integration of
 //! kinks and jumps: smoothing by preintegration", J. Comput. Appl. Math. 344 (2018) 259-274).
 //!
-//! The normal parameters act as one normal vector. The least bounded parameters do so, too, if their share
-//! in the excess kurtosis is small: fewer coordinates need fewer points.
+//! The normal parameters act as one vector along the principal axes of its covariance. The least bounded parameters
+//! join it if their share in the excess kurtosis is small: fewer coordinates need fewer points. Each axis then has
+//! the excess kurtosis that they cause there ([`PowerNormal`]).
 
 use super::jacobi::{covariance, diagonalize};
-use super::points::{COORDINATES, POINTS, coordinate, half_width};
+use super::points::{POINTS, coordinate, half_width};
+use super::power_normal::PowerNormal;
 use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Largest number of bounded parameters that keep their own distributions; further ones count as normal.
-pub const MAX_BOUNDED: usize = 12;
+/// Largest number of parameters beside the dominating one that keep their own distributions.
+const MAX_OWN: usize = 7;
 
-/// Largest excess kurtosis of the error that the bounded parameters which count as normal may cause together.
-const MAX_REST_EXCESS: f64 = 0.002;
+/// Largest excess kurtosis of the error without the dominating parameter that may come from bounded parameters without
+/// a distribution of their own.
+const MAX_REST_EXCESS: f64 = 0.008;
 
 /// Weight of a parameter that alone varies the error in its direction, relative to its share.
 const THIN_WEIGHT: f64 = 0.5;
@@ -35,8 +38,8 @@ const THIN_WEIGHT: f64 = 0.5;
 /// Number of points that are added up side by side; a divisor of [`POINTS`].
 const LANES: usize = 4;
 
-/// Largest number of terms that a point samples: bounded parameters and the axes of one normal vector.
-const MAX_TERMS: usize = COORDINATES;
+/// Largest number of terms that a point samples: bounded parameters and the axes of the other ones.
+pub const MAX_TERMS: usize = MAX_OWN + 6;
 
 /// Distribution of the norm of a random vector with a dominating bounded parameter.
 pub struct ConditionalNorm<'a> {
@@ -64,8 +67,23 @@ impl ConditionalScratch {
     }
 }
 
-/// Random term of the error: the effect of a parameter at one standard deviation, and its distribution.
-type RandomTerm = (Vector6<f64>, Distribution);
+/// Random term of the error.
+#[derive(Clone, Copy)]
+struct RandomTerm {
+    /// Effect at one standard deviation.
+    effect: Vector6<f64>,
+    distribution: Distribution,
+    /// Function of the variable that scales the effect.
+    shape: PowerNormal,
+}
+
+impl RandomTerm {
+    const NONE: Self = Self {
+        effect: Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        distribution: Distribution::Normal,
+        shape: PowerNormal::IDENTITY,
+    };
+}
 
 impl<'a> ConditionalNorm<'a> {
     /// Returns the distribution of `|e|`, where `e` are the first `m` components of a random vector.
@@ -80,48 +98,30 @@ impl<'a> ConditionalNorm<'a> {
         scratch: &'a mut ConditionalScratch,
     ) -> Option<Self> {
         let cut = |v: &Vector6<f64>| Vector6::from_fn(|i, _| if i < m { v[i] } else { 0.0 });
-        let mut order = [0; MAX_SOURCES];
-        let mut count = 0;
-        for k in (0..columns.len()).filter(|&k| distributions[k] != Distribution::Normal) {
-            (order[count], count) = (k, count + 1);
-        }
-        let bounded = &mut order[..count];
-        let size = |k: &usize| cut(&columns[*k]).norm_squared();
-        bounded.sort_unstable_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
-        let (&mut first, others) = bounded.split_first_mut().filter(|(first, _)| size(first) > 0.0)?;
-        let trace: f64 = columns.iter().map(|g| cut(g).norm_squared()).sum();
-        let excess =
-            |k: &usize| distributions[*k].excess_kurtosis().abs() * weight(&cut(&columns[*k]), columns);
-        others.sort_unstable_by(|a, b| excess(b).total_cmp(&excess(a)).then(a.cmp(b)));
-        let mut left: f64 = others.iter().map(excess).sum();
-        let keeps = |k: &&usize| {
-            let is_kept = left > MAX_REST_EXCESS;
-            left -= excess(k);
-            is_kept
-        };
-        let own = others.iter().take(MAX_BOUNDED - 1).take_while(keeps).count();
-        let others = &others[..own];
-        let mut terms: [RandomTerm; MAX_TERMS] = [(Vector6::zeros(), Distribution::Normal); MAX_TERMS];
-        let mut rest = [Vector6::zeros(); MAX_SOURCES];
-        columns.iter().zip(&mut rest).for_each(|(column, rest)| *rest = cut(column));
-        let dominating = rest[first];
-        rest[first] = Vector6::zeros();
-        for (term, &k) in terms.iter_mut().zip(others) {
-            *term = (rest[k], distributions[k]);
-            rest[k] = Vector6::zeros();
-        }
-        normal_axes(m, &rest[..columns.len()], &mut terms[others.len()..]);
-        terms.sort_by(|a, b| b.0.norm_squared().total_cmp(&a.0.norm_squared()));
+        let (mut effects, mean) = ([Vector6::zeros(); MAX_SOURCES], cut(mean));
+        columns.iter().zip(&mut effects).for_each(|(column, effect)| *effect = cut(column));
+        let effects = &mut effects[..columns.len()];
+        let trace: f64 = effects.iter().map(Vector6::norm_squared).sum();
+        let size = |k: &usize| effects[*k].norm_squared();
+        let is_bounded = |k: &usize| distributions[*k] != Distribution::Normal && size(k) > 0.0;
+        let largest = |a: &usize, b: &usize| size(a).total_cmp(&size(b)).then(b.cmp(a));
+        let first = (0..columns.len()).filter(is_bounded).max_by(largest)?;
+        let dominating = std::mem::take(&mut effects[first]);
+
+        let mut terms = [RandomTerm::NONE; MAX_TERMS];
+        let own = take_dominating(effects, distributions, &mut terms);
+        principal_axes(m, effects, distributions, &mut terms[own..]);
+        terms.sort_by(|a, b| b.effect.norm_squared().total_cmp(&a.effect.norm_squared()));
+        let used = terms.iter().take_while(|term| term.effect != Vector6::zeros()).count();
         let reflection = Reflection::onto_first(&dominating);
-        let used = terms.iter().take_while(|term| term.0 != Vector6::zeros()).count();
-        sample(m, &reflection.of(&cut(mean)), &terms[..used], &reflection, &mut scratch.0);
+        sample(m, &reflection.of(&mean), &terms[..used], &reflection, &mut scratch.0);
+
         let (weights, components) = scratch.0.split_at(POINTS);
         let (along, across) = components.split_at(POINTS);
         let distribution = distributions[first];
         let width = dominating.norm() * half_width(distribution);
-        let rms = (trace + cut(mean).norm_squared()).sqrt();
-        let across = &across[..POINTS];
-        Some(Self { along, across, weights, width, distribution, rms })
+        let rms = (trace + mean.norm_squared()).sqrt();
+        Some(Self { along, across: &across[..POINTS], weights, width, distribution, rms })
     }
 
     /// Returns the RMS `sqrt(E |e|^2)`, which is exact.
@@ -205,19 +205,45 @@ impl<'a> ConditionalNorm<'a> {
     }
 }
 
-/// Returns how much the distribution of a parameter with the effect `g` matters among all effects, 0 to 1.
+/// Moves the bounded parameters whose distributions matter most from `effects` to `terms`, and returns their number.
+fn take_dominating(
+    effects: &mut [Vector6<f64>],
+    distributions: &[Distribution],
+    terms: &mut [RandomTerm],
+) -> usize {
+    let (mut order, mut excess) = ([0; MAX_SOURCES], [0.0; MAX_SOURCES]);
+    for (k, (effect, distribution)) in effects.iter().zip(distributions).enumerate() {
+        (order[k], excess[k]) = (k, distribution.excess_kurtosis().abs() * weight(effect, effects));
+    }
+    let order = &mut order[..effects.len()];
+    order.sort_unstable_by(|a, b| excess[*b].total_cmp(&excess[*a]).then(a.cmp(b)));
+    let mut left: f64 = excess.iter().sum();
+    let mut own = 0;
+    for (&k, term) in order.iter().zip(terms).take(MAX_OWN) {
+        if left <= MAX_REST_EXCESS {
+            break;
+        }
+        left -= excess[k];
+        let effect = std::mem::take(&mut effects[k]);
+        *term = RandomTerm { effect, distribution: distributions[k], shape: PowerNormal::IDENTITY };
+        own += 1;
+    }
+    own
+}
+
+/// Returns how much the distribution of a parameter with the effect `g` matters among the effects, 0 to 1.
 ///
 /// This is the squared share of the parameter in the variance. A parameter that alone varies the error in its
 /// direction also matters for small probabilities, in proportion to its size.
-fn weight(g: &Vector6<f64>, columns: &[Vector6<f64>]) -> f64 {
+fn weight(g: &Vector6<f64>, effects: &[Vector6<f64>]) -> f64 {
     let (own, mut trace, mut along) = (g.norm_squared(), 0.0, 0.0);
-    for column in columns {
-        let product = g.dot(column);
-        along += product * product;
-        trace += column.norm_squared();
-    }
     if own == 0.0 {
         return 0.0;
+    }
+    for effect in effects {
+        let product = g.dot(effect);
+        along += product * product;
+        trace += effect.norm_squared();
     }
     let (share, alone) = (own / trace, own * own / along);
     (share * share).max(THIN_WEIGHT * alone * alone * share.sqrt())
@@ -230,17 +256,33 @@ fn antiderivatives(s: f64, r: f64) -> [f64; 2] {
     [0.5 * (s * q + r * turn), q * q * q / 6.0 + 0.5 * r * (s * turn - q)]
 }
 
-/// Writes independent normal terms whose sum has the covariance of the first `m` components of `columns`.
-fn normal_axes(m: usize, columns: &[Vector6<f64>], terms: &mut [RandomTerm]) {
-    let largest = columns.iter().map(|g| g.amax()).fold(0.0, f64::max);
+/// Writes independent terms along the principal axes of all effects, whose sum has their covariance.
+///
+/// The excess kurtosis of the term along axis a, with the variance v, is `sum_k gamma_k (g_k.a)^2 |g_k|^2 / v^2`, where
+/// `gamma_k` is that of parameter k, and `g_k` its effect. So the variance of the squared length of the sum is kept.
+fn principal_axes(
+    m: usize,
+    effects: &[Vector6<f64>],
+    distributions: &[Distribution],
+    terms: &mut [RandomTerm],
+) {
+    let largest = effects.iter().map(|g| g.amax()).fold(0.0, f64::max);
     if largest == 0.0 {
         return;
     }
-    let mut s = covariance(m, columns, 1.0 / largest);
+    let mut s = covariance(m, effects, 1.0 / largest);
     let axes = diagonalize(m, &mut s);
     for ((k, axis), term) in axes.iter().enumerate().take(m).zip(terms) {
-        let size = largest * s[k][k].max(0.0).sqrt();
-        *term = (Vector6::from_fn(|i, _| size * axis[i]), Distribution::Normal);
+        let axis = Vector6::from_fn(|i, _| if i < m { axis[i] } else { 0.0 });
+        let fourth = effects.iter().zip(distributions).map(|(effect, distribution)| {
+            let g = effect / largest;
+            distribution.excess_kurtosis() * g.dot(&axis).powi(2) * g.norm_squared()
+        });
+        let variance = s[k][k].max(0.0);
+        let kurtosis = fourth.sum::<f64>() / (variance * variance);
+        let shape = PowerNormal::with_excess_kurtosis(kurtosis);
+        let effect = largest * variance.sqrt() * axis;
+        *term = RandomTerm { effect, distribution: Distribution::Normal, shape };
     }
 }
 
@@ -270,11 +312,12 @@ fn sample(m: usize, mean: &Vector6<f64>, terms: &[RandomTerm], reflection: &Refl
     for (i, component) in components.chunks_exact_mut(POINTS).enumerate().take(m.max(2)) {
         component.fill(mean[i]);
     }
-    for (k, (column, distribution)) in terms.iter().enumerate() {
-        let (effect, (values, densities)) = (reflection.of(column), coordinate(k, *distribution));
+    for (k, term) in terms.iter().enumerate() {
+        let (values, densities) = coordinate(k, term.distribution);
+        let (effect, shape) = (reflection.of(&term.effect), term.shape);
         weights.iter_mut().zip(densities).for_each(|(weight, density)| *weight *= density);
         for (i, component) in components.chunks_exact_mut(POINTS).enumerate().take(m) {
-            component.iter_mut().zip(values).for_each(|(sum, value)| *sum += effect[i] * value);
+            component.iter_mut().zip(values).for_each(|(sum, z)| *sum += effect[i] * shape.value(*z));
         }
     }
     let total: f64 = weights.iter().sum();

@@ -6,15 +6,8 @@ use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Largest [`excess`] at which the corrected transform of a normal vector is used for a few bounded parameters.
+/// Largest [`excess`] at which the corrected transform of a normal vector is used.
 const MAX_EXCESS: f64 = 0.1;
-
-/// Largest [`excess`] at which the transform is used for many: it suits them better than points in as many
-/// dimensions.
-const MAX_EXCESS_OF_MANY: f64 = 0.2;
-
-/// Number of bounded parameters above which they are many.
-const FEW: usize = 8;
 
 /// Distribution of the norm `|e|` of an error `e`, by the method that suits the parameters.
 #[allow(clippy::large_enum_variant)] // It lives on the stack of the node loop, which must not allocate.
@@ -40,9 +33,7 @@ impl<'a> NormLaw<'a> {
         let mut kurtosis = [0.0; MAX_SOURCES];
         kurtosis.iter_mut().zip(distributions).for_each(|(k, d)| *k = d.excess_kurtosis());
         let kurtosis = &kurtosis[..columns.len()];
-        let bounded = kurtosis.iter().filter(|gamma| **gamma != 0.0).count();
-        let most = if bounded > FEW { MAX_EXCESS_OF_MANY } else { MAX_EXCESS };
-        if excess(m, columns, kurtosis, mean) > most
+        if excess(m, columns, kurtosis, mean) > MAX_EXCESS
             && let Some(bounded) = ConditionalNorm::new(m, columns, distributions, mean, scratch)
         {
             return Self::Bounded(bounded);

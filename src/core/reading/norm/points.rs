@@ -5,19 +5,20 @@
 //! So each coordinate is drawn from a distribution with more points in the tails, and weighted by the ratio
 //! of the densities (importance sampling).
 
+use super::conditional::MAX_TERMS;
 use crate::cell::Distribution;
 use crate::low_discrepancy::{primes, radical_inverse};
 use crate::reading::normal_quantile::normal_quantile;
 use std::sync::LazyLock;
 
 /// Number of points.
-pub const POINTS: usize = 4096;
+pub const POINTS: usize = 8192;
 
 /// Number of coordinates of a point.
-pub const COORDINATES: usize = 17;
+const COORDINATES: usize = MAX_TERMS;
 
 /// Standard deviation of the normal distribution from which the normal coordinates are drawn.
-const WIDENED: f64 = 1.5;
+const WIDENED: f64 = 1.2;
 
 /// Values and weights of one distribution at all points, coordinate by coordinate.
 struct WeightedPoints {
