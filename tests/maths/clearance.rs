@@ -1125,16 +1125,16 @@ fn layouts(cell: &Cell) -> Vec<Layout> {
 #[test]
 fn evaluate_and_maps_agree_on_every_outcome() {
     let shipped = shipped("hitachi_cell.toml");
-    let seen = agree_on_layouts(shipped.clone());
+    let seen = agree_on_layouts(shipped.clone(), 200);
     assert!(seen.iter().all(|&n| n > 0), "not every outcome was seen: {seen:?}");
     // Inside wide limits most nodes have several postures to choose from.
     let mut limber = shipped;
     limber.robot.joints.iter_mut().for_each(|j| j.limits = (-3.0, 3.0));
-    agree_on_layouts(limber);
+    agree_on_layouts(limber, cases(50, 200));
 }
 
-/// Compares evaluation and map on layouts. Returns the number of outcomes of each kind.
-fn agree_on_layouts(cell: Cell) -> [usize; 3] {
+/// Compares evaluation and map on at most `most` layouts. Returns the number of outcomes of each kind.
+fn agree_on_layouts(cell: Cell, most: usize) -> [usize; 3] {
     let whole = Workcell::new(cell).unwrap();
     // An overlap blocks a map, which the outcome does not know: without floor space nothing overlaps.
     let mut lean = whole.cell.clone();
@@ -1146,7 +1146,7 @@ fn agree_on_layouts(cell: Cell) -> [usize; 3] {
     let mut seen = [0; 3];
     let layouts = layouts(&whole.cell);
     assert_eq!(layouts.len(), 200);
-    for layout in &layouts {
+    for layout in layouts.iter().take(most) {
         let (evaluation, free) = (evaluate(&whole, layout), evaluate(&lean, layout));
         assert_eq!(evaluation.outcomes, free.outcomes);
         assert!(free.overlaps.is_empty());

@@ -56,7 +56,7 @@ fn separation_finds_the_nearest_layout_without_overlap() {
     let workcell = Workcell::new(block_and_table()).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut overlapped = 0;
-    while overlapped < cases(8, 20) {
+    while overlapped < cases(4, 20) {
         let mut layout = workcell.cell.start();
         layout.placements[0].x = rng.random_range(-0.6..0.6);
         layout.placements[0].y = rng.random_range(-0.6..0.6);

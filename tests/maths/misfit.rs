@@ -64,7 +64,8 @@ fn a_layout_of_no_cell_is_infeasible_with_its_reason() {
     for workcell in [workcell("hitachi_cell.toml"), workcell("wrist_cell.toml"), robust] {
         let start = workcell.cell.start();
         assert_eq!(workcell.cell.misfit(&start), None);
-        let feasible = evaluate(&workcell, &start);
+        let (feasible, maps) = (evaluate(&workcell, &start), workcell.maps(&start));
+        let posture = maps[0].nodes.iter().find_map(|node| node.posture.as_ref()).unwrap();
         for (damage, reason) in damages(&workcell) {
             let mut layout = start.clone();
             damage(&mut layout);
@@ -76,8 +77,6 @@ fn a_layout_of_no_cell_is_infeasible_with_its_reason() {
             assert_eq!(evaluation.outcomes, vec![unjudged; workcell.cell.operations.len()]);
             assert!(reason.in_words(&workcell.cell).len() > 20);
             assert_eq!(separated(&workcell, &layout), None);
-            let maps = workcell.maps(&start);
-            let posture = maps[0].nodes.iter().find_map(|node| node.posture.as_ref()).unwrap();
             assert_eq!(workcell.posed(&layout, &maps, 0, posture).err(), Some(Unjudged::NotALayout));
             assert!(workcell.refined(&layout, &maps).iter().all(Option::is_none));
             assert!(workcell.robustness(&layout, &maps).iter().all(Option::is_none));

@@ -52,7 +52,7 @@ fn setting(name: &str, default: usize) -> usize {
     }
 }
 
-/// Fuzzes a parser; `default` inputs take a few seconds.
+/// Fuzzes a parser; `default` inputs of all parsers together take about a minute of processor time.
 fn fuzz(make: fn() -> Target, default: usize) {
     let (inputs, seed) = (setting("SWEETSPOT_FUZZ_INPUTS", default), setting("SWEETSPOT_FUZZ_SEED", 14));
     let done = Arc::new(AtomicUsize::new(0));
@@ -157,61 +157,61 @@ fn kind_of(answer: &Result<(), String>) -> String {
 
 #[test]
 fn cells() {
-    fuzz(targets::cell, 250);
+    fuzz(targets::cell, 1_500);
 }
 
 #[test]
 fn robots() {
-    fuzz(targets::robot, 400);
+    fuzz(targets::robot, 2_400);
 }
 
 #[test]
 fn equipment() {
-    fuzz(targets::equipment, 400);
+    fuzz(targets::equipment, 2_400);
 }
 
 #[test]
 fn urdfs() {
-    fuzz(targets::urdf, 1_000);
+    fuzz(targets::urdf, 6_000);
 }
 
 #[test]
 fn stl_meshes() {
-    fuzz(targets::stl, 5_000);
+    fuzz(targets::stl, 30_000);
 }
 
 #[test]
 fn obj_meshes() {
-    fuzz(targets::obj, 5_000);
+    fuzz(targets::obj, 30_000);
 }
 
 #[test]
 fn checkpoints() {
-    fuzz(targets::checkpoint, 1_500);
+    fuzz(targets::checkpoint, 9_000);
 }
 
 #[test]
 fn manifests() {
-    fuzz(targets::manifest, 3_000);
+    fuzz(targets::manifest, 18_000);
 }
 
 #[test]
 fn plans_and_rows_of_sweeps() {
-    fuzz(targets::sweep, 3_000);
+    fuzz(targets::sweep, 18_000);
 }
 
 #[test]
 fn search_results() {
-    fuzz(targets::search_result, 1_000);
+    fuzz(targets::search_result, 6_000);
 }
 
 #[test]
 fn settings() {
-    fuzz(targets::settings, 800);
+    fuzz(targets::settings, 4_800);
 }
 
 #[cfg(feature = "view")]
 #[test]
 fn layouts_of_the_page() {
-    fuzz(targets::page_layout, 3_000);
+    fuzz(targets::page_layout, 18_000);
 }

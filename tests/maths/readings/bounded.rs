@@ -215,7 +215,7 @@ fn percentiles_and_yields_of_random_mixes_agree_with_random_draws() {
     let mut scratch = ConditionalScratch::new();
     let (mut bounded, mut normal) = ([0; 2], [0; 2]);
     let mut deviations = Deviations::default();
-    for round in 0..cases(48, 600) {
+    for round in 0..cases(30, 600) {
         let is_crowded = round / 6 % 2;
         let m = [1, 2, 3, 1, 2, 6][round / 3 % 6];
         let (columns, distributions) = match is_crowded {

@@ -35,7 +35,7 @@ fn percentiles_and_yields_of_five_robots_agree_with_monte_carlo() {
     let mut rng = ChaCha8Rng::seed_from_u64(41);
     let (mut inside, mut all) = (0, 0);
     for robot in robots(&mut rng) {
-        for k in 0..cases(3, 20) {
+        for k in 0..cases(2, 20) {
             // Good arms have 0.2 mm and 0.03 degrees at three sigma.
             let sizes = (2e-4, rad_from_deg(0.03));
             let wrong = 3 * robot.axes() + k % 4;
