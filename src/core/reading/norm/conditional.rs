@@ -19,14 +19,16 @@
 //! the excess kurtosis that they cause there ([`PowerNormal`]).
 
 use super::jacobi::{covariance, diagonalize};
-use super::points::{POINTS, coordinate, half_width};
+use super::points::{COORDINATES, POINTS, coordinate, half_width};
 use super::power_normal::PowerNormal;
 use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
 /// Largest number of parameters beside the dominating one that keep their own distributions.
-const MAX_OWN: usize = 7;
+///
+/// The other coordinates of a point belong to the principal axes of the rest.
+const MAX_OWN: usize = COORDINATES - 6;
 
 /// Largest excess kurtosis of the error without the dominating parameter that may come from bounded parameters without
 /// a distribution of their own.
@@ -37,9 +39,6 @@ const THIN_WEIGHT: f64 = 0.5;
 
 /// Number of points that are added up side by side; a divisor of [`POINTS`].
 const LANES: usize = 4;
-
-/// Largest number of terms that a point samples: bounded parameters and the axes of the other ones.
-pub const MAX_TERMS: usize = MAX_OWN + 6;
 
 /// Distribution of the norm of a random vector with a dominating bounded parameter.
 pub struct ConditionalNorm<'a> {
@@ -108,7 +107,7 @@ impl<'a> ConditionalNorm<'a> {
         let first = (0..columns.len()).filter(is_bounded).max_by(largest)?;
         let dominating = std::mem::take(&mut effects[first]);
 
-        let mut terms = [RandomTerm::NONE; MAX_TERMS];
+        let mut terms = [RandomTerm::NONE; COORDINATES];
         let own = take_dominating(effects, distributions, &mut terms);
         principal_axes(m, effects, distributions, &mut terms[own..]);
         terms.sort_by(|a, b| b.effect.norm_squared().total_cmp(&a.effect.norm_squared()));

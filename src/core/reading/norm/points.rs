@@ -5,7 +5,6 @@
 //! So each coordinate is drawn from a distribution with more points in the tails, and weighted by the ratio
 //! of the densities (importance sampling).
 
-use super::conditional::MAX_TERMS;
 use crate::cell::Distribution;
 use crate::low_discrepancy::{primes, radical_inverse};
 use crate::reading::normal_quantile::normal_quantile;
@@ -15,7 +14,7 @@ use std::sync::LazyLock;
 pub const POINTS: usize = 8192;
 
 /// Number of coordinates of a point.
-const COORDINATES: usize = MAX_TERMS;
+pub const COORDINATES: usize = 13;
 
 /// Standard deviation of the normal distribution from which the normal coordinates are drawn.
 const WIDENED: f64 = 1.2;
