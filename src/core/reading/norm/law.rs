@@ -13,7 +13,7 @@ const MAX_EXCESS: f64 = 0.1;
 /// Weight of parameters that alone vary the error in their direction, in [`excess`].
 ///
 /// At this weight, the transform gives the probabilities of random mixes of 1 to 30 parameters within 0.004.
-const ALONE_WEIGHT: f64 = 0.9;
+const ALONE_WEIGHT: f64 = 2.1;
 
 /// Distribution of the norm `|e|` of an error `e`, by the method that suits the parameters.
 #[allow(clippy::large_enum_variant)] // It lives on the stack of the node loop, which must not allocate.
@@ -104,8 +104,8 @@ fn excess(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f
     whole.max(share(&|g| dot(g, mean).powi(2)))
 }
 
-/// Returns the largest excess kurtosis that a parameter alone causes along its own effect, times the square root of
-/// its share in the variance of the error.
+/// Returns the largest excess kurtosis that a parameter alone causes along its own effect, times its share in the
+/// variance of the error.
 ///
 /// `trace` is that variance.
 fn excess_of_lone(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], trace: f64) -> f64 {
@@ -114,7 +114,7 @@ fn excess_of_lone(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], trace: f
         let own: f64 = (0..m).map(|i| g[i] * g[i]).sum();
         let along: f64 = (0..m).map(|i| (0..m).map(|j| g[i] * s[i][j] * g[j]).sum::<f64>()).sum();
         let alone = if along > 0.0 { own * own / along } else { 0.0 };
-        gamma.abs() * alone * alone * (own / trace).sqrt()
+        gamma.abs() * alone * alone * own / trace
     };
     let bounded = columns.iter().zip(kurtosis).filter(|(_, gamma)| **gamma != 0.0);
     if trace > 0.0 { bounded.map(of_one).fold(0.0, f64::max) } else { 0.0 }
