@@ -99,10 +99,7 @@ impl ErrorEvaluator {
             columns: [Vector6::zeros(); MAX_SOURCES],
             distributions: [Distribution::Normal; MAX_SOURCES],
             scratch: ZonotopeScratch::default(),
-            conditional: match self.sources.has_bounded() {
-                true => ConditionalScratch::new(),
-                false => ConditionalScratch::default(),
-            },
+            conditional: ConditionalScratch::default(),
         }
     }
 

@@ -12,11 +12,13 @@
 mod bromwich;
 mod conditional;
 mod cumulants;
+mod dominance;
 mod jacobi;
 mod law;
 mod points;
 mod power_normal;
 mod spectrum;
+mod terms;
 
 pub use conditional::{ConditionalNorm, ConditionalScratch};
 pub use law::NormLaw;

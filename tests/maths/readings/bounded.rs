@@ -24,7 +24,7 @@ fn half(distribution: Distribution) -> f64 {
 fn of_one_component(effects: &[(f64, Distribution)], check: impl Fn(&NormLaw<'_>)) {
     let columns: Vec<_> = effects.iter().map(|(effect, _)| vector(&[*effect])).collect();
     let distributions: Vec<_> = effects.iter().map(|e| e.1).collect();
-    let mut scratch = ConditionalScratch::new();
+    let mut scratch = ConditionalScratch::default();
     let law = NormLaw::new(1, &columns, &distributions, &vector(&[]), &mut scratch);
     assert!(matches!(law, NormLaw::Bounded(_)), "nothing dominates");
     check(&law);
@@ -212,7 +212,7 @@ fn a_power_normal_variable_has_its_excess_kurtosis() {
 #[test]
 fn percentiles_and_yields_of_random_mixes_agree_with_random_draws() {
     let mut rng = ChaCha8Rng::seed_from_u64(71);
-    let mut scratch = ConditionalScratch::new();
+    let mut scratch = ConditionalScratch::default();
     let (mut bounded, mut normal) = ([0; 2], [0; 2]);
     let mut deviations = Deviations::default();
     for round in 0..cases(30, 600) {
@@ -242,7 +242,7 @@ fn percentiles_and_yields_of_random_mixes_agree_with_random_draws() {
 #[test]
 fn the_methods_agree_where_no_bounded_parameter_dominates() {
     let mut rng = ChaCha8Rng::seed_from_u64(72);
-    let mut scratch = ConditionalScratch::new();
+    let mut scratch = ConditionalScratch::default();
     for round in 0..40 {
         let m = 1 + round % 3;
         let (columns, distributions) = dominated(&mut rng, m, Distribution::Uniform);

@@ -13,31 +13,14 @@
 //! The mean is taken over a fixed set of weighted low-discrepancy points. The integrand has kinks but no jumps, which is
 //! what such points need (A. Griewank, F. Y. Kuo, H. Leovey, I. H. Sloan, "High dimensional integration of
 //! kinks and jumps: smoothing by preintegration", J. Comput. Appl. Math. 344 (2018) 259-274).
-//!
-//! The normal parameters act as one vector along the principal axes of its covariance. The least bounded parameters
-//! join it if their share in the excess kurtosis is small: fewer coordinates need fewer points. Each axis then has
-//! the excess kurtosis that they cause there ([`PowerNormal`]).
 
-use super::jacobi::{covariance, diagonalize};
-use super::points::{COORDINATES, POINTS, coordinate, half_width};
-use super::power_normal::PowerNormal;
+use super::points::{PointSet, half_width};
+use super::terms::RandomTerm;
 use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Largest number of parameters beside the dominating one that keep their own distributions.
-///
-/// The other coordinates of a point belong to the principal axes of the rest.
-const MAX_OWN: usize = COORDINATES - 6;
-
-/// Largest excess kurtosis of the error without the dominating parameter that may come from bounded parameters without
-/// a distribution of their own.
-const MAX_REST_EXCESS: f64 = 0.008;
-
-/// Weight of a parameter that alone varies the error in its direction, relative to its share.
-const THIN_WEIGHT: f64 = 0.5;
-
-/// Number of points that are added up side by side; a divisor of [`POINTS`].
+/// Number of points that are added up side by side; a divisor of [`PointSet::count`].
 const LANES: usize = 4;
 
 /// Distribution of the norm of a random vector with a dominating bounded parameter.
@@ -59,29 +42,15 @@ pub struct ConditionalNorm<'a> {
 pub struct ConditionalScratch(Vec<f64>);
 
 impl ConditionalScratch {
-    /// Allocates the memory, and prepares the points that all evaluations share.
-    pub fn new() -> Self {
-        coordinate(0, Distribution::Uniform);
-        Self(vec![0.0; 7 * POINTS])
+    /// Returns memory for errors of `m` components at `points`; at least one component is across. The first use for
+    /// more components allocates it.
+    fn of_components(&mut self, m: usize, points: &PointSet) -> &mut [f64] {
+        let size = (1 + m.max(2)) * points.count;
+        if self.0.len() < size {
+            self.0.resize(size, 0.0);
+        }
+        &mut self.0[..size]
     }
-}
-
-/// Random term of the error.
-#[derive(Clone, Copy)]
-struct RandomTerm {
-    /// Effect at one standard deviation.
-    effect: Vector6<f64>,
-    distribution: Distribution,
-    /// Function of the variable that scales the effect.
-    shape: PowerNormal,
-}
-
-impl RandomTerm {
-    const NONE: Self = Self {
-        effect: Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        distribution: Distribution::Normal,
-        shape: PowerNormal::IDENTITY,
-    };
 }
 
 impl<'a> ConditionalNorm<'a> {
@@ -107,20 +76,19 @@ impl<'a> ConditionalNorm<'a> {
         let first = (0..columns.len()).filter(is_bounded).max_by(largest)?;
         let dominating = std::mem::take(&mut effects[first]);
 
-        let mut terms = [RandomTerm::NONE; COORDINATES];
-        let own = take_dominating(effects, distributions, &mut terms);
-        principal_axes(m, effects, distributions, &mut terms[own..]);
-        terms.sort_by(|a, b| b.effect.norm_squared().total_cmp(&a.effect.norm_squared()));
+        let terms = RandomTerm::of_parameters(m, effects, distributions);
         let used = terms.iter().take_while(|term| term.effect != Vector6::zeros()).count();
         let reflection = Reflection::onto_first(&dominating);
-        sample(m, &reflection.of(&mean), &terms[..used], &reflection, &mut scratch.0);
+        let points = PointSet::of_components(m);
+        let memory = scratch.of_components(m, points);
+        sample(m, points, &reflection.of(&mean), &terms[..used], &reflection, memory);
 
-        let (weights, components) = scratch.0.split_at(POINTS);
-        let (along, across) = components.split_at(POINTS);
+        let (weights, components) = memory.split_at(points.count);
+        let (along, across) = components.split_at(points.count);
         let distribution = distributions[first];
         let width = dominating.norm() * half_width(distribution);
         let rms = (trace + mean.norm_squared()).sqrt();
-        Some(Self { along, across: &across[..POINTS], weights, width, distribution, rms })
+        Some(Self { along, across: &across[..points.count], weights, width, distribution, rms })
     }
 
     /// Returns the RMS `sqrt(E |e|^2)`, which is exact.
@@ -204,85 +172,11 @@ impl<'a> ConditionalNorm<'a> {
     }
 }
 
-/// Moves the bounded parameters whose distributions matter most from `effects` to `terms`, and returns their number.
-fn take_dominating(
-    effects: &mut [Vector6<f64>],
-    distributions: &[Distribution],
-    terms: &mut [RandomTerm],
-) -> usize {
-    let (mut order, mut excess) = ([0; MAX_SOURCES], [0.0; MAX_SOURCES]);
-    for (k, (effect, distribution)) in effects.iter().zip(distributions).enumerate() {
-        (order[k], excess[k]) = (k, distribution.excess_kurtosis().abs() * weight(effect, effects));
-    }
-    let order = &mut order[..effects.len()];
-    order.sort_unstable_by(|a, b| excess[*b].total_cmp(&excess[*a]).then(a.cmp(b)));
-    let mut left: f64 = excess.iter().sum();
-    let mut own = 0;
-    for (&k, term) in order.iter().zip(terms).take(MAX_OWN) {
-        if left <= MAX_REST_EXCESS {
-            break;
-        }
-        left -= excess[k];
-        let effect = std::mem::take(&mut effects[k]);
-        *term = RandomTerm { effect, distribution: distributions[k], shape: PowerNormal::IDENTITY };
-        own += 1;
-    }
-    own
-}
-
-/// Returns how much the distribution of a parameter with the effect `g` matters among the effects, 0 to 1.
-///
-/// This is the squared share of the parameter in the variance. A parameter that alone varies the error in its
-/// direction also matters for small probabilities, in proportion to its size.
-fn weight(g: &Vector6<f64>, effects: &[Vector6<f64>]) -> f64 {
-    let (own, mut trace, mut along) = (g.norm_squared(), 0.0, 0.0);
-    if own == 0.0 {
-        return 0.0;
-    }
-    for effect in effects {
-        let product = g.dot(effect);
-        along += product * product;
-        trace += effect.norm_squared();
-    }
-    let (share, alone) = (own / trace, own * own / along);
-    (share * share).max(THIN_WEIGHT * alone * alone * share.sqrt())
-}
-
 /// Returns the first and second antiderivative of `sqrt(r + s^2)` by s.
 fn antiderivatives(s: f64, r: f64) -> [f64; 2] {
     let q = (r + s * s).sqrt();
     let turn = if r > 0.0 { (s / r.sqrt()).asinh() } else { 0.0 };
     [0.5 * (s * q + r * turn), q * q * q / 6.0 + 0.5 * r * (s * turn - q)]
-}
-
-/// Writes independent terms along the principal axes of all effects, whose sum has their covariance.
-///
-/// The excess kurtosis of the term along axis a, with the variance v, is `sum_k gamma_k (g_k.a)^2 |g_k|^2 / v^2`, where
-/// `gamma_k` is that of parameter k, and `g_k` its effect. So the variance of the squared length of the sum is kept.
-fn principal_axes(
-    m: usize,
-    effects: &[Vector6<f64>],
-    distributions: &[Distribution],
-    terms: &mut [RandomTerm],
-) {
-    let largest = effects.iter().map(|g| g.amax()).fold(0.0, f64::max);
-    if largest == 0.0 {
-        return;
-    }
-    let mut s = covariance(m, effects, 1.0 / largest);
-    let axes = diagonalize(m, &mut s);
-    for ((k, axis), term) in axes.iter().enumerate().take(m).zip(terms) {
-        let axis = Vector6::from_fn(|i, _| if i < m { axis[i] } else { 0.0 });
-        let fourth = effects.iter().zip(distributions).map(|(effect, distribution)| {
-            let g = effect / largest;
-            distribution.excess_kurtosis() * g.dot(&axis).powi(2) * g.norm_squared()
-        });
-        let variance = s[k][k].max(0.0);
-        let kurtosis = fourth.sum::<f64>() / (variance * variance);
-        let shape = PowerNormal::with_excess_kurtosis(kurtosis);
-        let effect = largest * variance.sqrt() * axis;
-        *term = RandomTerm { effect, distribution: Distribution::Normal, shape };
-    }
 }
 
 /// Householder reflection that turns a vector onto the first axis.
@@ -305,25 +199,33 @@ impl Reflection {
 
 /// Writes the weight of each point, the first component of the error of all terms there, and the squared
 /// length of the other components.
-fn sample(m: usize, mean: &Vector6<f64>, terms: &[RandomTerm], reflection: &Reflection, out: &mut [f64]) {
-    let (weights, components) = out.split_at_mut(POINTS);
+fn sample(
+    m: usize,
+    points: &PointSet,
+    mean: &Vector6<f64>,
+    terms: &[RandomTerm],
+    reflection: &Reflection,
+    out: &mut [f64],
+) {
+    let (weights, components) = out.split_at_mut(points.count);
     weights.fill(1.0);
-    for (i, component) in components.chunks_exact_mut(POINTS).enumerate().take(m.max(2)) {
-        component.fill(mean[i]);
+    for (component, mean) in components.chunks_exact_mut(points.count).zip(mean) {
+        component.fill(*mean);
     }
     for (k, term) in terms.iter().enumerate() {
-        let (values, densities) = coordinate(k, term.distribution);
+        let (values, densities) = points.coordinate(k, term.distribution);
         let (effect, shape) = (reflection.of(&term.effect), term.shape);
+        let densities = densities.into_iter().flatten();
         weights.iter_mut().zip(densities).for_each(|(weight, density)| *weight *= density);
-        for (i, component) in components.chunks_exact_mut(POINTS).enumerate().take(m) {
+        for (i, component) in components.chunks_exact_mut(points.count).enumerate().take(m) {
             component.iter_mut().zip(values).for_each(|(sum, z)| *sum += effect[i] * shape.value(*z));
         }
     }
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
-    let (across, others) = components[POINTS..].split_at_mut(POINTS);
+    let (across, others) = components[points.count..].split_at_mut(points.count);
     across.iter_mut().for_each(|a| *a *= *a);
-    for component in others.chunks_exact(POINTS).take(m.saturating_sub(2)) {
+    for component in others.chunks_exact(points.count) {
         across.iter_mut().zip(component).for_each(|(sum, a)| *sum += a * a);
     }
 }

@@ -10,8 +10,14 @@ use crate::low_discrepancy::{primes, radical_inverse};
 use crate::reading::normal_quantile::normal_quantile;
 use std::sync::LazyLock;
 
-/// Number of points.
-pub const POINTS: usize = 8192;
+/// Number of points for errors of at most [`FEW_COMPONENTS`] components, and of more.
+const POINTS: [usize; 2] = [8192, 32_768];
+
+/// Largest number of components for which the smaller set suffices.
+///
+/// More components leave more coordinates with an effect, and points in many coordinates are no better than
+/// random draws.
+const FEW_COMPONENTS: usize = 3;
 
 /// Number of coordinates of a point.
 pub const COORDINATES: usize = 13;
@@ -19,30 +25,44 @@ pub const COORDINATES: usize = 13;
 /// Standard deviation of the normal distribution from which the normal coordinates are drawn.
 const WIDENED: f64 = 1.2;
 
-/// Values and weights of one distribution at all points, coordinate by coordinate.
-struct WeightedPoints {
-    values: Vec<f64>,
+/// Fixed set of weighted points.
+pub struct PointSet {
+    /// Number of points; a multiple of 4.
+    pub count: usize,
+    /// Values of each distribution in the order of [`Distribution::ALL`], coordinate by coordinate.
+    values: [Vec<f64>; 3],
+    /// Weights of the coordinates with a normal distribution; those of all others are 1.
     weights: Vec<f64>,
 }
 
-/// Weighted points of each distribution, in the order of [`Distribution::ALL`].
-static ALL: LazyLock<[WeightedPoints; 3]> = LazyLock::new(|| {
-    let mut unit = Vec::with_capacity(COORDINATES * POINTS);
-    unit.extend((0..POINTS).map(|n| (n as f64 + 0.5) / POINTS as f64));
-    for base in primes().take(COORDINATES - 1) {
-        unit.extend((1..=POINTS).map(|n| radical_inverse(n as u64, base)));
-    }
-    Distribution::ALL.map(|distribution| {
-        let (values, weights) = unit.iter().map(|u| weighted(distribution, *u)).unzip();
-        WeightedPoints { values, weights }
-    })
-});
+/// The point sets of [`POINTS`].
+static ALL: [LazyLock<PointSet>; 2] =
+    [LazyLock::new(|| PointSet::new(POINTS[0])), LazyLock::new(|| PointSet::new(POINTS[1]))];
 
-/// Returns the values and weights of coordinate `k` of all points for a distribution of unit variance.
-pub fn coordinate(k: usize, distribution: Distribution) -> (&'static [f64], &'static [f64]) {
-    let of = Distribution::ALL.iter().position(|d| *d == distribution).unwrap_or(0);
-    let place = k * POINTS..(k + 1) * POINTS;
-    (&ALL[of].values[place.clone()], &ALL[of].weights[place])
+impl PointSet {
+    /// Returns the set for errors of `m` components.
+    pub fn of_components(m: usize) -> &'static Self {
+        &ALL[usize::from(m > FEW_COMPONENTS)]
+    }
+
+    fn new(count: usize) -> Self {
+        let mut unit = Vec::with_capacity(COORDINATES * count);
+        unit.extend((0..count).map(|n| (n as f64 + 0.5) / count as f64));
+        for base in primes().take(COORDINATES - 1) {
+            unit.extend((1..=count).map(|n| radical_inverse(n as u64, base)));
+        }
+        let values = Distribution::ALL.map(|d| unit.iter().map(|u| value(d, *u)).collect());
+        Self { count, values, weights: unit.iter().map(|u| normal_weight(*u)).collect() }
+    }
+
+    /// Returns the values of coordinate `k` of all points for a distribution of unit variance, and their weights
+    /// unless these are all 1.
+    pub fn coordinate(&self, k: usize, distribution: Distribution) -> (&[f64], Option<&[f64]>) {
+        let of = Distribution::ALL.iter().position(|d| *d == distribution).unwrap_or(0);
+        let place = k * self.count..(k + 1) * self.count;
+        let weighted = distribution == Distribution::Normal;
+        (&self.values[of][place.clone()], weighted.then(|| &self.weights[place]))
+    }
 }
 
 /// Returns half the width of a distribution of unit variance; infinite for the normal distribution.
@@ -54,18 +74,21 @@ pub fn half_width(distribution: Distribution) -> f64 {
     }
 }
 
-/// Returns the value at the coordinate `u` between 0 and 1, and its weight.
-fn weighted(distribution: Distribution, u: f64) -> (f64, f64) {
+/// Returns the value of a distribution at the coordinate `u` between 0 and 1.
+fn value(distribution: Distribution, u: f64) -> f64 {
     let centred = 2.0 * u - 1.0;
     match distribution {
-        Distribution::Normal => {
-            let z = normal_quantile(u);
-            (WIDENED * z, WIDENED * (-0.5 * z * z * (WIDENED * WIDENED - 1.0)).exp())
-        }
-        Distribution::Uniform => (half_width(distribution) * centred, 1.0),
+        Distribution::Normal => WIDENED * normal_quantile(u),
+        Distribution::Uniform => half_width(distribution) * centred,
         Distribution::Triangular => {
             let inward = 1.0 - (1.0 - centred.abs()).sqrt();
-            (half_width(distribution) * inward.copysign(centred), 1.0)
+            half_width(distribution) * inward.copysign(centred)
         }
     }
+}
+
+/// Returns the weight of the normal distribution at the coordinate `u` between 0 and 1.
+fn normal_weight(u: f64) -> f64 {
+    let z = normal_quantile(u);
+    WIDENED * (-0.5 * z * z * (WIDENED * WIDENED - 1.0)).exp()
 }

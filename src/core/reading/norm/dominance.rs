@@ -1,0 +1,34 @@
+//! How far single parameters dominate an error.
+
+use super::jacobi::covariance;
+use nalgebra::Vector6;
+
+/// Covariance of the first `m` components of an error, to which single parameters are compared.
+pub struct Dominance {
+    m: usize,
+    covariance: [[f64; 6]; 6],
+    trace: f64,
+}
+
+impl Dominance {
+    /// Prepares the comparison with parameters whose effects at one standard deviation are `effects`.
+    pub fn among(m: usize, effects: &[Vector6<f64>]) -> Self {
+        let covariance = covariance(m, effects, 1.0);
+        Self { m, covariance, trace: (0..m).map(|i| covariance[i][i]).sum() }
+    }
+
+    /// Returns the share of a parameter with the effect `g` in the variance of the error, and its share in the
+    /// variance along `g`.
+    ///
+    /// The second share is 1 for a parameter that alone varies the error in its direction.
+    pub fn shares(&self, g: &Vector6<f64>) -> (f64, f64) {
+        let m = 0..self.m;
+        let own: f64 = m.clone().map(|i| g[i] * g[i]).sum();
+        if own == 0.0 {
+            return (0.0, 0.0);
+        }
+        let row = |i: usize| m.clone().map(|j| self.covariance[i][j] * g[j]).sum::<f64>();
+        let along: f64 = m.clone().map(|i| g[i] * row(i)).sum();
+        (own / self.trace, own * own / along)
+    }
+}
