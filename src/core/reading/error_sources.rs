@@ -125,6 +125,11 @@ impl ErrorSources {
         alone.map(|(k, s)| vec![(k, s.deviation)]).chain(self.factors.iter().cloned()).collect()
     }
 
+    /// Returns whether any parameter has a bounded distribution.
+    pub fn has_bounded(&self) -> bool {
+        self.list.iter().any(|s| s.kurtosis != 0.0)
+    }
+
     /// Returns whether all parameters have bounded distributions.
     pub fn are_all_bounded(&self) -> bool {
         self.list.iter().all(|s| s.kurtosis != 0.0)

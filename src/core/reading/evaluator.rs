@@ -93,13 +93,15 @@ impl ErrorEvaluator {
 
     /// Returns working memory for this evaluator.
     pub fn memory(&self) -> EvaluatorScratch {
+        let rows = self.reported.iter().map(|sense| sense.rows().len());
+        let components = rows.filter(|_| self.sources.has_bounded()).max().unwrap_or(0);
         EvaluatorScratch {
             expansion: self.sources.expansion(&self.chain),
             effects: Effects::default(),
             columns: [Vector6::zeros(); MAX_SOURCES],
             distributions: [Distribution::Normal; MAX_SOURCES],
             scratch: ZonotopeScratch::default(),
-            conditional: ConditionalScratch::default(),
+            conditional: ConditionalScratch::of_components(components),
         }
     }
 

@@ -42,9 +42,18 @@ pub struct ConditionalNorm<'a> {
 pub struct ConditionalScratch(Vec<f64>);
 
 impl ConditionalScratch {
-    /// Returns memory for errors of `m` components at `points`; at least one component is across. The first use for
-    /// more components allocates it.
-    fn of_components(&mut self, m: usize, points: &PointSet) -> &mut [f64] {
+    /// Allocates the memory for errors of at most `m` components, and prepares the points that all evaluations share.
+    pub fn of_components(m: usize) -> Self {
+        let mut scratch = Self::default();
+        (1..=m).for_each(|m| {
+            scratch.at_least(m, PointSet::of_components(m));
+        });
+        scratch
+    }
+
+    /// Returns memory for errors of `m` components at `points`; it allocates what is missing.
+    fn at_least(&mut self, m: usize, points: &PointSet) -> &mut [f64] {
+        // The weights, the component along the dominating effect and at least one component across it.
         let size = (1 + m.max(2)) * points.count;
         if self.0.len() < size {
             self.0.resize(size, 0.0);
@@ -80,7 +89,7 @@ impl<'a> ConditionalNorm<'a> {
         let used = terms.iter().take_while(|term| term.effect != Vector6::zeros()).count();
         let reflection = Reflection::onto_first(&dominating);
         let points = PointSet::of_components(m);
-        let memory = scratch.of_components(m, points);
+        let memory = scratch.at_least(m, points);
         sample(m, points, &reflection.of(&mean), &terms[..used], &reflection, memory);
 
         let (weights, components) = memory.split_at(points.count);
