@@ -11,7 +11,7 @@ use crate::units::{deg_from_rad, rounded};
 const SAME_ELEVATION: f64 = 1e-6;
 
 impl Inverse {
-    /// Returns the reason why the arm cannot hold its tool in this attitude anywhere; None if none is known.
+    /// Returns why the arm cannot hold its tool in this attitude anywhere; None if no reason is known.
     pub fn refusal(&self, attitude: &Attitude) -> Option<String> {
         let degrees = |rad: f64| rounded(deg_from_rad(rad), 3);
         if let Some(fixed) = self.fixed_elevation

@@ -26,7 +26,7 @@ pub struct AttitudeSet {
     /// Azimuth, rad, from which the spin angles of a vertical tool are measured.
     pub(super) zero: f64,
     pub(super) spins: Vec<f64>,
-    /// Required azimuth, rad; None if every azimuth is allowed.
+    /// Required azimuth, rad; None for a free or radial azimuth and for a vertical tool.
     heading: Option<f64>,
     pub(super) tolerance: f64,
     tilts_sideways: bool,
@@ -97,10 +97,10 @@ impl AttitudeSet {
         Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0) * self.columns[k]
     }
 
-    /// Returns the part of the attitude error (rad) of a tool that exceeds the tolerance; 0 if none does.
+    /// Returns the part of the attitude error (rad) of a tool that exceeds the tolerance; 0 if no part does.
     ///
     /// `columns` is the rotation matrix r, d x r, d of the tool. Only an arm that cannot choose heading or
-    /// spin needs this check. `rolls` says that the arm can choose the spin.
+    /// spin needs this check. `rolls` says whether the arm can choose the spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);
@@ -146,7 +146,8 @@ fn tilted(elevation: f64, tolerance: f64) -> impl Iterator<Item = f64> {
     std::iter::once(elevation).chain(around)
 }
 
-/// Returns the rotation matrix of a tool that is tilted by an angle (rad) out of its vertical plane.
+/// Returns the rotation matrix `columns` after a tilt by an angle (rad) out of the vertical plane of the
+/// tool.
 fn sideways(columns: &Matrix3<f64>, by: f64) -> Matrix3<f64> {
     let d = columns.column(2).into_owned();
     let level = Vector3::new(-d.y, d.x, 0.0).try_normalize(1e-9);

@@ -29,7 +29,7 @@ pub struct Gap {
 }
 
 impl Gap {
-    /// Gap without any branch, with which a search begins.
+    /// Infinite gap: the initial value in a search for the least gap.
     pub const ALL: Self = Self { reach: f64::INFINITY, limits: f64::INFINITY };
 
     /// Returns whether this gap is smaller: by `reach`, or by `limits` if `reach` is equal.

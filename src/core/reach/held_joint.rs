@@ -11,7 +11,8 @@ use crate::robot::{Chain, Link, Posture};
 pub(super) struct HeldJoint {
     /// Closed form that solves the joints that are not held.
     pub solver: PoseSolver,
-    /// Variant of `solver` without the distance to an unreachable target; None if the distance is cheap.
+    /// Variant of `solver` that does not compute the distance to an unreachable target; None if computing it
+    /// is cheap.
     pub fast: Option<PoseSolver>,
     /// Numeric solver of the whole arm, for targets at the edge of the reach.
     pub numeric: Numeric,

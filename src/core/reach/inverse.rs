@@ -142,9 +142,10 @@ impl Inverse {
         Gap { reach, limits: if reach > 0.0 { 0.0 } else { least } }
     }
 
-    /// Returns whether any branch keeps joint limits and attitude; stops at the first such branch.
+    /// Returns whether any branch keeps joint limits and attitude.
     ///
-    /// A redundant joint takes only its sampled values, no values between them.
+    /// A closed form for whole poses solves no further attitude, or sample of a redundant joint, after such a
+    /// branch. A redundant joint is tried only at its sampled values.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
         let usable = |posture: &Posture| self.excess(posture, target, attitudes) == 0.0;
         match &self.solver {
@@ -185,7 +186,7 @@ impl Inverse {
         };
         let mut scratch = self.scratch();
         match &self.solver {
-            // The index names the attitude: the others need not be solved again.
+            // The index contains the attitude, so the other attitudes need not be solved again.
             ChainSolver::Pose(_) => {
                 let k = (wanted >> 4) as usize;
                 self.solve_one(k, target, attitudes, &mut scratch, &mut keep);
@@ -217,6 +218,8 @@ impl Inverse {
     }
 
     /// Returns every branch with its joint coordinates, including branches outside the joint limits.
+    ///
+    /// The numeric solver finds only branches within the limits.
     pub fn branches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
         let mut all = Vec::new();
         let mut keep =
@@ -230,7 +233,7 @@ impl Inverse {
                 if all.iter().any(Branch::is_usable) {
                     by
                 } else {
-                    // Between the sampled values.
+                    // Usable branches may lie between the sampled values.
                     let mut keep = |index: u32, posture: &Posture| {
                         all.push(self.branch(index, posture, target, attitudes));
                     };
@@ -253,7 +256,7 @@ impl Inverse {
         let (joints, violation) = match &self.limits {
             Some(limits) => {
                 let (joints, violation) = limits.joints(posture);
-                // Search and map judge alike: the sum in `excess` decides.
+                // `excess` decides here and in `visit`, so that both agree on a posture near its limit.
                 (joints, if limits.excess(posture) == 0.0 { None } else { Some(violation) })
             }
             None => ([0.0; MAX_JOINTS], None),
@@ -261,7 +264,7 @@ impl Inverse {
         Branch { index, joints, posture: *posture, violation, off }
     }
 
-    /// Returns the violation of joint limits and attitude by a posture; 0 if the posture keeps both.
+    /// Returns a measure of how far a posture violates joint limits and attitude; 0 if it keeps both.
     #[inline]
     pub(super) fn excess(&self, posture: &Posture, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         let limits = self.limits.as_ref().map_or(0.0, |limits| limits.excess(posture));

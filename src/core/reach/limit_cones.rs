@@ -23,7 +23,7 @@ pub struct LimitCone {
 impl Limits {
     /// Returns one cone per joint.
     ///
-    /// It is None if a joint is prismatic, or if a coupling factor is not a small whole number.
+    /// It is None if a joint is prismatic, or if a coupling factor is not a whole number from -8 to 8.
     pub fn cones(&self) -> Option<Vec<LimitCone>> {
         let whole = self.whole.as_ref()?;
         if self.ranges.iter().any(|r| r.kind == JointKind::Prismatic) {

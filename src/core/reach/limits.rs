@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Tolerance of the limit of a revolute joint, for the cosine of the angle from the middle of the range.
 ///
-/// It prevents that rounding refuses a posture exactly at its limit.
+/// It prevents rounding from rejecting a posture exactly at its limit.
 const COSINE_TOLERANCE: f64 = 1e-12;
 
 /// Tolerance of the limit of a prismatic joint, m.
@@ -45,7 +45,7 @@ pub(super) struct Limits {
     coupling: Vec<Vec<f64>>,
     /// Coupling factors below the diagonal as (row, column, factor).
     ///
-    /// It is None if a factor is not a small whole number, or couples a prismatic joint.
+    /// None if a factor is not a whole number from -8 to 8, or couples a prismatic joint.
     pub(super) whole: Option<Vec<(usize, usize, i32)>>,
 }
 

@@ -71,7 +71,9 @@ impl Inverse {
 
     /// Returns the goals of the TCP for all attitudes.
     ///
-    /// A free spin or azimuth is not part of a goal, because the numeric solver chooses it.
+    /// A goal does not contain a free spin, because the numeric solver chooses it. If the azimuth is free,
+    /// too, the goal contains only the elevation. A free azimuth with a given spin becomes one goal per
+    /// sampled azimuth.
     pub(super) fn goals(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Vec<TcpGoal> {
         let set = &attitudes.set;
         let goal = |attitude| TcpGoal { position: *target, attitude };

@@ -16,7 +16,7 @@ pub struct PlanarGeometry {
     pub r1: f64,
     /// Lengths l_1, l_2 and l_3 of the first three links, m.
     pub l: [f64; 3],
-    /// Distance of the tool from the vertical plane through the base axis, m.
+    /// Signed distance from the base axis to the vertical plane in which the TCP moves, along axis 2, m.
     pub lateral: f64,
     /// Joint limits of the four axes.
     pub cones: [LimitCone; Self::AXES],

@@ -9,7 +9,8 @@ use crate::robot::{Chain, Posture};
 /// Number of sampled postures on which a closed form is tested.
 const TRIALS: usize = 16;
 
-/// Largest error of a closed form at a sampled posture: of the translation (m) and of the rotation matrix.
+/// Largest error of a closed form at a sampled posture: of the translation (m), and of the rotation matrix
+/// (Frobenius norm).
 const MAX_ERROR: f64 = 1e-9;
 
 /// Closed-form inverse kinematics for a given pose of the last D-H frame.
@@ -39,7 +40,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a variant without the distance to an unreachable target; None if the distance is cheap.
+    /// Returns a variant that does not compute the distance to an unreachable target; None if computing it is
+    /// cheap.
     pub fn fast(&self) -> Option<Self> {
         match self {
             Self::SphericalWrist(arm) => arm.fast().map(|arm| Self::SphericalWrist(Box::new(arm))),
@@ -49,7 +51,8 @@ impl PoseSolver {
 
     /// Calls `found` with every solution for the pose `flange` of the last D-H frame in frame 0.
     ///
-    /// Returns the distance by which the target is out of reach, m.
+    /// Returns the distance by which the target is out of reach, m. It is infinite for a SCARA that cannot
+    /// hold the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         match self {

@@ -1,6 +1,6 @@
 //! Redundancy resolution: one joint is held at sampled values while the other joints are solved.
 //!
-//! The samples are refined where a posture may lie between them.
+//! More values are tried between samples if a usable posture may lie there.
 
 use super::branch::Gap;
 use super::held_joint::{HeldJoint, HeldSample};
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 /// Number of times that an interval of the redundant joint's coordinate is refined.
 ///
-/// The interval is around a sample where the target is nearer to a usable posture than at the next samples.
+/// The interval is around a sample at which the [`Gap`] is not larger than at the neighbouring samples.
 const REFINEMENTS: usize = 5;
 
 /// Number of values of the held joint that each refinement tries inside its interval.
@@ -25,7 +25,7 @@ const GRAZING: f64 = 0.01;
 impl Inverse {
     /// Solves all attitudes with the redundant joint held at one value.
     ///
-    /// Returns the distance by which the target is out of reach, m.
+    /// Returns the distance by which the target is out of reach, m; 0 if there is a solution.
     pub(super) fn solve_held(
         &self,
         sample: &HeldSample<'_>,
@@ -51,7 +51,8 @@ impl Inverse {
     /// Calls `found` with the usable branches of a redundant arm; returns the [`Gap`] of the target.
     ///
     /// The redundant joint is held at sampled values. If no sample has a usable branch, values between the
-    /// samples are searched.
+    /// samples are searched. If the target then is at most slightly out of reach, the numeric solver is
+    /// tried.
     pub(super) fn visit_redundant(
         &self,
         joint: &HeldJoint,
@@ -92,7 +93,8 @@ impl Inverse {
         if best.reach > GRAZING {
             return best;
         }
-        // The numeric solver finds windows too narrow for the samples along the edge of the reach.
+        // At the edge of the reach, the usable values of the held joint may all lie between two samples. The
+        // numeric solver finds such values.
         for (k, goal) in self.goals(target, attitudes).iter().enumerate() {
             if let Some(q) = joint.numeric.one(goal) {
                 let posture = self.chain.posture(&q);
@@ -130,7 +132,9 @@ impl Inverse {
 
 /// Searches values between the samples of the held joint for a usable posture.
 ///
-/// The search is around every sample whose [`Gap`] is not larger than those of its neighbours.
+/// The search covers the interval around every sample whose [`Gap`] is not larger than those of its
+/// neighbours. If the distance to an unreachable target is expensive to compute (see [`HeldJoint::fast`]), no
+/// value is searched.
 ///
 /// # Errors
 /// Returns the least gap if no searched value has a usable posture.

@@ -1,14 +1,15 @@
 //! Bounding shell of the reach: a cheap and safe test before any inverse kinematics.
 //!
 //! Row i of the D-H table moves its frame by the offset `r_i` along z_(i-1) and the length `l_i` along x_i.
-//! Joint i + 1 rotates about z_i, so the vector `l_i x_i + r_(i+1) z_i` has a constant length. The vector v
-//! of the last row and the tool has a constant length, too. The position of the TCP is a fixed point of the
-//! first axis plus the sum of these vectors. Their directions are taken as arbitrary. The distance of the
-//! TCP from that point is at most the sum of the lengths. It is at least the longest length minus the sum
-//! of the others (polygon inequality). Joint limits and attitude only reduce the reach.
+//! A revolute joint i + 1 rotates about z_i, so the vector `l_i x_i + r_(i+1) z_i` has a constant length. The
+//! vector v combines the last row and the tool; its length is constant, too. The position of the TCP is a
+//! fixed point of the first axis plus the sum of these vectors. The bound allows arbitrary directions of the
+//! vectors. The distance of the TCP from that point is at most the sum of the lengths. It is at least the
+//! longest length minus the sum of the others (polygon inequality). For a prismatic joint, r_(i+1) gives a
+//! range of lengths. Joint limits and attitude only reduce the reach.
 //!
-//! If the tool axis, a unit vector a, has a fixed elevation e, the vertical part of v along a is known:
-//! `(v . a) sin(e)`. This part shifts the centre of the shell.
+//! Let the unit vector a be the tool axis. If it has a fixed elevation e, the vertical component of `(v . a)
+//! a` is known: `(v . a) sin(e)`. This component shifts the centre of the shell.
 
 use super::Inverse;
 use crate::cell::{Attitude, JointKind};
@@ -82,10 +83,11 @@ fn offset(chain: &Chain, i: usize) -> (f64, f64) {
     (middle, half)
 }
 
-/// Returns the known vertical part (m) of the vector of the last D-H row and the tool.
+/// Returns the known vertical part (m) of the vector of the last D-H row and the tool, and the length of the
+/// rest.
 ///
-/// It is known if `elevation` (rad) is the elevation of the tool axis, and 0 otherwise. The second value is
-/// the length of the rest of the vector.
+/// The vertical part follows from `elevation` (rad), the elevation of the tool axis. It is 0 if `elevation`
+/// is None, or if the split does not shorten the rest.
 fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
     let row = chain.links.last().map_or_else(Vector3::zeros, |link| along_last(chain, link));
     let v = row + chain.tool.translation;
@@ -104,7 +106,8 @@ fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
 /// Returns the vector of the last D-H row, its common normal and its axial offset, in the last frame, m.
 ///
 /// The axial offset is along the joint axis, which is `(0, sin alpha, cos alpha)` in that frame. For a
-/// prismatic joint or a chain of one joint the offset is left out, because [`offset`] returns it.
+/// prismatic joint or a chain of one joint the offset is left out, because [`Inverse::shell`] adds it
+/// separately.
 fn along_last(chain: &Chain, link: &Link) -> Vector3<f64> {
     let r = if link.kind == JointKind::Revolute && chain.axes() > 1 { link.r } else { 0.0 };
     Vector3::new(link.l, r * link.sin_alpha, r * link.cos_alpha)

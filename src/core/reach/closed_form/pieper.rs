@@ -1,4 +1,4 @@
-//! Pieper's equation for three arbitrary joints that put a point at a target; joint 3 is its unknown.
+//! Pieper's equation for three arbitrary joints that put a point at a target; its unknown is joint 3.
 //!
 //! D. L. Pieper, "The Kinematics of Manipulators under Computer Control", thesis, Stanford 1968.
 
@@ -35,10 +35,10 @@ pub(in crate::reach) struct PointForms {
 pub(in crate::reach) struct PointTarget {
     /// Target in frame 0, m.
     pub p: Vector3<f64>,
-    /// Height above the origin of frame 1 along axis 1, m. Used only if joint 1 is revolute.
+    /// Height of the target above the origin of frame 1 along axis 1, m. Used only if joint 1 is revolute.
     pub height: f64,
     /// Squared distance of the target from the point where the common normal of axes 1 and 2 meets axis 1,
-    /// less l_1 squared, m2. Used only if joint 1 is revolute.
+    /// minus l_1 squared, m^2. Used only if joint 1 is revolute.
     pub distance2: f64,
     /// Coordinate x of the target in frame 0 rotated by the fixed theta_1 of a prismatic joint 1, m.
     pub x: f64,

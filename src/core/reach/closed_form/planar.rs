@@ -23,8 +23,8 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Excess over 1 up to which the cosine of the elbow angle counts as 1.
 ///
-/// Rounding would otherwise lose the solution of a stretched arm. An equal share is allowed where the
-/// distance of a target from the base axis equals the lateral offset of the arm.
+/// Rounding would otherwise lose the solution of a stretched arm. The solver applies this relative tolerance
+/// also to a target whose distance from the base axis equals the lateral offset of the arm.
 pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
 /// Deviation below which a direction (no unit) or a point (m) counts as exact.
@@ -55,7 +55,7 @@ struct Roll {
     side: f64,
     /// Cosine and sine of alpha_4, the D-H twist between axes 4 and 5.
     twist: (f64, f64),
-    /// Direction of the tool from which its spin is measured: components x and y in frame 4 at theta_5 = 0.
+    /// Reference axis of the tool, which defines its spin: components x and y in frame 4 at theta_5 = 0.
     reference: (f64, f64),
 }
 
@@ -136,7 +136,7 @@ impl PlanarArm {
 
     fn attitude(&self, cos_elevation: f64, sin_elevation: f64) -> PlanarAttitude {
         let (ax, ay) = self.axis;
-        // psi is the angle of the tool axis; phi = psi - atan2(ay, ax) is that of the last link.
+        // psi is the angle of the tool axis; phi = psi - atan2(ay, ax) is the angle of the last link.
         let (cos_psi, sin_psi) = (cos_elevation, self.side * sin_elevation);
         let (cos_phi, sin_phi) = (cos_psi * ax + sin_psi * ay, sin_psi * ax - cos_psi * ay);
         let (x, y) = self.tool;
@@ -144,11 +144,12 @@ impl PlanarArm {
         PlanarAttitude { cos_phi, sin_phi, u, v, cos_elevation, sin_elevation }
     }
 
-    /// Calls `found` with every branch that puts the TCP at `target` (frame 0, m), without joint limits.
+    /// Calls `found` with every branch that puts the TCP at `target` (frame 0, m); joint limits are ignored.
     ///
-    /// Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if the arm leans back
-    /// over the base. Bit 2 is set if the tool points backwards, opposite to the heading theta_1. Bits 3 to
-    /// 5 number the elevations of the tool, and the bits above them number the spins.
+    /// Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if the arm leans back over
+    /// the base. Bits 2 to 5 number the attitudes in the plane of the arm. A tilted tool has two for each
+    /// elevation: it points forwards, or backwards, opposite to the heading theta_1. The bits above number
+    /// the spins.
     ///
     /// Returns the least distance, m, by which a branch misses the target; 0 if a branch reaches it.
     #[inline]
@@ -181,7 +182,7 @@ impl PlanarArm {
                 }
                 missing = 0.0;
                 let cos3 = cos3.clamp(-1.0, 1.0);
-                // Heron's formula, and k1 likewise, keeps the digits of a folded arm of equal links.
+                // Heron's formula and this form of k1 avoid cancellation for a folded arm with equal links.
                 let (long, short) = ((l2 + l3) * (l2 + l3) - d2, d2 - (l2 - l3) * (l2 - l3));
                 let sin3 = (long * short).max(0.0).sqrt() / (2.0 * l2 * l3).abs();
                 let k1 = (d2 + l2 * l2 - l3 * l3) / (2.0 * l2);
@@ -252,7 +253,8 @@ impl Roll {
             let (sin, cos) = exact_sin_cos(spin);
             let wanted = upright * cos + sideways * sin;
             let (x, y) = (wanted.dot(&x4), wanted.dot(&y4));
-            // For a tool tilted from the vertical the wanted direction appears foreshortened.
+            // If the tool deviates from the vertical, the projection of the wanted direction is shorter than
+            // 1.
             let length = if set.tolerance > 0.0 { x.hypot(y).max(f64::MIN_POSITIVE) } else { 1.0 };
             let (x, y) = (x / length, y / length);
             (posture.cos[4], posture.sin[4]) = (x * a + y * b, y * a - x * b);
@@ -261,10 +263,10 @@ impl Roll {
     }
 }
 
-/// TCP (m), tool axis, and x and y of the zero direction of the spin, in frame 4 with theta_5 = 0.
+/// TCP (m), tool axis, and components x and y of the reference axis, in frame 4 with theta_5 = 0.
 type Rolled = (Vector3<f64>, Vector3<f64>, (f64, f64));
 
-/// Returns TCP, tool axis and zero direction of the spin of a five-axis arm, in frame 4 with theta_5 = 0.
+/// Returns TCP, tool axis and reference axis of the tool of a five-axis arm, in frame 4 with theta_5 = 0.
 ///
 /// # Errors
 /// Fails if the last axis is not the tool axis through the TCP.

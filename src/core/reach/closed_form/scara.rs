@@ -1,9 +1,9 @@
 //! Closed form of the SCARA: three revolute axes and one prismatic axis, all parallel, in any order.
 //!
-//! Seen along the axes, the chain is a polygon of four vectors L_0 to L_3, and their sum is the place of
+//! Seen along the axes, the chain is a polygon of four vectors L_0 to L_3, and their sum is the position of
 //! the flange. Each vector is rotated by the revolute joints before it. The orientation of the flange gives
-//! the direction of L_3. The law of cosines gives two solutions (elbows) for L_1 and L_2. The prismatic
-//! joint sets the height. Vectors in the plane are complex numbers.
+//! the direction of L_3. The law of cosines gives two solutions (elbows) for L_1 and L_2. The prismatic joint
+//! sets the height. Vectors in the plane are complex numbers.
 
 use crate::cell::JointKind;
 use crate::pose::Pose;
@@ -47,7 +47,7 @@ impl Scara {
         let ([a, b, c], [sliding]) = (&turning[..], &sliding[..]) else {
             return Err("it does not have three revolute joints and one prismatic joint".into());
         };
-        // The twist of the last row rotates the flange alone.
+        // The last row is checked, too, although its twist would rotate the flange alone.
         if chain.links.iter().any(|l| l.sin_alpha != 0.0) {
             return Err("its axes are not all parallel".into());
         }
@@ -111,14 +111,14 @@ impl Scara {
         if cos.abs() > 1.0 + STRETCHED_ELBOW {
             return (d2.sqrt() - l1 - l2).max((l1 - l2).abs() - d2.sqrt());
         }
-        // Heron's formula keeps the digits of a stretched arm.
+        // Heron's formula avoids cancellation for a stretched arm.
         let (long, short) = ((l1 + l2) * (l1 + l2) - d2, d2 - (l1 - l2) * (l1 - l2));
         let sin = (long * short).max(0.0).sqrt() / (2.0 * l1 * l2);
         posture.r[self.sliding] = (flange.translation.z - self.height) * self.sliding_sense;
         let (u1, u2) = (self.sides[1] / l1, self.sides[2] / l2);
         for (elbow, sin) in [(0, sin), (1, -sin)] {
             let bend = Plane::new(cos.clamp(-1.0, 1.0), sin);
-            // L_1 + L_2 = turn u1 (l1 + l2 bend)
+            // L_1 + L_2 = turn1 u1 (l1 + l2 bend)
             let span = u1 * (bend * l2 + l1);
             let turn1 = if d2 > 0.0 { reach * span.conj() / d2 } else { Plane::new(1.0, 0.0) };
             let turn2 = bend * u1 * u2.conj();
@@ -132,7 +132,7 @@ impl Scara {
         0.0
     }
 
-    /// Returns whether the z axis of the pose `flange` has the direction that the arm cannot change.
+    /// Returns whether the z axis of the pose `flange` has the direction that it has in every posture.
     pub(in crate::reach) fn can_hold(&self, flange: &Pose) -> bool {
         (flange.rotation[(2, 2)] - self.flange_sense).abs() < 1e-12
     }

@@ -1,8 +1,8 @@
 //! Six-axis arms whose last or first three axes meet in one point: a spherical wrist or shoulder.
 //!
-//! The first three joints put the wrist centre at its place, and the last three set the orientation (Pieper
-//! 1968). An arm with a spherical shoulder is solved as the reversed chain, from flange to base. In that
-//! chain the shoulder takes the place of the wrist.
+//! The first three joints position the wrist centre, and the last three set the orientation (Pieper 1968). An
+//! arm with a spherical shoulder is solved as the reversed chain, from flange to base. In that chain the
+//! shoulder takes the place of the wrist.
 
 use super::anthropomorphic::Anthropomorphic;
 use super::subproblems::{ALIGNED, Twists, before_twist, turned_back};
@@ -78,16 +78,15 @@ impl SphericalWrist {
     /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed
     /// D-H values of the chain.
     ///
-    /// Bit 0 of the branch index is set if the wrist is flipped. For the usual industrial arm, bit 1 tells
-    /// the two elbow solutions apart. Bit 2 is set if such an arm leans back over its base.
+    /// Bit 0 of the branch index is set if the wrist is flipped. For an anthropomorphic arm, bit 1 tells the
+    /// two elbow solutions apart, and bit 2 is set if the arm leans back over its base.
     ///
     /// For other arms, bit 1 numbers the two solutions of joint 2. Bit 2 is set if the polynomial of
     /// Pieper's equation increases at the solution for joint 3. Bit 3 numbers solutions with equal bit 2 in
     /// ascending order of theta_3 from -180 degrees, or of r_3.
     ///
-    /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180
-    /// degrees. No better numbering exists for an arm that can change posture without passing a
-    /// singularity.
+    /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
+    /// No better numbering exists for a cuspidal arm, which can change posture without passing a singularity.
     ///
     /// If axes 4 and 6 are aligned, theta_4 is 0 and the wrist is not flipped. If the wrist centre lies on
     /// axis 1 or 2, the angle theta of that axis is 0. For a spherical shoulder, all these axes are
@@ -149,7 +148,8 @@ impl SphericalWrist {
         let across2 = z.x * z.x + z.y * z.y;
         let Some((cos5, sin5)) = self.twists.turn(z.z, across2) else { return };
         let ((ca, sa), (cb, sb)) = (self.twists.first, self.twists.second);
-        // Axis 6 in the frame rotated by theta_4 is (+-u, v, .); theta_4 rotates it to z.
+        // In the frame rotated by theta_4, axis 6 has the components x = +-u and y = v; theta_4 rotates it to
+        // z.
         let (u, v) = (sb * sin5, -(ca * sb * cos5 + sa * cb));
         let size2 = u * u + v * v;
         let in_line = across2.min(size2) < ALIGNED * ALIGNED;
@@ -159,7 +159,7 @@ impl SphericalWrist {
                 true => (1.0, 0.0),
                 false => ((u * z.x + v * z.y) * per, (u * z.y - v * z.x) * per),
             };
-            // theta_6 compensates whatever theta_4 is.
+            // theta_6 compensates for any value of theta_4.
             let w = turned_back(&x, theta, (ca, sa));
             (posture.cos[3], posture.sin[3]) = theta;
             (posture.cos[4], posture.sin[4]) = (cos5, sin5);

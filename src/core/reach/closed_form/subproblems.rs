@@ -4,8 +4,8 @@
 //! section 3.2; A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using subproblem
 //! decomposition" (2022).
 //!
-//! Every angle is a pair (cosine, sine). The formulas keep their digits where two solutions coincide, and
-//! such a solution fits the pose to rounding.
+//! Every angle is a pair (cosine, sine). The formulas avoid cancellation where two solutions coincide. Such a
+//! solution is accurate to rounding.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,7 +15,7 @@ pub(in crate::reach) const BOUNDARY: f64 = 1e-12;
 
 /// Sine below which two axes count as aligned, because their common normal has no reliable direction.
 ///
-/// Likewise the distance (m) from an axis below which a point counts as lying on the axis.
+/// It is also the distance (m) from an axis below which a point counts as lying on the axis.
 pub(in crate::reach) const ALIGNED: f64 = 1e-12;
 
 /// Cosine and sine of an angle.
@@ -64,7 +64,7 @@ impl TwoLinks {
             return Err((d2.sqrt() - most).max(least - d2.sqrt()));
         }
         let cos = cos.clamp(-1.0, 1.0);
-        // Heron's formula keeps the digits of a nearly straight or folded pair.
+        // Heron's formula avoids cancellation for a nearly straight or folded pair of links.
         let heron = ((a + b) * (a + b) - d2) * (d2 - (a - b) * (a - b));
         let sin = heron.max(0.0).sqrt() * self.per_twice_ab.abs();
         let (along, across, per) = ((d2 + a * a - b * b) * self.per_twice_a, b * sin, 1.0 / d2);
@@ -109,7 +109,7 @@ impl Twists {
         if cos.abs() > 1.0 + BOUNDARY {
             return None;
         }
-        // `1 - |cosine|` from the sine keeps the digits of nearly parallel outer axes.
+        // Computing `1 - |cosine|` from the sine avoids cancellation for nearly parallel outer axes.
         let near = sine2 / (1.0 + cosine.abs());
         let product = match cosine > 0.0 {
             true => (self.sum.0 - near) * (near - self.apart.0),

@@ -154,7 +154,8 @@ impl ThreeJointPoint {
     pub fn moves_in_space(&self) -> bool {
         (0..GRID * GRID).any(|k| {
             let mut joints = self.on_grid([k % GRID, k / GRID]);
-            // A prismatic joint of length 0 would rotate its point on the spot.
+            // At coordinate 0 of a prismatic joint, the point may lie on a revolute axis, which then cannot
+            // move it.
             joints
                 .r
                 .iter_mut()
@@ -171,7 +172,8 @@ impl ThreeJointPoint {
         for k in 0..3 {
             match self.links[k].kind {
                 Revolute => {
-                    // Half the angle by its tangent, so that every step is a rotation.
+                    // Half the step is taken as the tangent of half the angle, so that a step of any length
+                    // is a rotation.
                     let ((c, s), t) = (joints.theta[k], 0.5 * step[k]);
                     let (ct, st) = ((1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t));
                     let (c, s) = (c * ct - s * st, s * ct + c * st);

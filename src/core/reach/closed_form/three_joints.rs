@@ -20,8 +20,8 @@ const ACCURACY: f64 = 1e-10;
 /// Closed form of three joints that put a point at a target; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct ThreeJoints {
-    /// Whether to return a constant instead of the distance to an unreachable target. Computing that
-    /// distance takes a hundred times as long as the solutions.
+    /// Whether to return a constant instead of the distance to an unreachable target. Computing that distance
+    /// takes a hundred times as long as computing the solutions.
     pub fast: bool,
     forms: PointForms,
     r1: f64,
@@ -79,7 +79,8 @@ impl ThreeJoints {
     ///
     /// If the point lies on the axis of a joint, the angle theta of that joint is 0.
     ///
-    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution.
+    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast`
+    /// is set, it returns [`UNKNOWN_DISTANCE`] for an unreachable target.
     pub fn solve(
         &self,
         p: &Vector3<f64>,
@@ -151,7 +152,7 @@ impl ThreeJoints {
             *third = Third { a, b, rising: value(&slope, t) > 0.0 };
         }
         let count = roots.all().len();
-        // Increases with the angle from -180 to 180 degrees.
+        // This key increases with the angle from -180 to 180 degrees.
         let order = |t: &Third| match self.forms.kinds[2] {
             Revolute => (1.0 - t.a).copysign(t.b),
             Prismatic => t.a,
@@ -245,7 +246,7 @@ fn from_plane((u, v): Angle, x: Option<f64>, y: Option<f64>) -> ([Angle; 2], usi
         let per = 1.0 / (size * x.hypot(y));
         if per.is_finite() { ((u * x + v * y) * per, (u * y - v * x) * per) } else { (1.0, 0.0) }
     };
-    // A double root of joint 3 is accurate to the square root of the rounding only.
+    // A double root for joint 3 is accurate only to the square root of the rounding error.
     let other = |known: f64| {
         let rest = size * size - known * known;
         (rest > -1e-6 * size * size).then(|| rest.max(0.0).sqrt())

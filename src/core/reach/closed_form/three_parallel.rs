@@ -116,14 +116,14 @@ impl ThreeParallel {
     /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free. In that
     /// case bit 2 is 0, and theta_1 is the first angle of a scan that has a solution.
     ///
-    /// Returns the distance (m) by which the wrist centre is out of reach. If it is too near to axis 1 for
-    /// every theta_1, this distance is measured along axis 2. If not, it is measured in the plane of the
-    /// arm, normal to axis 2. Even if the distance is 0, axes 4 to 6 without right angles may be unable to
-    /// reach the orientation.
+    /// Returns the distance (m) by which the wrist centre is out of reach. If the wrist centre is too near to
+    /// axis 1 for every theta_1, this distance is measured along axis 2. Otherwise it is measured in the
+    /// plane of the arm, normal to axis 2. Even if the distance is 0, axes 4 to 6 without right angles may be
+    /// unable to reach the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let (p, a) = (flange.transform(&self.centre), &self.first);
-        // sin alpha_1 (x sin theta_1 - y cos theta_1) = along, minus the part of the height.
+        // The unknown theta_1 solves x sin theta_1 - y cos theta_1 = lateral.
         let lateral = (self.along - a.cos_alpha * (p.z - a.r)) / a.sin_alpha;
         let radius2 = p.x * p.x + p.y * p.y;
         let across2 = radius2 - lateral * lateral;
@@ -184,8 +184,8 @@ impl ThreeParallel {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// Solves for one theta_1. Returns the distance (m) by which the target is out of reach in the plane of
-    /// the arm. The distance is infinite if axes 4 to 6 cannot reach the orientation.
+    /// Solves for the other joints at one theta_1. Returns the distance (m) by which the target is out of
+    /// reach in the plane of the arm. The distance is infinite if axes 4 to 6 cannot reach the orientation.
     #[inline]
     fn side(
         &self,
@@ -205,12 +205,12 @@ impl ThreeParallel {
             z: Vector3::new(s * sa, -c * sa, ca),
             centre: Vector3::new(p.x - a.l * c, p.y - a.l * s, p.z - a.r),
         };
-        // Axis 4, along or against z, in the last frame before its twist.
+        // Direction of axis 4, which is z or -z of frame 1, in the last frame before its twist.
         let w = [x6, y6, z6].map(|axis| self.sense.1 * axis.dot(&side.z));
         let across2 = w[0] * w[0] + w[1] * w[1];
         let Some((cos5, sin5)) = self.twists.turn(w[2], across2) else { return f64::INFINITY };
         let ((cd, sd), (ce, se)) = (self.twists.first, self.twists.second);
-        // Axis 4 before theta_6 is (+-u, v, .).
+        // Before the rotation by theta_6, axis 4 has the components x = +-u and y = v.
         let (u, v) = (sd * sin5, ce * sd * cos5 + se * cd);
         let size2 = u * u + v * v;
         if across2.min(size2) < ALIGNED * ALIGNED {
@@ -294,7 +294,7 @@ impl ThreeParallel {
         if lo > hi + BOUNDARY {
             return lo - hi;
         }
-        // Law of cosines, with the elbow point half way between the bounds of links and circle.
+        // Law of cosines, with the distance between axes 2 and 4 in the middle of its possible range.
         let d = (lo + hi) / 2.0;
         let cos = ((d * d - far * far - near * near) / (2.0 * far * near)).clamp(-1.0, 1.0);
         let unit = |v: (f64, f64), size: f64| (v.0 / size, v.1 / size);

@@ -55,7 +55,7 @@ impl<'a> Envelope<'a> {
         self.inverse.reaches(target, &self.attitudes, &mut self.inverse.scratch())
     }
 
-    /// Returns a posture whose TCP is at a point (m, base frame); None if the envelope has none there.
+    /// Returns a posture whose TCP is at a point (m, base frame); None if no posture is found.
     pub fn posture(&self, target: &Vector3<f64>) -> Option<Posture> {
         let mut first = None;
         let mut scratch = self.inverse.scratch();
@@ -66,6 +66,8 @@ impl<'a> Envelope<'a> {
     }
 
     /// Returns the azimuth (rad) of the TCP when every joint is in the middle of its range.
+    ///
+    /// It is 0 if joint 1 is prismatic, or if the TCP is then on the base axis.
     pub fn middle(&self) -> f64 {
         let chain = &self.inverse.chain;
         let mut q = [0.0; MAX_JOINTS];
@@ -94,8 +96,8 @@ impl<'a> Envelope<'a> {
 
     /// Returns the number of points that must be sampled.
     ///
-    /// They are those of `sections` vertical sections, of plans at these heights and, if `size` is true, of
-    /// [`Self::size`].
+    /// The number covers `sections` vertical sections, one plan at each of `heights` (m) and, if `size` is
+    /// true, [`Self::size`].
     pub fn work(&self, sections: u64, heights: &[f64], size: bool, step: f64) -> u64 {
         let plans: u64 = heights.iter().map(|z| self.level(*z, step).count()).sum();
         let size = if size { self.size_work(step) } else { 0 };
@@ -117,8 +119,9 @@ impl<'a> Envelope<'a> {
     /// Returns whether the envelope would be exactly symmetric about the base axis without limits of joint 1.
     ///
     /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
-    /// rotate with joint 1. Some solvers sample a free angle from a fixed direction. Then the envelope is
-    /// symmetric only if joint 1 makes whole turns and the tool is vertical.
+    /// rotate with joint 1. A closed form for whole poses samples free angles from a fixed direction. The
+    /// envelope is then symmetric only if the tool is vertical and joint 1 can make a whole turn. The numeric
+    /// solver always requires that joint 1 can make a whole turn.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

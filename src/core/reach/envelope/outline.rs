@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-/// Section of an envelope by a plane, m.
+/// Section of an envelope by a plane; coordinates in m.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnvelopeSection {
     pub outlines: Vec<Outline>,
@@ -23,7 +23,7 @@ pub struct Outline {
 
 /// Square lattice of points in a plane; no point lies on the base axis.
 ///
-/// For this the coordinates are whole steps plus half a step.
+/// For this reason, every coordinate is a whole number of steps plus half a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lattice {
     /// Number of the first column and the first row, counted in steps from the origin.
@@ -36,7 +36,7 @@ pub(super) struct Lattice {
 const NO_CROSSING: u32 = u32::MAX;
 
 impl EnvelopeSection {
-    /// Returns the area of the section, m^2; holes do not count.
+    /// Returns the area of the section without its holes, m^2.
     pub fn area(&self) -> f64 {
         self.outlines.iter().map(Outline::area).sum()
     }
@@ -151,7 +151,8 @@ impl Lattice {
                 let [a, b] = [self.point(corners[0]), self.point(corners[2])];
                 inside([(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0])
             };
-            // A saddle whose middle is outside separates its two inner corners.
+            // A saddle has two opposite corners inside the region. If its middle is outside, the outline
+            // separates them.
             let turn = if saddle && !middle() { 3 } else { 1 };
             for k in (0..4).filter(|&k| leaves(k)) {
                 if let Some(to) = (1..4).map(|n| (k + n * turn) % 4).find(|&k| enters(k)) {

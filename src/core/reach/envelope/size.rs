@@ -34,7 +34,7 @@ pub struct EnvelopeExtent {
     pub height: (f64, f64),
     /// Height at which the distance from the base axis is greatest.
     pub widest: f64,
-    /// Largest error of all lengths of the extent, m: the distance between sampled points.
+    /// Bound of the error of every length of the extent, m: the distance between sampled points.
     pub within: f64,
 }
 
@@ -108,7 +108,7 @@ impl Envelope<'_> {
         let turned = self
             .upright(0.0, fine.step)
             .region(fine.tolerance, fine.on_progress, |[r, z]| angle(r.abs(), z) > 0.0);
-        // An outline on both sides of the axis crosses it.
+        // An outline with points on both sides of the axis crosses the axis.
         let on = |o: &Outline, side: f64| o.points.iter().any(|p| p[0] * side > 0.0);
         let crosses = turned.outlines.iter().any(|o| on(o, 1.0) && on(o, -1.0));
         let mut extent = EnvelopeExtent::of(turned.points().map(|[r, z]| (r.abs(), z)), fine.step);
@@ -116,14 +116,14 @@ impl Envelope<'_> {
         Size { volume, error: (volume - coarse).abs(), symmetric: true, extent }
     }
 
-    /// Returns the angle (rad) about the base axis in which a point at this radius and height is reachable.
+    /// Returns the total angle (rad) about the base axis over which the circle through `target` is reachable.
     ///
-    /// `opened` is the arm without limits of joint 1; None if joint 1 makes whole turns.
+    /// `opened` is the arm without limits of joint 1; None if joint 1 can make a whole turn.
     fn angle(&self, opened: Option<&FreedArm>, target: &Vector3<f64>) -> f64 {
         let Some(opened) = opened else { return if self.contains(target) { TAU } else { 0.0 } };
         let Reach::Branches(branches) = opened.inverse.branches(target, &self.attitudes) else { return 0.0 };
         let usable = branches.iter().filter(|b| b.is_usable());
-        // Joint 1 rotates with the target.
+        // If the target moves along the circle, joint 1 rotates by the same angle.
         let turned = usable.map(|b| (opened.limits.0 - b.joints[0], opened.limits.1 - b.joints[0]));
         covered(turned.collect())
     }
@@ -195,7 +195,8 @@ fn integral(
     value: impl Fn(f64) -> f64,
     moment: impl Fn(f64) -> f64,
 ) -> f64 {
-    // From 0 to the first point of a line of radii; the value is 0 on a line that begins outside.
+    // The part from 0 to the first point counts on a line of radii. Any other line begins outside the
+    // envelope, with the value 0.
     let mut sum = values.first().zip(line.first()).map_or(0.0, |(w, u)| w * moment(*u));
     for (ends, w) in line.windows(2).zip(values.windows(2)) {
         let (mut low, mut high) = (ends[0], ends[1]);
@@ -219,7 +220,7 @@ impl FreedArm {
     }
 }
 
-/// Returns the angle (rad) of a circle that these arcs cover together.
+/// Returns the total angle (rad) of a circle that these arcs cover together.
 ///
 /// An arc runs from its first to its second angle (rad).
 fn covered(mut arcs: Vec<(f64, f64)>) -> f64 {
@@ -227,7 +228,7 @@ fn covered(mut arcs: Vec<(f64, f64)>) -> f64 {
         let turns = (arc.0 / TAU).floor() * TAU;
         *arc = (arc.0 - turns, arc.1 - turns);
     }
-    // An arc that passes the end of the circle continues at its start.
+    // An arc that passes 2 pi continues at 0.
     let again: Vec<_> = arcs.iter().filter(|a| a.1 > TAU).map(|a| (0.0, a.1 - TAU)).collect();
     arcs.extend(again);
     arcs.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -15,17 +15,17 @@ const PATIENCE: usize = 6;
 const MIN_GAIN: f64 = 2.0;
 /// Largest step of a joint, rad; for a prismatic joint, in lengths of the chain.
 const MAX_STRIDE: f64 = 1.0;
-/// Damping divided by the cost.
+/// Ratio of the damping to the cost.
 const DAMPING: f64 = 0.1;
 /// Least damping of a chain that is not redundant.
 ///
-/// It is small because the descent needs the large steps of a nearly singular posture.
+/// It is small, so that the descent can take large steps near a singular posture.
 const MIN_DAMPING: f64 = 1e-15;
 /// Damping added if the Hessian is singular up to rounding, and for every redundant chain.
 const SINGULAR_DAMPING: f64 = 1e-12;
 /// Factor of the term that pulls a redundant chain towards the middle of its joint ranges.
 ///
-/// It is multiplied by the damping and by the cost.
+/// It is multiplied by the damping and by the cost, but at most by a cost of 1.
 const PULL: f64 = 0.1;
 
 impl Numeric {
@@ -59,8 +59,8 @@ impl Numeric {
             let damping = DAMPING * cost + if redundant { SINGULAR_DAMPING } else { MIN_DAMPING };
             self.joints.damp(&mut h, damping, self.scale);
             if redundant {
-                // Damping pulls the step towards 0; here it pulls towards the middle of the ranges. The
-                // joints' free motion follows this pull alone.
+                // Damping alone pulls the step towards 0; this term pulls it towards the middle of the
+                // ranges. The null-space motion of the joints follows this pull alone.
                 self.joints.pull(&mut b, &q, damping * PULL * cost.min(1.0), self.scale);
             }
             let bounds = self.joints.bounds(&q, MAX_STRIDE, 1.0 / self.scale);

@@ -20,7 +20,7 @@ const DAMPING_DECREASE: f64 = 0.2;
 const DAMPING_INCREASE: f64 = 5.0;
 /// Largest damping, at which no joint moves any more.
 ///
-/// It is a multiple of the largest diagonal entry of the Hessian.
+/// It is a multiple of the largest diagonal entry of the Hessian, or of the cost if that is larger.
 const MAX_DAMPING: f64 = 1e10;
 /// Least damping after a step that lowers the cost.
 const MIN_DAMPING: f64 = 1e-15;

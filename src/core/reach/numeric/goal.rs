@@ -45,7 +45,7 @@ impl TcpGoal {
             AttitudeGoal::Elevation(angle) if angle.cos().abs() < VERTICAL => {
                 AttitudeGoal::Axis(Vector3::z() * angle.sin().signum())
             }
-            // Beyond the vertical an axis descends on the other side.
+            // An angle beyond the vertical becomes the equal elevation between -90 and 90 degrees.
             AttitudeGoal::Elevation(angle) => AttitudeGoal::Elevation(angle.sin().atan2(angle.cos().abs())),
             AttitudeGoal::Axis(axis) => {
                 AttitudeGoal::Axis(axis.try_normalize(ORTHOGONAL_TOLERANCE).filter(finite)?)
@@ -78,8 +78,8 @@ impl TcpGoal {
             AttitudeGoal::Elevation(angle) => {
                 let axis = tcp.rotation * tool_axis;
                 let across = axis.x.hypot(axis.y);
-                // A rotation about the horizontal axis x z raises the tool; for a vertical tool, about any
-                // axis.
+                // A rotation about `axis` x z, which is horizontal, raises the tool. For a vertical tool, any
+                // horizontal axis will do.
                 let about = if across > 0.0 { vector![axis.y, -axis.x, 0.0] / across } else { Vector3::x() };
                 (about * (angle - axis.z.atan2(across)), ConstrainedRotation::Along(about))
             }
@@ -100,7 +100,7 @@ impl TcpGoal {
     #[inline]
     pub(super) fn far(&self, tcp: &Pose, tool_axis: &Vector3<f64>, scale: f64) -> f64 {
         let position = (self.position - tcp.translation).norm_squared() * scale * scale;
-        // 2 (1 - cos) of the angle is its square for a small angle.
+        // For a small angle, 2 (1 - cos) is about the square of the angle.
         let attitude = match self.attitude {
             AttitudeGoal::Any => 0.0,
             AttitudeGoal::Elevation(angle) => {
@@ -190,7 +190,7 @@ pub fn rotation_vector(m: &Matrix3<f64>) -> Vector3<f64> {
         // v is the axis times the sine; angle and sine vanish together at 0.
         return if sine > 1e-150 { v * (angle / sine) } else { v };
     }
-    // Near a half turn v loses its digits, but (M + M^T) / 2 - cos I = (1 - cos) a a^T keeps them.
+    // Near a half turn, v is inaccurate, but (M + M^T) / 2 - cos I = (1 - cos) a a^T is not.
     let square = (m + m.transpose()) / 2.0 - Matrix3::from_diagonal_element(cosine);
     let axis = square.column(square.diagonal().imax()).normalize();
     if axis.dot(&v) < 0.0 { axis * -angle } else { axis * angle }

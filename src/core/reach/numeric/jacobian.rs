@@ -24,7 +24,7 @@ pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     columns
 }
 
-/// Returns the geometric Jacobian by the D-H coordinates, without the joint coupling.
+/// Returns the geometric Jacobian with respect to the D-H coordinates, without the joint coupling.
 fn uncoupled(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = [Displacement::NONE; MAX_JOINTS];
     let tcp = frames.tcp.translation;
@@ -66,11 +66,11 @@ pub(super) fn normal_equations(
 
 /// Adds the second-order part of the Hessian of the position cost `|e|^2 / 2` to `matrix`.
 ///
-/// Let e be the vector from the TCP position p to the goal and q_i the joint coordinates. The part is
-/// `-e . d2p / dq_i dq_j`. For i <= j the derivative is `w_i x J_j`. Here w_i is the rotation of the TCP per
-/// unit of joint i, and J_j its translation per unit of joint j. Only the lower triangle is set, and `scale`
-/// (1/m) multiplies lengths. Including this part, Newton's method converges quadratically even if the goal
-/// is out of reach.
+/// Let e be the vector from the TCP position p to the goal and q_i the joint coordinates. The second-order
+/// part is `-e . d2p / dq_i dq_j`. For i <= j the derivative is `w_i x J_j`. Here w_i is the rotation of the
+/// TCP per unit of joint i, and J_j its translation per unit of joint j. Only the lower triangle is changed,
+/// and `scale` (1/m) multiplies lengths. With this part, Newton's method converges quadratically even if the
+/// goal is out of reach.
 pub(super) fn add_curvature(
     chain: &Chain,
     frames: &Frames,

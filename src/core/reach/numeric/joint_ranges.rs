@@ -48,7 +48,7 @@ impl JointRanges {
     pub fn new(chain: &Chain) -> Self {
         let range = |(j, link): (usize, &crate::robot::Link)| {
             let (lo, hi) = link.limits;
-            // A driven joint has to rotate by whole turns, too.
+            // A whole turn of this joint must rotate every joint that it drives by whole turns, too.
             let drives = |i: usize| match chain.links[i].kind {
                 JointKind::Revolute => chain.coupling[i][j].fract() == 0.0,
                 JointKind::Prismatic => chain.coupling[i][j] == 0.0,

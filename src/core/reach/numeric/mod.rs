@@ -56,7 +56,7 @@ impl Numeric {
 
     /// Returns one solution within the limits: the first that a start posture leads to.
     ///
-    /// It is one of the solutions that [`Self::all`] collects, and None only if `all` collects none.
+    /// It is one of the solutions that [`Self::all`] collects. It is None only if `all` collects none.
     pub fn one(&self, goal: &TcpGoal) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
@@ -68,7 +68,8 @@ impl Numeric {
         })
     }
 
-    /// Writes the distinct solutions within the limits to `out`, sorted; returns why there are none.
+    /// Writes the distinct solutions within the limits to `out`, sorted; if there are none, returns the
+    /// reason.
     ///
     /// A coordinate whose range spans several turns is in the turn nearest to the middle of the range. A
     /// redundant chain has a continuum of solutions; then `out` holds solutions spread over it.

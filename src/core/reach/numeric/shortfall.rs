@@ -15,7 +15,8 @@ const ATTITUDE_STARTS: usize = 16;
 const POSITION_WEIGHT: f64 = 1e4;
 /// Least position error (m) or orientation error (rad) that counts as the reason for a missing solution.
 const MIN_SHORTFALL: f64 = 1e-6;
-/// Distance of a goal from the base, in lengths of the chain, beyond which only its direction is used.
+/// Distance of a goal from the base, in lengths of the chain, beyond which a nearer goal in the same
+/// direction replaces it.
 const MAX_CHAIN_LENGTHS: f64 = 1e6;
 
 /// Reason why the numeric solver has no solution for a goal.
@@ -65,7 +66,7 @@ impl Numeric {
 
     /// Returns the least distance found between the TCP and the goal, m, and whether its descent converged.
     fn least_distance(&self, goal: &TcpGoal, frames: &mut Frames) -> (f64, bool) {
-        // Scaled before the norm, so that squares of huge numbers stay finite.
+        // Scaling before the norm keeps the squares of huge numbers finite.
         let size = goal.position.amax();
         let distance = if size > 0.0 { (goal.position / size).norm() * size } else { 0.0 };
         let most = MAX_CHAIN_LENGTHS / self.scale;
