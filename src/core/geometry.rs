@@ -13,8 +13,8 @@ pub fn turn(a: PlanePoint, b: PlanePoint, c: PlanePoint) -> f64 {
 
 /// Returns the corners of the convex hull, anticlockwise.
 ///
-/// The method is the monotone chain (A. M. Andrew, Information Processing Letters 9 (1979) 216-219). Points
-/// that span no area are returned sorted, without duplicates.
+/// The method is the monotone chain (A. M. Andrew, Information Processing Letters 9 (1979) 216-219). If the
+/// points are collinear, the result is their two end points; if they coincide, it is one point.
 pub fn convex_hull(mut points: Vec<PlanePoint>) -> Vec<PlanePoint> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     points.dedup();

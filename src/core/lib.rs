@@ -1,8 +1,8 @@
 //! The core of sweetspot: the mathematics from the model of a cell to the best layout.
 //!
-//! It reads and writes nothing. The crate `sweetspot` adds files, documents, pictures and the command, and
-//! its documentation explains the problem and the flow. The core is a crate of its own so that the compiler
-//! optimises the mathematics fully and spends little time on the text around it.
+//! It does no input or output. The crate `sweetspot` adds files, documents, reports and the command. Its
+//! documentation explains the problem and the flow of data. The core is a crate of its own so that the
+//! compiler optimises the mathematics fully and spends little time on the text around it.
 
 pub mod assess;
 pub mod cell;

@@ -1,4 +1,4 @@
-//! Rigid poses, and small rigid motions computed without loss of digits.
+//! Rigid poses, and small rigid motions computed without cancellation.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -186,7 +186,7 @@ impl std::ops::Mul for Pose {
 
 /// Returns sine and cosine of an angle (rad).
 ///
-/// Values below 1e-15 in size become 0, because they come from rounding in the conversion of degrees.
+/// Values below 1e-15 in magnitude become 0, because they come from rounding in the conversion of degrees.
 pub fn exact_sin_cos(angle: f64) -> (f64, f64) {
     let (s, c) = angle.sin_cos();
     let snap = |v: f64| if v.abs() < 1e-15 { 0.0 } else { v };

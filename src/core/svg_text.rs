@@ -3,7 +3,9 @@
 use crate::units::rounded;
 use std::fmt::Write;
 
-/// Escapes a text for use in markup. Characters that XML does not allow become U+FFFD.
+/// Escapes a text for use in markup.
+///
+/// U+FFFE, U+FFFF and control characters other than tab and line breaks become U+FFFD.
 pub fn escaped(text: &str) -> String {
     let is_bad =
         |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');

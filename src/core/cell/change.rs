@@ -40,7 +40,7 @@ impl Cell {
 
     /// Returns this cell with fixed coordinates made free again: each gets its range in the cell `wide`.
     ///
-    /// A result, whose coordinates are fixed, can thus be searched further.
+    /// Another search can thus start from a result, whose coordinates are fixed.
     ///
     /// A coordinate becomes free only if its value lies in its range in `wide`. The cell stays unchanged if
     /// the names of equipment or operations in `wide` differ.

@@ -84,7 +84,7 @@ impl Quantity {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Registration {
-    /// No frame is measured: the robot base is placed as drawn.
+    /// No frame is measured: robot base and equipment are assumed to be placed as drawn.
     None,
     /// The base frame is measured: the best fit over all postures between the joint limits.
     BestFit,
@@ -146,7 +146,7 @@ impl NodeAggregation {
             NodeAggregation::Best => values.first().copied().unwrap_or(0.0),
             NodeAggregation::Max => values.last().copied().unwrap_or(0.0),
             NodeAggregation::Mean => values.iter().sum::<f64>() / count.max(1) as f64,
-            // The least value that at least 95 % of the nodes do not pass.
+            // The least value that at least 95 % of the nodes do not exceed.
             NodeAggregation::P95 => values[(count * 19).div_ceil(20).max(1) - 1],
         }
     }
@@ -217,8 +217,8 @@ pub struct SearchSettings {
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search for the least error.
     pub pareto: Goals,
-    /// Number of distinct layouts to report. If 0, a Pareto search reports the whole front, any other search
-    /// the best layout alone.
+    /// Number of distinct layouts to report. If it is 0, a Pareto search reports the whole front, and any
+    /// other search reports only the best layout.
     pub keep: usize,
 }
 

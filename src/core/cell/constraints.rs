@@ -2,14 +2,14 @@
 
 use super::robot_model::{Joint, JointKind, JointVector};
 
-/// Margins to joint limits and singular postures that every posture must keep; a margin of 0 excludes none.
+/// Margins to joint limits and singular postures that every posture must keep; 0 excludes no posture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Margins {
     /// Least distance from the limits of revolute joints, rad.
     pub turn: f64,
     /// Least distance from the limits of prismatic joints, m.
     pub slide: f64,
-    /// Least allowed singular value of the Jacobian, with lengths divided by the arm reach.
+    /// Lower limit of the least singular value of the Jacobian, with lengths divided by the arm reach.
     pub singularity: f64,
 }
 

@@ -85,7 +85,7 @@ impl Parameter {
 /// Names of the components of a frame error.
 pub const COMPONENTS: [&str; PER_FRAME] = ["x", "y", "z", "rx", "ry", "rz"];
 
-/// Signed sample of the kinematic errors, with one value per joint.
+/// Signed sample of the kinematic errors of a robot, with one value per parameter.
 ///
 /// The seed paper interprets its Tables 2 and 3 as such a sample. A sample is not a tolerance, because its
 /// signs are part of the data.

@@ -12,8 +12,7 @@ pub const MAX_KEPT: usize = 100;
 pub enum Goal {
     /// Objective (combined error of the operations), minimized: m, rad or a share.
     Error,
-    /// Least clearance of the robot at its spots, and of the floor spaces, from all other objects, m,
-    /// maximized.
+    /// Least distance of the robot at its spots from other objects, and between floor spaces, m, maximized.
     Clearance,
     /// Least distance of a joint from its nearer limit, as a share of half the joint's range, maximized.
     JointLimits,
@@ -21,7 +20,7 @@ pub enum Goal {
     Singularity,
     /// Joint travel from operation to operation, rad, minimized.
     Travel,
-    /// Floor area, m2, minimized.
+    /// Floor area, m^2, minimized.
     Footprint,
 }
 

@@ -38,7 +38,8 @@ pub struct Layout {
 impl Layout {
     /// Returns the value of a coordinate, m or rad.
     ///
-    /// What a layout that does not belong to the cell lacks is where the cell draws it.
+    /// If the layout lacks the coordinate, because it does not belong to the cell, the value is that of the
+    /// cell as drawn.
     pub fn value(&self, cell: &Cell, slot: Slot) -> f64 {
         match slot {
             Slot::Base(axis) => self.base.values()[axis],
@@ -104,8 +105,8 @@ impl Cell {
 
     /// Returns the placement of a piece of equipment in the frame that the cell file uses.
     ///
-    /// That is the frame of the equipment that carries it, or the world frame. A piece that the layout does not
-    /// place is where the cell draws it.
+    /// That is the frame of the equipment that carries it, or the world frame. If the layout does not place
+    /// the piece, the result is its placement as drawn.
     pub fn own_placement(&self, layout: &Layout, equipment: usize) -> Placement {
         let placed = |k: usize| layout.placements.get(k).copied();
         let drawn =
@@ -136,8 +137,9 @@ impl Cell {
         !self.placement_tolerances().is_empty()
     }
 
-    /// Returns the layout with `moves` (m, rad) added to its coordinates; equipment takes along what stands
-    /// on it.
+    /// Returns the layout with `moves` (m, rad) added to its coordinates.
+    ///
+    /// Equipment that stands on moved equipment moves with it.
     pub fn misplaced(&self, layout: &Layout, moves: &[(Slot, f64)]) -> Layout {
         let mut moved = layout.clone();
         let off = |slot: Slot| moves.iter().filter(|(s, _)| *s == slot).map(|(_, by)| by).sum::<f64>();
@@ -147,7 +149,7 @@ impl Cell {
             Placement::from_values([0, 1, 2, 3].map(|axis| v[axis] + by[axis]))
         };
         moved.base = plus(&layout.base, by(&Slot::Base));
-        // From below upwards what stands on it moves along.
+        // Each own placement is relative to the carrier, so `in_world` moves equipment with its carrier.
         let own: Vec<_> = (0..self.equipment.len())
             .map(|k| plus(&self.own_placement(layout, k), by(&|axis| Slot::Equipment(k, axis))))
             .collect();

@@ -17,10 +17,10 @@ pub enum Misfit {
     Placements { given: usize, needed: usize },
     /// The cell has `needed` operations, but the layout has another number of attitudes.
     Attitudes { given: usize, needed: usize },
-    /// A coordinate in the world is not a number, or beyond [`MAX_COORDINATE`].
+    /// A coordinate in the world, or an angle of an attitude, is NaN or beyond [`MAX_COORDINATE`].
     Coordinate(Slot),
-    /// The attitude of the operation with this index differs from that of the cell in an angle that no search
-    /// may change, or it lacks an angle.
+    /// The attitude of the operation with this index differs from that of the cell in its tolerance or in an
+    /// angle that no search may change, or it lacks an angle.
     Attitude(usize),
 }
 

@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Placement of the robot base or of equipment, m and rad.
 ///
-/// It is given in the world frame, or in the frame of the equipment that carries the placed one.
+/// It is given in the world frame, or in the frame of the equipment that carries the placed equipment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     pub x: f64,
@@ -115,7 +115,7 @@ pub const TEACH_HEIGHT: f64 = 0.02;
 pub struct HeldPart {
     /// Solids of the part, in the frame of the TCP.
     pub solids: Vec<Solid>,
-    /// Whether the part rests on the equipment of the operation. If so, contact of the two is no collision.
+    /// Whether the part rests on the equipment of the operation. If so, contact between the two is allowed.
     pub touches_surface: bool,
 }
 

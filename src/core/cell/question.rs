@@ -46,7 +46,7 @@ impl Interpretation {
 
     /// Returns the limit of an operation under this interpretation.
     ///
-    /// Returns None without a limit, or if the sense of this interpretation has another unit than the limit.
+    /// It is None if the operation has no limit, or if the sense of this interpretation has another unit.
     fn limit_of(&self, operation: &Operation) -> Option<f64> {
         operation.limit.filter(|_| operation.sense.unit == self.sense_of(operation).unit)
     }
@@ -163,7 +163,7 @@ impl Cell {
     fn tolerances(&self, registration: Registration) -> Vec<String> {
         let robot = self.robot.errors.get(self.errors);
         let robot = robot.filter(|set| matches!(set, ErrorSet::Tolerance(_)));
-        // A taught frame moves with its equipment.
+        // A taught frame moves with its equipment, so errors of the equipment do not count.
         let is_used = |k: usize| {
             registration != Registration::Taught && self.operations.iter().any(|o| o.equipment == k)
         };

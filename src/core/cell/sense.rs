@@ -115,7 +115,7 @@ impl Sense {
         };
         let rows = Self::plain_rows(word)?;
         let unit = if rows.iter().any(|r| r.turns) { Unit::Angle } else { Unit::Length };
-        // Written as short as can be, so that a sense has one name.
+        // `xy@world` becomes `xy`, so that every sense has only one name.
         let name = if frame == Frame::World { word } else { name };
         Some(Self::new(name, frame, Vector3::zeros(), unit, &rows))
     }

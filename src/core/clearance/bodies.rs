@@ -16,7 +16,7 @@ pub(super) struct CollisionBody {
     pub(super) local: Pose,
     /// Point inside the solid. The solid can lie wholly inside a closed mesh only if this point does.
     pub(super) inside: pm::Vector,
-    /// Shorter capsules whose union is the capsule, for checks against meshes; empty for other shapes.
+    /// Shorter capsules whose union is this body, for checks against meshes; empty unless it is a capsule.
     ///
     /// The bounding box of a long oblique capsule would contain most triangles of a mesh.
     pub(super) pieces: Vec<SharedShape>,

@@ -59,7 +59,8 @@ impl BoundingCapsule {
             Shape::Sphere { centre, radius } => new(centre, centre, *radius, true),
             Shape::Capsule { a, b, radius } => new(a, b, *radius, true),
             other => {
-                // Along the longest side of the bounding box, as thick as its diagonal across that side.
+                // The segment runs along the longest side of the bounding box. The radius is half the
+                // diagonal of the face across that side.
                 let (low, high) = extent(other);
                 let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
                 let mut along = Vector3::zeros();
@@ -85,10 +86,10 @@ impl BoundingCapsule {
         (self.a.inf(&self.b).add_scalar(-self.radius), self.a.sup(&self.b).add_scalar(self.radius))
     }
 
-    /// Returns the verdict, given the squared distance (m2) of the capsule's segment from another shape.
+    /// Returns the verdict, given the squared distance (m^2) of the capsule's segment from another shape.
     ///
-    /// `both_solid` says that the capsule and the other shape are solids and do not only contain one. Only
-    /// then does a small distance mean contact.
+    /// `both_solid` says whether the capsule and the other shape are the solids themselves, not only bounds
+    /// of them. Only then does a small distance mean contact.
     fn verdict(&self, squared: f64, both_solid: bool) -> ContactVerdict {
         if squared > (self.radius + CONTACT_MARGIN).powi(2) {
             ContactVerdict::Apart
@@ -115,7 +116,8 @@ impl BoundingCapsule {
 
     /// Checks the capsule against the triangles of a mesh in the same frame.
     ///
-    /// The traversal of the bounding volume hierarchy visits the nearest nodes first and stops at a verdict.
+    /// The traversal of the bounding volume hierarchy visits the nearest nodes first and stops as soon as the
+    /// verdict is known.
     pub(super) fn against_mesh(&self, mesh: &TriMesh) -> ContactVerdict {
         let (least, most) = (self.radius - CONTACT_MARGIN, self.radius + CONTACT_MARGIN);
         let enough = if self.is_solid { least } else { most };
@@ -147,10 +149,10 @@ pub(super) fn overlapping(a: (&Vector3<f64>, &Vector3<f64>), b: (&Vector3<f64>, 
     (0..3).all(|i| a.0[i] <= b.1[i] && b.0[i] <= a.1[i])
 }
 
-/// Returns the squared distance between the segments ab and cd, m2.
+/// Returns the squared distance between the segments ab and cd, m^2.
 ///
-/// It takes the nearest points of the two lines and clamps them to the segments in turn (C. Ericson,
-/// Real-Time Collision Detection, 2005, section 5.1.9).
+/// The function takes the nearest points of the two lines and clamps them to the segments in turn (C.
+/// Ericson, Real-Time Collision Detection, 2005, section 5.1.9).
 pub(super) fn segments_apart_squared(
     a: &Vector3<f64>,
     b: &Vector3<f64>,
@@ -174,7 +176,8 @@ fn point_to_segment_squared(p: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>
     (from - along * t).norm_squared()
 }
 
-/// Returns the squared distance (m2) of the segment from `a` to `a + along` from a box around the origin.
+/// Returns the squared distance (m^2) between a box around the origin and the segment from `a` to `a +
+/// along`.
 ///
 /// The box has the half edge lengths `half`. The squared distance of the point `a + t along` from the box is
 /// a convex function of t. It is quadratic between the six planes of the faces, so its derivative is linear
@@ -205,7 +208,7 @@ fn segment_to_box_squared(a: &Vector3<f64>, along: &Vector3<f64>, half: &Vector3
     outside(low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1)).norm_squared()
 }
 
-/// Returns the squared distance between the segment ab and a triangle, m2; 0 if the segment pierces it.
+/// Returns the squared distance between the segment ab and a triangle, m^2; 0 if the segment pierces it.
 fn segment_to_triangle_squared(a: &Vector3<f64>, b: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> f64 {
     let [p, q, r] = corners;
     let edges = [(p, q), (q, r), (r, p)];

@@ -13,7 +13,7 @@ use parry3d::shape::{ConvexPolyhedron, RoundShape, SharedShape};
 /// Largest number of parts of a mesh. It is limited because each part is checked against every solid.
 const MAX_PARTS: usize = 16;
 
-/// Least share of the volume of a mesh's hull by which a cut must reduce the volume of the parts.
+/// Least reduction of the total volume of the parts by a cut, as a share of the volume of the mesh's hull.
 const MIN_GAIN: f64 = 0.01;
 
 /// Largest number of points from which the volume of a hull is estimated.
@@ -28,7 +28,7 @@ pub type Remember<'a> = dyn FnMut(&[u8], &dyn Fn() -> Vec<u8>) -> Vec<u8> + 'a;
 pub(super) struct Hull {
     /// Convex hull of the points; None if parry3d cannot compute it.
     solid: Option<ConvexPolyhedron>,
-    /// Largest distance, m, by which one of the points lies outside the hull.
+    /// Largest distance, m, by which a point of the part lies outside the hull.
     slack: f64,
     /// Largest distance of one of the points from the origin, m.
     reach: f64,
@@ -82,8 +82,7 @@ pub(super) fn hulls(
 pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<SharedShape> {
     /// Number of vertices above which a check of the convex solid costs more than a check of the triangles.
     const MAX_VERTICES: usize = 200;
-    /// Largest relative difference in volume of a convex mesh from its hull: rounding of coordinates in a
-    /// file.
+    /// Largest relative difference in volume between a convex mesh and its hull, due to rounded coordinates.
     const ROUNDING: f64 = 1e-9;
     if vertices.len() > MAX_VERTICES {
         return None;
@@ -106,7 +105,8 @@ fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
         let step = (3 * part.len()).div_ceil(MAX_POINTS).max(1);
         let corners = part.iter().flat_map(|&t| triangles[t as usize]).step_by(step);
         let points: Vec<_> = corners.map(|i| vector(&vertices[i as usize])).collect();
-        // The hull of a long thin set may fail or turn inside out; then the bounding box counts.
+        // The hull of a long thin set may fail or turn inside out; then the volume of the bounding box is
+        // used.
         let most = box_volume(&points);
         let hull = polyhedron(&points).map(|solid| volume_of(&solid));
         hull.filter(|v| (0.0..=most).contains(v)).unwrap_or(most)
@@ -179,12 +179,12 @@ const FLAT_HALF: f64 = 1e-6;
 
 /// Returns the convex hull of points; None if they span no significant volume.
 fn polyhedron(points: &[pm::Vector]) -> Option<ConvexPolyhedron> {
-    // parry3d checks its hull by assertions; the mesh of a user must not end the program.
+    // parry3d panics if its hull fails an assertion; the mesh of a user must not end the program.
     let made = std::panic::catch_unwind(|| ConvexPolyhedron::from_convex_hull(points));
     made.ok().flatten()
 }
 
-/// Returns the largest distance, m, by which one of the points lies outside the hull.
+/// Returns the largest distance, m, by which any of the points lies outside the hull.
 fn slack(solid: &ConvexPolyhedron, points: &[pm::Vector]) -> f64 {
     let outside = points.iter().map(|p| solid.distance_to_local_point(*p, true));
     let most = outside.fold(0.0, f64::max);

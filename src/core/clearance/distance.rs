@@ -1,10 +1,10 @@
 //! Distance queries: the distance of the robot from the solids that it must not touch.
 //!
 //! For rounded shapes the distances computed by parry3d are wrong by up to 1.2e-5 m. So distances are
-//! measured from the solids before their rounding and from the segments of capsules. The radii are then
-//! subtracted. parry3d gives the nearest points of two convex solids. The returned distance is the width,
-//! along the line through these points, of the empty slab between the solids. It never exceeds the true
-//! distance.
+//! measured between the solids before their rounding, and from the segments of capsules. The radii are then
+//! subtracted. parry3d gives the nearest points of two solids. For convex solids, the returned distance is
+//! the width, along the line through these points, of the empty slab between the solids. This width never
+//! exceeds the true distance. For a mesh, it is the distance between the nearest points.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;
@@ -21,7 +21,7 @@ use parry3d::shape::{Cuboid, Shape, SharedShape};
 /// Largest amount, m, by which a computed distance may exceed the true one.
 pub const ACCURACY: f64 = 1e-6;
 
-/// Requested distance from a mesh, m, above which the bounding box of the mesh is checked, not its triangles.
+/// Requested distance from a mesh, m, above which its bounding box is checked instead of its triangles.
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;
 
 /// Result of a distance query: the least distance, and the two solids that have it.
@@ -228,7 +228,7 @@ fn gap_of_cores((a, ra): Core<'_>, relative: &pm::Pose, (b, rb): Core<'_>, max: 
             let apart = relative * q - p;
             certified(a, relative, b, &apart).unwrap_or(apart.length())
         }
-        // Contact is the safe answer where parry3d has none.
+        // If parry3d has no answer, contact is the safe assumption.
         Ok(ClosestPoints::Intersecting) | Err(_) => 0.0,
     };
     (core_gap - round).clamp(0.0, max)
@@ -237,7 +237,7 @@ fn gap_of_cores((a, ra): Core<'_>, relative: &pm::Pose, (b, rb): Core<'_>, max: 
 /// Returns the width of the empty slab between two convex solids, measured along a direction from `a` to `b`.
 ///
 /// The planes of the slab are perpendicular to the direction. The width is a lower bound of the distance, and
-/// negative if no such plane separates the solids.
+/// negative if no such plane separates the solids. It is None if a solid is a mesh, or if the direction is 0.
 fn certified(a: &dyn Shape, relative: &pm::Pose, b: &dyn Shape, direction: &pm::Vector) -> Option<f64> {
     let (a, b, n) = (a.as_support_map()?, b.as_support_map()?, direction.try_normalize()?);
     let far = a.local_support_point(n).dot(n);

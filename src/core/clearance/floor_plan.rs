@@ -141,7 +141,7 @@ impl FloorPlan {
         }
     }
 
-    /// Returns whether a piece of equipment stands on another, directly or on equipment that does.
+    /// Returns whether a piece of equipment stands on another, directly or through equipment between them.
     fn rides(&self, equipment: usize, other: usize) -> bool {
         self.on[equipment].is_some_and(|under| under == other || self.rides(under, other))
     }
@@ -212,7 +212,8 @@ impl FloorPlan {
     /// Writes all overlaps of a layout to `found`. An overlap of two obstacles is allowed and left out.
     ///
     /// Each piece of equipment is checked against the later ones in the cell, the robot base, the keep-out
-    /// boxes, the floor and the fence.
+    /// boxes, the floor and the fence. The robot base is checked against the fence. Obstacles may reach
+    /// beyond the fence.
     pub fn overlaps(&self, layout: &Layout, found: &mut Vec<Overlap>) {
         found.clear();
         if !self.enabled {
@@ -256,7 +257,8 @@ impl FloorPlan {
         }
     }
 
-    /// Returns the overlap of two objects by their overlap in plan (m, clearance included), if there is one.
+    /// Returns the overlap of two objects, given its `depth` in plan (m, clearance included), if there is
+    /// one.
     ///
     /// `rise` computes their vertical distance, m.
     fn overlap(&self, a: Party, b: Party, depth: f64, rise: impl Fn() -> f64) -> Option<Overlap> {
@@ -266,7 +268,7 @@ impl FloorPlan {
     }
 }
 
-/// Returns the vertical distance from the fence, which has every height.
+/// Returns the vertical distance from the fence, which occupies all heights.
 fn fence_rise() -> f64 {
     f64::NEG_INFINITY
 }

@@ -59,7 +59,7 @@ impl PlacedRectangle {
     }
 }
 
-/// Returns the separating axes of two rectangles: the directions of their sides.
+/// Returns the candidate separating axes of two rectangles: the directions of their sides.
 fn axes(a: &PlacedRectangle, b: &PlacedRectangle) -> [PlanePoint; 4] {
     [(a.cos, a.sin), (-a.sin, a.cos), (b.cos, b.sin), (-b.sin, b.cos)]
 }
@@ -75,8 +75,8 @@ fn overlap_along(u: PlanePoint, a: &PlacedRectangle, b: &PlacedRectangle, cleara
 
 /// Returns the least overlap over the separating axes, directed from `b` to `a`.
 ///
-/// A negative depth means that the rectangles are apart. Where two corners are nearest to each other, the
-/// distance kept is a little larger than the clearance, never smaller.
+/// A negative depth means that the rectangles keep the clearance. A move by the depth leaves a distance of at
+/// least the clearance, and a little more if two corners are nearest to each other.
 pub(super) fn least_overlap(a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
     let shallower = |best: AxisDepth, next: AxisDepth| if next.depth < best.depth { next } else { best };
     let all = axes(a, b).into_iter().map(|u| overlap_along(u, a, b, clearance));

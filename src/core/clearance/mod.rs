@@ -9,7 +9,7 @@
 //! parry3d runs in f64 here, so no margin for single precision is needed. To keep a clearance, the robot's
 //! solids are enlarged by it once, when the cell is loaded. So every check is a plain intersection test.
 //! Enlarged capsules, spheres, boxes and cylinders are exact, because parry3d has rounded shapes for them.
-//! Solids that touch collide, but floor spaces may touch.
+//! Solids that touch count as a collision, but floor spaces may touch.
 //!
 //! Equipment meshes are checked triangle by triangle, so the verdict is exact. A convex equipment mesh
 //! becomes a convex polyhedron, which is exact, too. Link meshes, which move, are checked as convex parts

@@ -1,4 +1,4 @@
-//! Overlap of two floor spaces, or a distance of theirs below the clearance, and how users are told.
+//! Overlap of two floor spaces, or a distance between them below the clearance, with its message to users.
 
 use crate::cell::Cell;
 use crate::units::mm_from_m;
@@ -41,7 +41,7 @@ impl Overlap {
 
     /// Describes the overlap with the names that the cell gives to its objects.
     ///
-    /// If the two are apart, the text tells how near they are, because this is not an overlap.
+    /// If the two do not overlap, the text states how near they are to each other.
     pub fn in_words(&self, cell: &Cell) -> String {
         let name = |party: Party| match party {
             Party::Equipment(i) => cell.equipment[i].name.clone(),
@@ -51,7 +51,7 @@ impl Overlap {
             Party::Fence => "the fence".into(),
         };
         let (a, b) = (name(self.a), name(self.b));
-        // Positive if a side of one floor space keeps the other at this distance.
+        // Distance between the floor spaces in plan; negative if they overlap there.
         let aside = self.clearance - self.depth;
         let verb = if self.b == Party::Fence { "passes" } else { "overlaps" };
         if aside < 0.0 && self.rise == 0.0 {
@@ -59,7 +59,7 @@ impl Overlap {
         }
         let how = if self.rise > aside { "in height" } else { "along a side" };
         let (near, clearance) = (mm_from_m(self.rise.max(aside)), mm_from_m(self.clearance));
-        // One digit would not tell the two apart.
+        // With one decimal, the distance and the clearance could look equal.
         let near = if clearance - near < 0.05 { "just below".into() } else { format!("{near:.1} mm of") };
         format!("{a} is nearer to {b} than the clearance: {near} {clearance:.1} mm {how}")
     }

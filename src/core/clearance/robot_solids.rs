@@ -1,4 +1,4 @@
-//! Solids that the robot moves: links, tool and held parts.
+//! Solids of the robot: base, links, tool and held parts.
 
 use super::bodies::{CollisionBody, body, link_bodies, touching};
 use super::bounding_capsule::{BoundingCapsule, segments_apart_squared};
@@ -81,7 +81,7 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
     let bare = bodies(TOUCHING);
     let slack = bare.iter().map(|b| b.unswollen.as_ref().map_or(TOUCHING, |(_, by)| *by));
     let core = BoundingCapsule::new(&solid.shape, mount, slack.fold(TOUCHING, f64::max));
-    // Points without a hull become a ball, which the capsule need not contain.
+    // A part without a hull becomes a ball, which the capsule may not contain.
     let is_held = core.is_solid || bare.iter().all(|b| b.shape.as_ball().is_none());
     RobotSolid {
         id,

@@ -87,7 +87,7 @@ impl Scene {
             return;
         }
         for (e, solids) in self.equipment.iter().enumerate() {
-            // The walls of the fence follow the equipment and never move.
+            // The last entry, after all equipment, holds the walls of the fence, which never move.
             let at = layout.placements.get(e).unwrap_or(&solids.drawn);
             if *at == solids.drawn {
                 placed.bodies.extend_from_slice(&solids.posed);
@@ -145,7 +145,7 @@ impl Scene {
 
     /// Returns the index of the first moving robot solid with a contact, and the contact as in `first_hit`.
     ///
-    /// The method checks contacts with equipment, fence and floor, but not of the robot with itself.
+    /// The method checks contacts with equipment, fence and floor, but not self-collisions.
     fn outside_hit(
         &self,
         bodies: &[PlacedSolid],
@@ -219,7 +219,7 @@ impl Scene {
             && let Some(mesh) = body.shape.as_trimesh()
         {
             verdict = seen.against_mesh(mesh);
-            // A body that does not touch the surface lies inside as a whole if one of its points does.
+            // A body that does not touch the surface lies wholly inside the mesh if one of its points does.
             if verdict == ContactVerdict::Apart && *closed && body.holds(&vector(&seen.a)) {
                 return true;
             }
@@ -268,7 +268,7 @@ fn touches_part(
             let hits = |s: &SharedShape| near(s) && intersecting(&*body.shape, relative, &**s);
             let whole = std::slice::from_ref(&link.shape);
             let pieces = if link.pieces.is_empty() { whole } else { &link.pieces };
-            // A link that does not touch the surface lies inside as a whole if one of its points does.
+            // A link that does not touch the surface lies wholly inside the mesh if one of its points does.
             pieces.iter().any(hits) || *closed && body.holds(&(*relative * link.inside))
         }
     }

@@ -8,7 +8,7 @@ use crate::robot::Chain;
 
 /// Number of sampled postures.
 ///
-/// Two solids that touch in all of them are taken to overlap in the model of the robot, not to collide.
+/// If two solids touch in all of them, the program assumes that they overlap in the model of the robot.
 const SAMPLES: usize = 400;
 
 /// Reason why a pair of robot solids may touch.
@@ -20,7 +20,7 @@ pub enum Allowed {
     Neighbours,
     /// The robot file allows the contact.
     Given,
-    /// The solids touch in every sampled posture, so they are taken to overlap in the model of the robot.
+    /// The solids touch in every sampled posture, so they probably overlap in the model of the robot.
     AlwaysTouch,
 }
 

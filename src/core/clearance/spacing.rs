@@ -9,9 +9,9 @@ use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 impl FloorPlan {
     /// Returns the least distance between floor spaces that must not overlap, at most `max` (m).
     ///
-    /// The distance of two floor spaces is in plan or, if their heights differ, between the upright boxes over
-    /// them. It is 0 if any two of them overlap. A pair that the search cannot move does not count, because
-    /// the distance of the pair is the same in every layout.
+    /// The distance between two floor spaces is measured in plan or, if their heights differ, between the
+    /// upright boxes above them. The result is 0 if any two of them overlap. A pair that the search cannot
+    /// move does not count, because its distance is the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
         if !self.enabled {
             return max;
@@ -48,7 +48,7 @@ impl FloorPlan {
     }
 }
 
-/// Returns whether the search may move a piece of equipment, also by moving equipment that carries it.
+/// Returns whether the search may move a piece of equipment, directly or with equipment that carries it.
 fn is_moved(cell: &Cell, k: usize) -> bool {
     let below = cell.equipment.iter().enumerate().filter(|(under, _)| cell.rides_on(k, *under));
     below.flat_map(|(_, e)| &e.placement).any(Coordinate::is_free)
@@ -83,7 +83,7 @@ fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {
     from(a, b).min(from(b, a))
 }
 
-/// Returns the area, m2, of the convex hull of robot base and equipment in plan, without obstacles.
+/// Returns the area, m^2, of the convex hull of robot base and equipment in plan, without obstacles.
 pub fn footprint(cell: &Cell, layout: &Layout) -> f64 {
     let placed = cell.equipment.iter().zip(&layout.placements).filter(|(e, _)| e.role == Role::Equipment);
     let equipment = placed.map(|(e, at)| PlacedRectangle::new(&e.footprint, at));

@@ -28,7 +28,7 @@ const BLOCKED_PENALTY: f64 = 0.25;
 /// Evaluation of a layout: a cost and, if the layout is infeasible, the reasons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
-    /// Reason why the layout does not belong to the cell, which leaves all its operations unjudged.
+    /// Reason why the layout does not belong to the cell, if any; its operations then remain unjudged.
     pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
     /// Outcome of each operation.
@@ -176,7 +176,7 @@ fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
         Outcome::Unreachable { gap } if gap.reach > 0.0 => {
             OUT_OF_REACH_PENALTY + gap.reach.min(INFEASIBLE_PENALTY)
         }
-        // The excess is a sum of cosines; the reach makes it a length.
+        // The excess of revolute joints is a sum of cosines; the factor `reach` makes it a length.
         Outcome::Unreachable { gap } => {
             JOINT_LIMIT_PENALTY + (gap.limits.min(4.0) / 4.0) * cell.robot.reach().min(1.0)
         }

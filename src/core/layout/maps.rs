@@ -41,8 +41,11 @@ impl Workcell {
         OperationMap { operation, senses, nodes: Vec::new(), best: None, value: None }
     }
 
-    /// Maps the statuses of the operations without a spot, as [`Workcell::maps`] gives them, but without any
-    /// posture or error. This is many times faster, because errors are computed for no node but the spots.
+    /// Maps the operations that have no spot: the node statuses of [`Workcell::maps`], without postures and
+    /// errors.
+    ///
+    /// This is many times faster, because it does not compute the error of every node. If the layout does not
+    /// belong to the cell, the result is that of [`Workcell::maps`].
     pub fn maps_without_spot(&self, layout: &Layout) -> Vec<OperationMap> {
         if self.cell.misfit(layout).is_some() {
             return self.maps(layout);

@@ -92,8 +92,8 @@ impl Workcell {
         let node = map.spot()?;
         let node_at = self.mapper.grid(map.operation).local(node.node);
         let spacing = (area.size.0 / divisions.0 as f64, area.size.1 / divisions.1 as f64);
-        // The rule of the taught frame removes most of the error at a touched point and beside it: that
-        // says nothing of the surface.
+        // Teaching the frame removes most of the error at and near the touched points. Such a value is not
+        // representative of the surface.
         let apart = probe.distance_from_touched(node_at).min(spacing.0.min(spacing.1)) - LEAST_STEP;
         let mut best = PointSpot { at: node_at, branch: node.branch, value: node.value };
         for start in starts(map) {

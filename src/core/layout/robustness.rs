@@ -1,11 +1,11 @@
 //! Tolerance analysis of a layout: what misplaced equipment does to every operation.
 //!
-//! The point of the surface and the branch of the posture stay the same. Several bodies move inside their
+//! The point on the surface and the branch of the posture stay the same. Several bodies move inside their
 //! placement tolerances: the robot base, the equipment with the point, and the equipment that carries it. If
 //! the operation is relative to a pick, the equipment of the pick and its carriers move, too. The controller
-//! is assumed to know where the bodies are. Place errors that it does not know are given as `errors` of the
-//! equipment. A misplacement therefore acts only through the posture, with every registration. For a taught
-//! frame, the postures in which the robot touches the taught points change, too.
+//! is assumed to know where the bodies are. Placement errors that the controller does not know are given as
+//! `errors` of the equipment. With every registration, a misplacement therefore acts only through the
+//! posture. For a taught frame, the postures in which the robot touches the taught points change, too.
 //!
 //! - Worst corner: all corners of the box of tolerances are checked, up to 8 dimensions. For a larger box,
 //!   the corners of each body are checked with the other bodies as drawn. In addition, the corner of the
@@ -13,11 +13,11 @@
 //!   of reach or collides, or if floor spaces overlap. The corners of every other body are checked, too,
 //!   because it may get in the way.
 //! - Gradient: central differences.
-//! - Largest misplacement that is allowed, that is with a usable posture and a value within its limit. It is
-//!   given as a multiple of the box, as a distance in plan and as a yaw. The checks take the corners and the
-//!   middles of all edges and faces of the box, 16 directions in plan, or both directions of yaw. The scale
-//!   grows by [`STRIDE`] until a check fails, then bisection follows. A failure that occurs only between two
-//!   scales is missed.
+//! - Largest allowed misplacement: a multiple of the box, a distance in plan and a yaw. A misplacement is
+//!   allowed if the posture is usable and the value is within its limit. The checks are made at the corners
+//!   and the middles of all edges and faces of the box, in 16 directions in plan, and in both directions of
+//!   yaw. The scale grows by the factor [`STRIDE`] until a check fails, then bisection follows. A failure
+//!   that occurs only between two scales is missed.
 
 use super::misplaced_overlaps::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -112,7 +112,7 @@ impl Robustness {
     /// Returns whether the operation keeps reach, clearance and limit everywhere inside the tolerances.
     pub fn holds(&self) -> bool {
         let scale = self.scale.as_ref().is_none_or(|scale| scale.most >= 1.0);
-        // Without tolerance only the layout as drawn counts.
+        // Without tolerances, `shift` tells whether the layout as drawn is allowed.
         self.lost.is_empty() && scale && self.shift.most > 0.0
     }
 }
@@ -249,7 +249,7 @@ impl HeldOperation<'_> {
         let slope = |slot: Slot| {
             let [high, low] = [DIFFERENCE_STEP, -DIFFERENCE_STEP].map(|by| {
                 let layout = self.workcell.cell.misplaced(self.layout, &[(slot, by)]);
-                // The best spot is often at a joint limit, which must not stop the slope.
+                // The best spot is often at a joint limit, which must not prevent the difference.
                 let missing = Status::OutOfReach { by: 0.0 };
                 self.probed(&layout, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
             });

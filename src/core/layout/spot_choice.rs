@@ -1,11 +1,11 @@
 //! The choice of the spot of one operation, for evaluation and maps alike.
 //!
 //! A robust search judges a spot by its worst value in the layout as drawn and at the corners of the box of
-//! placement tolerances. The point of the surface and the posture stay the same. Usable spots are taken in
-//! ascending order of their value as drawn, and the one with the least worst value is chosen. The worst value
-//! is never below the value as drawn. So no later spot can be better once the next value as drawn reaches the
-//! least worst value. At most [`MAX_NODES`] nodes are judged; if the search stops there, a better spot may
-//! exist.
+//! placement tolerances. The point on the surface and the branch of the posture are the same at all corners.
+//! Usable spots are judged in ascending order of their value as drawn, and the spot with the least worst
+//! value is chosen. The worst value is never below the value as drawn. So no later spot can be better once
+//! the next value as drawn reaches the least worst value. At most [`MAX_NODES`] nodes are judged; if the
+//! search stops there, a better spot may exist.
 
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
@@ -72,7 +72,7 @@ fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) ->
     }
     let mut least = LeastWorst { best: None, lost: LOST_PENALTY, judged: 0 };
     placed.free_spots(operation, spots, memory, |spot| {
-        // No spot is worth less misplaced than as drawn.
+        // The worst value of a spot is never below its value as drawn.
         if least.judged == MAX_NODES || least.best.is_some_and(|(worst, _)| spot.value >= worst) {
             return false;
         }

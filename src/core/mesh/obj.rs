@@ -55,7 +55,7 @@ fn geometry_of(text: &str) -> Result<String, MeshFault> {
         }
         geometry.push('\n');
         vertices += usize::from(kind == Some("v"));
-        // Before the reader asks for memory.
+        // The check comes before the reader allocates memory.
         if vertices.max(corners) > 3 * MAX_TRIANGLES {
             return Err((None, too_many()));
         }
@@ -83,7 +83,7 @@ fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     }
 }
 
-/// Returns the index of the first line that begins with `kind` and has a later word that `wrong` rejects.
+/// Returns the index of the first line that begins with `kind` and has a later word that is `wrong`.
 fn line_with(geometry: &str, kind: &str, wrong: impl Fn(&str) -> bool) -> Option<usize> {
     let has = |line: &str| line.starts_with(kind) && line.split(' ').skip(1).any(&wrong);
     geometry.lines().position(has)

@@ -1,7 +1,7 @@
 //! Reader of binary and text STL: separate triangles with corners in single precision.
 //!
-//! At 3 m single precision resolves 0.2 um. The normals are not used: the order of the corners says which
-//! side is outside.
+//! At a distance of 3 m, single precision resolves 0.2 um. The normals are not used: the order of the corners
+//! defines which side is outside.
 
 use super::triangles::{BEYOND, MAX_TRIANGLES, MeshFault, Triangles, Vertices, is_beyond, too_many};
 use crate::safe_text::shown;
@@ -17,7 +17,7 @@ const TRIANGLE: usize = 50;
 pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFault> {
     let promised = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     let promised = promised.map(|count| count as usize);
-    // A binary title may start like a text, so the size is asked first.
+    // The title of a binary file may start like a text file, so the size is checked first.
     if promised.is_some_and(|n| n.checked_mul(TRIANGLE).is_some_and(|size| HEADER + size == bytes.len())) {
         return triangles_of(binary(bytes)?, scale, |k| (None, format!(", in triangle {}", k + 1)));
     }

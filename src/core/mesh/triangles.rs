@@ -31,7 +31,7 @@ pub fn too_many() -> String {
 pub fn merged((vertices, mut triangles): (Vertices, Triangles)) -> Result<(Vertices, Triangles), MeshFault> {
     // Adding 0 makes -0 and 0 the same bits.
     let bits = |i: u32| vertices[i as usize].map(|c| (c + 0.0).to_bits()).data.0[0];
-    // Sorted and not hashed: a map of all places takes more memory than everything else.
+    // Sorting saves memory: a hash map of all places would take more than everything else.
     let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
     order.sort_unstable_by_key(|&i| (bits(i), i));
     let mut first = vec![0; vertices.len()];

@@ -1,10 +1,10 @@
 //! Continuous collision checking of a straight move in joint coordinates.
 //!
-//! The distance of every pair of solids is known in the middle of an interval of the move. The interval is
-//! free if no pair can approach by its distance within half the interval. Otherwise the interval is halved
-//! (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and multiple
-//! articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005). A point that joint i
-//! rotates moves by at most
+//! The distance of every pair of solids is computed in the middle of an interval of the move. The interval is
+//! free if no pair can approach by as much as its distance within half the interval. Otherwise the interval
+//! is halved (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and
+//! multiple articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005). A point
+//! that joint i rotates moves by at most
 //!
 //! ```text
 //! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),
@@ -126,7 +126,8 @@ impl<'c> MotionBounds<'c> {
         let (mut sum, mut reach) = (0.0, 0.0);
         for i in (first..sphere.frame).rev() {
             let link = &self.chain.links[i];
-            // Distance from the axis, and along it from the origin of the frame after the row.
+            // Distance of the lever arm's end from the joint axis, and its coordinate along that axis,
+            // measured from the origin of the frame after the row.
             let (aside, along) = if i + 1 == sphere.frame {
                 let c = &sphere.centre;
                 let y = link.cos_alpha * c.y - link.sin_alpha * c.z;

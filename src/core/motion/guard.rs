@@ -74,7 +74,7 @@ impl Guard {
         self.regular(joints)?;
         let (approach, retract) = self.lengths[operation];
         let load = Load::of(Some(operation));
-        // The line to the spot is the line back from it, checked from the spot.
+        // The approach line is checked in reverse, from the spot, like the retract line.
         let back = |length: f64| -> Result<Option<Hindrance>, PostureRefusal> {
             let knots = match self.back(joints, length) {
                 Ok(knots) => knots,

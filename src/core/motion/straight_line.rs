@@ -33,7 +33,7 @@ const LIMIT_TOLERANCE: f64 = 1e-6;
 pub enum Stopped {
     /// The joint `joint` exceeds its limit after the length `after` of the line, m.
     Limit { joint: usize, after: f64 },
-    /// The arm cannot keep the attitude after the length `after` of the line, m: out of reach or singular.
+    /// The arm cannot follow the line beyond the length `after`, m: it is out of reach or singular there.
     Lost { after: f64 },
 }
 
@@ -90,15 +90,16 @@ fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
     chain.links.iter().zip(q).position(outside)
 }
 
-/// Solves for joint coordinates at a pose by Newton's method with least-norm steps from a near posture; None
-/// if the method does not converge.
+/// Solves for joint coordinates at a pose by Newton's method with least-norm steps from a nearby posture.
+///
+/// It is None if the method does not converge, or if it converges to another branch.
 fn follow(chain: &Chain, from: &JointVector, to: &Pose, reach: f64) -> Option<JointVector> {
     let mut q = *from;
     for _ in 0..MAX_ITERATIONS {
         let frames = chain.frames(&chain.posture(&q));
         let position = (to.translation - frames.tcp.translation) / reach;
         let turn = to.rotation * frames.tcp.rotation.transpose();
-        // The sine of the angle along the axis keeps all digits of a small rotation.
+        // The rotation axis times the sine of the angle is accurate for a small rotation.
         let rotation = Vector3::new(
             turn[(2, 1)] - turn[(1, 2)],
             turn[(0, 2)] - turn[(2, 0)],

@@ -89,7 +89,8 @@ impl Guard {
             here = next;
         }
         if rules.cycle && stances.len() > 1 {
-            // The last transfer ends in the turns of the start, so that the cycle does not wind up.
+            // The last transfer ends at the joint angles of the start, so that repeated cycles add no whole
+            // turns.
             found.push(self.transfer(scene, placed, &here, first)?);
         }
         Ok(found)
@@ -116,7 +117,7 @@ impl Guard {
             (Ok(start), Ok(end)) => (start, end),
             (Err(why), _) | (_, Err(why)) => return Err(blocked(vec![(TransferRoute::Direct, why)])),
         };
-        // Without a retract a part still rests on the surface.
+        // Without a retract or an approach, a part rests on the surface at that end of the transfer.
         let load = Load::between((from.operation, away == 0.0), (to.operation, towards == 0.0));
         for way in self.ways() {
             let path = match self.path(way, &start, &end) {
@@ -209,7 +210,8 @@ fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVe
     let mut near = *to;
     for j in 0..chain.axes() {
         let link = &chain.links[j];
-        // Joints that it drives by whole factors return to the same angle.
+        // A revolute joint that joint j drives by a whole factor is at the same angle after a whole turn of
+        // joint j.
         let comes_back = |i: usize| match chain.links[i].kind {
             JointKind::Revolute => chain.coupling[i][j].fract() == 0.0,
             JointKind::Prismatic => chain.coupling[i][j] == 0.0,

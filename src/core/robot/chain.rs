@@ -69,7 +69,7 @@ pub struct Chain {
     pub joint_frames: Vec<Pose>,
     /// Matrix that maps actuator coordinates to D-H coordinates: lower triangular with a unit diagonal.
     pub coupling: Vec<Vec<f64>>,
-    /// Pose of the TCP in the mechanical interface.
+    /// Pose of the TCP in the frame of the mechanical interface, which is the last D-H frame.
     pub tool: Pose,
     /// Whether the tool is rotated relative to the mechanical interface.
     turned_tool: bool,
