@@ -28,7 +28,7 @@ pub fn convex_hull(mut points: Vec<PlanePoint>) -> Vec<PlanePoint> {
             }
             chain.push(*p);
         }
-        // The last point is the first of the other half.
+        // The last point is also the first point of the other half.
         chain.pop();
         chain
     };

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Pose `{}^a T_b` of frame b in frame a.
+/// Pose of a frame b in a frame a.
 ///
 /// `rotation` maps vectors of b to a, and `translation` is the origin of b in a (m). The rotation is stored
 /// as a matrix, not as a quaternion. With matrices, the product of six Denavit-Hartenberg transforms takes
@@ -52,7 +52,7 @@ impl Pose {
     }
 }
 
-/// Small rigid motion seen at one point, in the axes of one frame.
+/// Small rigid motion as seen at one point, expressed in the axes of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Displacement {
     /// Displacement of the point, m.
@@ -83,7 +83,7 @@ impl Displacement {
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// Both motions are given at the place where the point is before `self`.
+    /// Both motions are seen at one point: at its position before the motion `self`.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();
@@ -98,8 +98,7 @@ impl Displacement {
 
     /// Returns the motion with `position` and `rotation` multiplied by a rotation matrix.
     ///
-    /// If the matrix maps vectors of frame b to frame a, it converts a motion in the axes of b to the axes of
-    /// a.
+    /// A matrix that maps vectors of frame b to frame a converts a motion from the axes of b to those of a.
     pub fn turned(&self, rotation: &Matrix3<f64>) -> Self {
         Self { position: rotation * self.position, rotation: rotation * self.rotation }
     }

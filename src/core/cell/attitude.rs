@@ -9,8 +9,9 @@
 //! r = cos(spin) w + sin(spin) (d x w)              the reference axis of the tool
 //! ```
 //!
-//! The reference axis is the first of the x, y and z axes of the TCP that is perpendicular to the tool axis.
-//! If the tool points down with spin 0, the reference axis lies along the azimuth.
+//! The reference axis is the first of the axes x, y and z of the TCP that is perpendicular to the tool axis.
+//! If none is, it is the part of x perpendicular to the tool axis. If the tool points down with spin 0, the
+//! reference axis lies along the azimuth.
 
 use crate::pose::exact_sin_cos;
 use nalgebra::{Matrix3, Vector3};
@@ -26,8 +27,8 @@ const RIGHT_ANGLE: f64 = 1e-12;
 pub enum Azimuth {
     /// Any azimuth is allowed.
     Free,
-    /// The tool axis lies in the vertical plane through the robot's base axis. It points outward, or inward
-    /// if the arm allows that.
+    /// The tool axis lies in the vertical plane through the TCP and the robot's base axis. It points outward,
+    /// or inward if the arm allows that.
     Radial,
     /// The tool axis heads at this angle from the x axis of the surface, rad.
     Surface(f64),
@@ -110,7 +111,7 @@ pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {
 pub fn tool_columns(axis: &Vector3<f64>) -> Matrix3<f64> {
     let unit = [Vector3::x(), Vector3::y(), Vector3::z()];
     let square = unit.into_iter().find(|e| e.dot(axis).abs() < RIGHT_ANGLE);
-    // A tool axis askew to all three: x, made perpendicular.
+    // If no axis is perpendicular to the tool axis, the perpendicular part of x is used.
     let r = square.unwrap_or_else(|| Vector3::x() - axis * axis.x).normalize();
     Matrix3::from_columns(&[r, axis.cross(&r), *axis])
 }

@@ -79,8 +79,7 @@ impl Quantity {
     }
 }
 
-/// Registration: frame that has been measured with the robot itself, which removes a part of the robot's
-/// errors.
+/// Registration: frame that is measured with the robot itself; this removes a part of the robot's errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Registration {
@@ -160,8 +159,8 @@ pub enum Objective {
     WeightedSum,
     #[serde(rename = "max")]
     WeightedMaximum,
-    /// Values compared in the order of the operations in the file. A later operation decides only between
-    /// layouts that are equally good for all earlier ones.
+    /// The values are compared in the order of the operations in the file. A later operation decides only
+    /// between layouts that are equally good for all earlier operations.
     Lexicographic,
 }
 

@@ -41,8 +41,7 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Returns the parameters of a robot with `axes` joints, in the order in which all lists hold their
-    /// values.
+    /// Returns the parameters of a robot with `axes` joints, in the order that all lists of values use.
     ///
     /// The order is link by link, then base, then tool, then joint frame by joint frame.
     pub fn of_robot(axes: usize) -> impl Iterator<Item = Parameter> {

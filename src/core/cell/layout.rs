@@ -118,8 +118,8 @@ impl Cell {
         .unwrap_or_else(drawn)
     }
 
-    /// Returns the coordinates of robot base and equipment that have a tolerance, with its half width (m,
-    /// rad).
+    /// Returns the coordinates of robot base and equipment that have a tolerance, each with the half width
+    /// (m, rad).
     ///
     /// The coordinates form one group for each body (robot base or piece of equipment) that has a tolerance.
     pub fn placement_tolerances(&self) -> Vec<Vec<(Slot, f64)>> {
@@ -167,7 +167,7 @@ impl Cell {
 
     /// Returns whether a piece of equipment moves with `other`.
     ///
-    /// That is so if it is `other` itself, or if it stands on `other`, directly or on equipment in between.
+    /// This is true if the piece is `other` itself, or if it stands on `other`, directly or indirectly.
     pub fn rides_on(&self, equipment: usize, other: usize) -> bool {
         equipment == other || self.equipment[equipment].on.is_some_and(|under| self.rides_on(under, other))
     }

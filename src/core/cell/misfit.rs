@@ -19,8 +19,8 @@ pub enum Misfit {
     Attitudes { given: usize, needed: usize },
     /// A coordinate in the world, or an angle of an attitude, is NaN or beyond [`MAX_COORDINATE`].
     Coordinate(Slot),
-    /// The attitude of the operation with this index differs from that of the cell in its tolerance or in an
-    /// angle that no search may change, or it lacks an angle.
+    /// The attitude of the operation with this index does not fit the cell. The attitude lacks an angle, or
+    /// its tolerance or an angle that no search may change has another value than in the cell.
     Attitude(usize),
 }
 

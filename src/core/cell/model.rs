@@ -64,8 +64,8 @@ impl Placement {
 /// Placement tolerance: half widths of x, y, z (m) and yaw (rad), in the frame in which the placement is
 /// given.
 ///
-/// The programmer of the robot knows the actual placement and programs for it. A placement error that stays
-/// unknown belongs to the `errors` of the equipment instead.
+/// The programmer of the robot knows the actual placement and adapts the program to it. A placement error
+/// that stays unknown belongs to the `errors` of the equipment instead.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlacementTolerance(pub [f64; 4]);
 

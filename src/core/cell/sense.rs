@@ -12,7 +12,7 @@ pub const MAX_ROWS: usize = 6;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
     World,
-    /// Frame of the equipment that carries the operation.
+    /// Frame of the equipment on which the operation happens.
     Surface,
     /// Frame of the TCP in the evaluated posture.
     Tool,

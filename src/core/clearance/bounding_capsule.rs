@@ -116,8 +116,8 @@ impl BoundingCapsule {
 
     /// Checks the capsule against the triangles of a mesh in the same frame.
     ///
-    /// The traversal of the bounding volume hierarchy visits the nearest nodes first and stops as soon as the
-    /// verdict is known.
+    /// The traversal of the bounding volume hierarchy visits the nearest nodes first and stops at a clear
+    /// verdict.
     pub(super) fn against_mesh(&self, mesh: &TriMesh) -> ContactVerdict {
         let (least, most) = (self.radius - CONTACT_MARGIN, self.radius + CONTACT_MARGIN);
         let enough = if self.is_solid { least } else { most };
@@ -128,7 +128,7 @@ impl BoundingCapsule {
             if best < enough || !overlapping((&low, &high), (&from, &to)) {
                 return f64::MAX;
             }
-            // Distance from the bounding sphere of the node; negative if that contains a point of the
+            // Distance from the bounding sphere of the node; negative if the sphere contains a point of the
             // segment.
             let middle = point_to_segment_squared(&((from + to) / 2.0), &self.a, &self.b);
             middle.sqrt() - (to - from).norm() / 2.0
@@ -197,7 +197,7 @@ fn segment_to_box_squared(a: &Vector3<f64>, along: &Vector3<f64>, half: &Vector3
     }
     for i in 0..3 {
         for side in [-half[i], half[i]] {
-            // NaN or infinite for a segment parallel to the plane; then no comparison holds.
+            // For a segment parallel to the plane, t is NaN or infinite, and the condition below is false.
             let t = (side - a[i]) / along[i];
             if low.0 < t && t < high.0 {
                 let here = (t, slope(t));

@@ -4,7 +4,7 @@
 //! measured between the solids before their rounding, and from the segments of capsules. The radii are then
 //! subtracted. parry3d gives the nearest points of two solids. For convex solids, the returned distance is
 //! the width, along the line through these points, of the empty slab between the solids. This width never
-//! exceeds the true distance. For a mesh, it is the distance between the nearest points.
+//! exceeds the true distance. For a mesh, the returned distance is that between the nearest points.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;

@@ -146,8 +146,8 @@ impl FloorPlan {
         self.on[equipment].is_some_and(|under| under == other || self.rides(under, other))
     }
 
-    /// Returns the vertical distance of two pieces of equipment (index and placement), m; negative if they
-    /// share a height.
+    /// Returns the vertical distance between two pieces of equipment (index and placement), m; negative if
+    /// they share a height.
     pub(super) fn rise(&self, (i, at): (usize, &Placement), (j, there): (usize, &Placement)) -> f64 {
         rise(self.equipment[i].heights.at(at.z), self.equipment[j].heights.at(there.z))
     }

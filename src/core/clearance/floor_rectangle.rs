@@ -75,8 +75,8 @@ fn overlap_along(u: PlanePoint, a: &PlacedRectangle, b: &PlacedRectangle, cleara
 
 /// Returns the least overlap over the separating axes, directed from `b` to `a`.
 ///
-/// A negative depth means that the rectangles keep the clearance. A move by the depth leaves a distance of at
-/// least the clearance, and a little more if two corners are nearest to each other.
+/// A negative depth means that the rectangles keep the clearance. A move by the depth leaves at least the
+/// clearance between them; it leaves a little more if two corners are nearest to each other.
 pub(super) fn least_overlap(a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
     let shallower = |best: AxisDepth, next: AxisDepth| if next.depth < best.depth { next } else { best };
     let all = axes(a, b).into_iter().map(|u| overlap_along(u, a, b, clearance));

@@ -99,7 +99,8 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
 impl RobotSolid {
     /// Returns the pose, in the robot base, of the frame that carries the solid.
     ///
-    /// For a solid of the base it is the identity, because frame 0 of the chain may be elsewhere on the base.
+    /// A solid of the base is carried by the base frame, so its pose is the identity. Frame 0 of the chain
+    /// may differ from the base frame.
     pub(super) fn carrier<'f>(&self, frames: &'f [Pose; MAX_JOINTS + 1]) -> &'f Pose {
         if self.frame == 0 { &Pose::IDENTITY } else { &frames[self.frame] }
     }

@@ -16,7 +16,7 @@ const SAMPLES: usize = 400;
 pub enum Allowed {
     /// The two solids belong to one rigid body.
     SameLink,
-    /// The two solids share a joint, where the solids of a robot file usually overlap.
+    /// The two solids belong to links that share a joint; such solids usually overlap in robot files.
     Neighbours,
     /// The robot file allows the contact.
     Given,

@@ -1,4 +1,4 @@
-//! Distances between floor spaces, and the floor area that they take together.
+//! Distances between floor spaces, and the area of their convex hull.
 
 use super::fence;
 use super::floor_plan::FloorPlan;

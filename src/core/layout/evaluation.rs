@@ -124,7 +124,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
 struct Operations {
     outcomes: Vec<Outcome>,
     spots: Vec<Option<Spot>>,
-    /// Values of the operations, leaving out those without one.
+    /// Values of the operations; an operation without a value is left out.
     values: Vec<f64>,
     /// Sum of the penalties (m) of spots whose posture cannot be used at a corner of the placement
     /// tolerances.

@@ -19,7 +19,7 @@ pub enum BoxPoints {
     Surface,
 }
 
-/// Boxes of placement tolerances, divided by whether one operation depends on them.
+/// Boxes of placement tolerances in two groups: those on which one operation depends, and all others.
 ///
 /// An operation depends on the robot base, on its equipment and on the equipment that carries it. An
 /// operation relative to a pick also depends on the equipment of the pick and its carriers.

@@ -1,10 +1,10 @@
 //! Refined spot of an operation between the nodes, by compass search over the surface from the best nodes.
 //!
 //! Eight directions are polled at one distance, and the step with the largest gain is taken. If no direction
-//! gains in several polls, the distance is halved. It starts at half the spacing of the nodes and ends at a micrometre (Kolda,
-//! Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions rotate by the golden angle from poll to
-//! poll, so that they meet an edge of the usable area at many angles. Only gains are accepted, so the refined
-//! spot is never worse than the best node.
+//! gains in several polls, the distance is halved. The distance starts at half the spacing of the nodes and
+//! ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions rotate by
+//! the golden angle from poll to poll, so that they meet an edge of the usable area at many angles. Only
+//! gains are accepted, so the refined spot is never worse than the best node.
 //!
 //! The branch of the posture stays the same during a search. At the end point every branch is judged, as at a
 //! node. If another branch is better there, a search with that branch follows. The other operations stay at
@@ -29,8 +29,10 @@ const LEAST_STEP: f64 = 1e-6;
 const LEAST_GAIN: f64 = 1e-9;
 /// Greatest number of postures tried one after the other from one start node.
 const MAX_POSTURES: usize = 4;
-/// Number of polls without a gain after which the distance is halved. A worst case has narrow curved valleys with a
-/// kink along them, in which one poll often finds no way down.
+/// Number of polls without a gain after which the distance is halved.
+///
+/// The worst-case error has narrow curved valleys with a kink along them. There, one poll often finds no
+/// gain.
 const MAX_FAILURES: usize = 3;
 /// Greatest number of polls of one search; a few hundred are usual.
 const MAX_POLLS: usize = 1000;
@@ -92,8 +94,8 @@ impl Workcell {
         let node = map.spot()?;
         let node_at = self.mapper.grid(map.operation).local(node.node);
         let spacing = (area.size.0 / divisions.0 as f64, area.size.1 / divisions.1 as f64);
-        // Teaching the frame removes most of the error at and near the touched points. Such a value is not
-        // representative of the surface.
+        // Teaching the frame removes most of the error at and near the touched points. The value at such a
+        // point is not representative of the surface.
         let apart = probe.distance_from_touched(node_at).min(spacing.0.min(spacing.1)) - LEAST_STEP;
         let mut best = PointSpot { at: node_at, branch: node.branch, value: node.value };
         for start in starts(map) {

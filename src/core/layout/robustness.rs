@@ -249,7 +249,7 @@ impl HeldOperation<'_> {
         let slope = |slot: Slot| {
             let [high, low] = [DIFFERENCE_STEP, -DIFFERENCE_STEP].map(|by| {
                 let layout = self.workcell.cell.misplaced(self.layout, &[(slot, by)]);
-                // The best spot is often at a joint limit, which must not prevent the difference.
+                // The best spot is often at a joint limit, so the derivative ignores joint limits.
                 let missing = Status::OutOfReach { by: 0.0 };
                 self.probed(&layout, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
             });

@@ -105,7 +105,9 @@ impl LeastWorst {
     }
 }
 
-/// Returns the posture that is kept at a spot, with joint coordinates if the inverse kinematics is numeric.
+/// Returns the posture that the operation keeps at a spot while bodies are misplaced.
+///
+/// The joint coordinates are set only if the inverse kinematics is numeric.
 fn held(query: &SpotQuery<'_>, spot: &Spot) -> Option<HeldPosture> {
     let at = query.workcell.mapper.grid(query.operation).local(spot.node);
     let joints = match query.workcell.inverse().cost() {
@@ -117,7 +119,7 @@ fn held(query: &SpotQuery<'_>, spot: &Spot) -> Option<HeldPosture> {
     Some(HeldPosture { at, branch: spot.branch, joints })
 }
 
-/// The corners of the box of placement tolerances, each ready to judge the operation.
+/// Corners of the box of placement tolerances, each with a probe that evaluates the operation there.
 struct Corners<'a> {
     query: &'a SpotQuery<'a>,
     probes: Vec<Result<Probe<'a>, Unjudged>>,

@@ -69,7 +69,8 @@ impl Workcell {
         Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone() })
     }
 
-    /// Switches off the ranking of nodes. Every node is then judged, which is slower and gives the same bits.
+    /// Switches off the ranking of nodes. Every node is then judged, which is slower; the result is the same,
+    /// bit for bit.
     #[must_use]
     pub fn unranked(mut self) -> Self {
         self.mapper.forget_ranks();

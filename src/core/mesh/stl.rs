@@ -8,7 +8,7 @@ use crate::safe_text::shown;
 use nalgebra::Vector3;
 use std::io::Cursor;
 
-/// Number of bytes before the triangles of a binary file: 80 of a title and 4 of the number of triangles.
+/// Number of bytes before the triangles of a binary file: 80 for the title and 4 for the number of triangles.
 const HEADER: usize = 84;
 /// Number of bytes of one triangle of a binary file.
 const TRIANGLE: usize = 50;

@@ -126,8 +126,9 @@ impl<'c> MotionBounds<'c> {
         let (mut sum, mut reach) = (0.0, 0.0);
         for i in (first..sphere.frame).rev() {
             let link = &self.chain.links[i];
-            // Distance of the lever arm's end from the joint axis, and its coordinate along that axis,
-            // measured from the origin of the frame after the row.
+            // The lever arm ends at the centre of the sphere, or at the origin of the next frame. `aside` is
+            // the distance of its end from the joint axis, and `along` is its coordinate along this axis
+            // without r.
             let (aside, along) = if i + 1 == sphere.frame {
                 let c = &sphere.centre;
                 let y = link.cos_alpha * c.y - link.sin_alpha * c.z;

@@ -210,8 +210,7 @@ fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVe
     let mut near = *to;
     for j in 0..chain.axes() {
         let link = &chain.links[j];
-        // A revolute joint that joint j drives by a whole factor is at the same angle after a whole turn of
-        // joint j.
+        // A whole turn of joint j turns each revolute joint that it drives by a whole factor by whole turns.
         let comes_back = |i: usize| match chain.links[i].kind {
             JointKind::Revolute => chain.coupling[i][j].fract() == 0.0,
             JointKind::Prismatic => chain.coupling[i][j] == 0.0,

@@ -113,7 +113,8 @@ impl HeldJoint {
         if self.first { *inverse * *flange } else { *flange * *inverse }
     }
 
-    /// Writes the posture of the whole arm: `rest` are the rows of the other joints, `held` is the held row.
+    /// Writes the posture of the whole arm: `rest` holds the rows of the other joints, and `held` the held
+    /// row.
     pub fn join(&self, rest: &Posture, held: &(f64, f64, f64), whole: &mut Posture) {
         let (at, from) = if self.first { (0, 1) } else { (self.axes - 1, 0) };
         for k in 0..self.axes - 1 {

@@ -1,6 +1,6 @@
 //! Inverse kinematics of any chain: by the closed form of its family if there is one, otherwise numerically.
 //!
-//! It covers all attitudes of an operation, the joint limits, and redundancy resolution.
+//! The inverse kinematics covers all attitudes of an operation, the joint limits, and redundancy resolution.
 
 use super::branch::{Branch, Cost, Gap, Reach};
 use super::fixed_elevation::fixed_elevation;
@@ -144,8 +144,8 @@ impl Inverse {
 
     /// Returns whether any branch keeps joint limits and attitude.
     ///
-    /// A closed form for whole poses solves no further attitude, or sample of a redundant joint, after such a
-    /// branch. A redundant joint is tried only at its sampled values.
+    /// After such a branch, a closed form for whole poses tries no further attitude or sample of a redundant
+    /// joint. A redundant joint is tried only at its sampled values.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
         let usable = |posture: &Posture| self.excess(posture, target, attitudes) == 0.0;
         match &self.solver {

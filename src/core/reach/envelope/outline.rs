@@ -21,9 +21,9 @@ pub struct Outline {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Square lattice of points in a plane; no point lies on the base axis.
+/// Square lattice of points in a plane.
 ///
-/// For this reason, every coordinate is a whole number of steps plus half a step.
+/// Every coordinate is a whole number of steps plus half a step, so no point lies on the base axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lattice {
     /// Number of the first column and the first row, counted in steps from the origin.

@@ -99,7 +99,7 @@ impl Envelope<'_> {
                 (fine.on_progress)(radii.len() as u64);
                 row(*z)
             };
-            // Collected in order, so that the sum is the same on any number of threads.
+            // The rows are collected in order, so that the sum is the same on any number of threads.
             let rows: Vec<f64> = heights.par_iter().map(told).collect();
             let jump = jump_between_lines(&rows);
             let samples = Samples { line: &heights, values: &rows, tolerance: fine.tolerance, jump };
@@ -195,8 +195,8 @@ fn integral(
     value: impl Fn(f64) -> f64,
     moment: impl Fn(f64) -> f64,
 ) -> f64 {
-    // The part from 0 to the first point counts on a line of radii. Any other line begins outside the
-    // envelope, with the value 0.
+    // The part from 0 to the first point matters only on a line of radii. Any other line begins outside the
+    // envelope, where the value is 0.
     let mut sum = values.first().zip(line.first()).map_or(0.0, |(w, u)| w * moment(*u));
     for (ends, w) in line.windows(2).zip(values.windows(2)) {
         let (mut low, mut high) = (ends[0], ends[1]);

@@ -25,7 +25,7 @@ const MIN_DAMPING: f64 = 1e-15;
 const SINGULAR_DAMPING: f64 = 1e-12;
 /// Factor of the term that pulls a redundant chain towards the middle of its joint ranges.
 ///
-/// It is multiplied by the damping and by the cost, but at most by a cost of 1.
+/// It is multiplied by the damping and by the smaller of the cost and 1.
 const PULL: f64 = 0.1;
 
 impl Numeric {

@@ -3,7 +3,8 @@
 //! The chains have 3 to 8 revolute or prismatic joints, coupled or not, with limits.
 //!
 //! Damped Gauss-Newton steps within the limits reduce the twist from the TCP to the goal (`fast_descent`).
-//! They start from a fixed set of postures; the one whose TCP is nearest to the goal comes first (`starts`).
+//! They start from a fixed set of postures; the posture with its TCP nearest to the goal comes first
+//! (`starts`).
 //! A descent that stalls is abandoned after a few steps, because another start is cheaper. If all descents
 //! fail, a few full descents follow (`full_descent`), which go on as long as the cost falls. The cost is half
 //! the squared length of the twist. Where joint limits are active, full descents solve a quadratic program

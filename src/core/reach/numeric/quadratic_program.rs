@@ -7,8 +7,8 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeCone
 
 /// Returns the step d that minimizes `d^T H d / 2 - b . d` within `bounds`; None if the solver fails.
 ///
-/// The matrix H is given by its lower triangle `h`. This solution takes a hundred times as long as
-/// [`super::step::bounded_step`]. That function may hold a joint at a bound that the minimizer leaves.
+/// The matrix H is given by its lower triangle `h`. This function takes a hundred times as long as
+/// [`super::step::bounded_step`]. In return, it never holds a joint at a bound that the minimizer leaves.
 pub(super) fn exact_step(
     n: usize,
     h: &NormalMatrix,

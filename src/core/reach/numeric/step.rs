@@ -12,8 +12,8 @@ pub(super) type StepBounds = [(f64, f64); MAX_JOINTS];
 
 /// Returns a step d within `bounds` that approximately minimizes `d^T H d / 2 - b . d`.
 ///
-/// The method is an active set that only grows: a joint whose step violates a bound is fixed at the bound,
-/// and the step of the other joints is solved again. The result is None if H is not positive definite.
+/// The method is an active set that only grows. A joint whose step violates a bound is fixed at the bound,
+/// and the step of the other joints is computed again. The result is None if H is not positive definite.
 pub(super) fn bounded_step(
     n: usize,
     h: &NormalMatrix,
