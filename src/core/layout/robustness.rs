@@ -9,9 +9,9 @@
 //!
 //! - Worst corner: all corners of the box of tolerances are checked, up to 8 dimensions. For a larger box,
 //!   the corners of each body are checked with the other bodies as drawn. In addition, the corner of the
-//!   whole box that is worst to first order is checked. A corner is called lost if the posture there is out
-//!   of reach or collides, or if floor spaces overlap. The corners of every other body are checked, too,
-//!   because it may get in the way.
+//!   whole box that is worst to first order is checked. A corner is called lost if the posture cannot be used
+//!   there, or if floor spaces overlap. The corners of every other body are checked, too, because it may get
+//!   in the way.
 //! - Gradient: central differences.
 //! - Largest allowed misplacement: a multiple of the box, a distance in plan and a yaw. A misplacement is
 //!   allowed if the posture is usable and the value is within its limit. The checks are made at the corners

@@ -22,7 +22,7 @@ impl JointRange {
         self.lo + (self.hi - self.lo) / 2.0
     }
 
-    /// Returns the interval to search: the whole range, but at most one turn.
+    /// Returns the interval to search: the whole range, or one turn if the joint has no limits.
     pub fn searched(&self) -> (f64, f64) {
         if self.turns { (self.middle() - PI, self.middle() + PI) } else { (self.lo, self.hi) }
     }
