@@ -1,4 +1,4 @@
-//! Monte Carlo distribution of the error at a spot, whatever reading the spot was chosen with.
+//! Monte Carlo distribution of the error at a spot; the spot may have been chosen under any reading.
 
 use super::{Assessment, SAMPLES};
 use crate::cell::{Interpretation, Model, Quantity, Reading, Unit};

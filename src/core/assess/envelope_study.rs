@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 /// Working envelope in the base frame of the robot, m.
 pub struct Reachable<'a> {
     pub robot: &'a Robot,
-    /// Operation whose tool attitude the envelope is computed for; None if the attitude was given directly.
+    /// Operation for whose tool attitude the envelope is computed; None if the attitude was given directly.
     pub operation: Option<&'a Operation>,
     pub family: &'static str,
     pub attitude: Attitude,
@@ -23,7 +23,8 @@ pub struct Reachable<'a> {
     /// Horizontal sections, each with its height (m) and its points (x, y).
     pub plans: Vec<(f64, EnvelopeSection)>,
     pub size: Size,
-    /// Points of the arm in a posture near its greatest reach, m: origins of the link frames, then the TCP.
+    /// Points of the arm in a posture near its greatest reach, m: base, origins of the link frames, then the
+    /// TCP.
     pub arm: Vec<Vector3<f64>>,
 }
 
@@ -49,7 +50,7 @@ impl EnvelopeQuery<'_> {
     /// bisection.
     pub fn work(&self, robot: &Robot, inverse: &Inverse) -> u64 {
         let envelope = Envelope::new(inverse, &self.attitude, self.yaw);
-        // The section at an unknown height counts as the largest one.
+        // The height of the section is not known yet; the section at height 0 is counted instead.
         let heights = if self.heights.is_empty() { &[0.0][..] } else { &self.heights };
         envelope.work(1, heights, true, self.step(robot, inverse))
     }
@@ -82,8 +83,8 @@ impl<'a> Reachable<'a> {
     }
 }
 
-/// Returns the origins of the link frames and the TCP in a posture near the greatest reach, in the vertical
-/// section.
+/// Returns the base, the origins of the link frames and the TCP (base frame, m) in a posture near the
+/// greatest reach, in the vertical section.
 ///
 /// The list is empty if the arm reaches none of the points that are tried.
 fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f64) -> Vec<Vector3<f64>> {
@@ -140,8 +141,8 @@ pub struct RobotDataSheet<'a> {
 impl<'a> RobotDataSheet<'a> {
     /// Computes the data sheet of a robot.
     ///
-    /// The tool has the elevation that the build of the arm enforces. If the arm can choose it, the tool
-    /// points down.
+    /// The tool has the elevation that the construction of the arm fixes. If the arm can change the
+    /// elevation, the tool points down.
     pub fn new(robot: &'a Robot, progress: &(dyn Fn(u64, u64) + Sync)) -> Self {
         let chain = Chain::new(robot);
         let inverse = Inverse::new(&chain);

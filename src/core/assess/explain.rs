@@ -76,7 +76,7 @@ pub struct Explanation<'a> {
     /// Monte Carlo check of the posture; None unless the reading is statistical.
     pub check: Option<PostureCheck>,
     pub worst: WorstCase,
-    /// Nonlinear error of the robot alone, before registration and pick remove a part of it.
+    /// Nonlinear error of the robot alone, before registration and pick remove part of it.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
     /// Deviation of the linear model from the nonlinear model, as a share of the nonlinear error.
@@ -139,7 +139,7 @@ impl<'a> Explanation<'a> {
         self.off() <= self.context.cell.guard
     }
 
-    /// Returns whether the explained error differs from that of the robot alone.
+    /// Returns whether the explained error differs from the error of the robot alone.
     ///
     /// A registration, a pick or an error of the equipment makes the two errors differ.
     pub fn takes_off(&self) -> bool {
@@ -168,7 +168,7 @@ fn dh_rows(context: &PostureContext<'_>) -> Vec<DhRow> {
             JointKind::Prismatic => (0.0, coordinate),
         };
         let q = context.joints[i];
-        // Rounding of degrees must not take a posture at its limit for one beyond.
+        // A posture at its limit must not count as beyond the limit because of rounded degrees.
         let allowed = q >= joint.limits.0 - 1e-9 && q <= joint.limits.1 + 1e-9;
         let (theta, r) = (joint.theta + turn, joint.r + slide);
         DhRow { kind: joint.kind, q, allowed, theta, r, l: joint.l, alpha: joint.alpha }

@@ -60,7 +60,7 @@ pub struct Assessment<'a> {
     pub cell_yield: Option<Estimate>,
     /// Whether the samples confirm the first-order figures of each operation; None without samples.
     ///
-    /// Where they do not, the maps hold the figures of the samples.
+    /// If the samples refute them, the map holds the figures of the samples at the spot.
     pub confirmed: Vec<Option<bool>>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
     pub apart: Option<Layout>,
@@ -69,8 +69,8 @@ pub struct Assessment<'a> {
 impl<'a> Assessment<'a> {
     /// Evaluates one layout, maps its operations and refines their spots.
     ///
-    /// A layout that does not belong to the cell cannot be shown: the evaluation says why, and the layout as
-    /// drawn stands in its place.
+    /// A layout that does not belong to the cell cannot be shown: the evaluation says why, and the layout in
+    /// the cell file replaces it.
     pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
         let mut evaluation = evaluate(workcell, &layout);
         let mut maps = workcell.maps(&layout);
@@ -137,7 +137,7 @@ impl<'a> Assessment<'a> {
         Some((node, node.posture.as_ref()?))
     }
 
-    /// Returns the error figures at the spot of an operation in the sense of that name, m or rad.
+    /// Returns the error figures at the spot of an operation in the sense with the name `sense`, m or rad.
     ///
     /// Returns None without a spot, or if the map does not report the sense.
     pub fn figures(&self, operation: usize, sense: &str) -> Option<&Figures> {
@@ -145,7 +145,8 @@ impl<'a> Assessment<'a> {
         self.spot(operation).map(|(_, posture)| &posture.figures[place])
     }
 
-    /// Returns the value of the reading at the spot of an operation in the sense of that name, mm or degrees.
+    /// Returns the value of the reading at the spot of an operation in the sense with the name `sense`, mm or
+    /// degrees.
     ///
     /// Returns None without a spot, or if the map does not report the sense.
     pub fn error_at(&self, operation: usize, sense: &str) -> Option<f64> {
@@ -156,8 +157,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns whether the Monte Carlo samples confirm the first-order figures at the spot of an operation.
     ///
-    /// Where they do not, the figures of the samples replace the first-order ones. Returns None if the
-    /// operation has no samples.
+    /// If they do not, the figures of the samples replace the first-order ones. Returns None if the operation
+    /// has no samples.
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
         self.confirmed[operation]
     }
@@ -165,7 +166,7 @@ impl<'a> Assessment<'a> {
     /// Returns the part of a proof that holds for the values of this layout, and the gap of its objective to
     /// the bound: `objective / bound - 1`.
     ///
-    /// A bound of first-order figures is left out where samples refute them.
+    /// A bound for first-order figures is left out if samples refute these figures.
     pub fn proven(&self, proof: &Proof) -> (Proof, Option<f64>) {
         let proof = proof.without(self.workcell, |k| self.confirmed[k] == Some(false));
         let bound = proof.bound.filter(|bound| *bound > 0.0);

@@ -38,7 +38,8 @@ pub struct OperationDifference {
 }
 
 impl OperationDifference {
-    /// Returns the number of nodes with a smaller error in the other layout, and of those with a larger one.
+    /// Returns the number of nodes with a smaller error in the other layout, and the number of nodes with a
+    /// larger one.
     ///
     /// Only nodes that are usable in both layouts count.
     pub fn better_and_worse(&self) -> (usize, usize) {
@@ -46,7 +47,8 @@ impl OperationDifference {
         (all().filter(|d| *d < 0.0).count(), all().filter(|d| *d > 0.0).count())
     }
 
-    /// Returns the number of nodes usable only in the other layout, and of those usable only in the first.
+    /// Returns the number of nodes usable only in the other layout, and the number of nodes usable only in
+    /// the first.
     pub fn gained_and_lost(&self) -> (usize, usize) {
         let count = |gained: bool| {
             let one = |p: &&NodePair| p.other.is_some() == gained && p.first.is_some() != gained;
@@ -55,7 +57,7 @@ impl OperationDifference {
         (count(true), count(false))
     }
 
-    /// Returns the largest absolute difference of all nodes, from which a picture scales its colours.
+    /// Returns the largest absolute difference of all nodes, by which a picture scales its colours.
     pub fn largest(&self) -> f64 {
         self.pairs.iter().filter_map(NodePair::difference).fold(0.0, |most, d| most.max(d.abs()))
     }
@@ -131,7 +133,7 @@ fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String 
     let by = match more / less {
         ratio if ratio < 1.1 => format!("{:.1} % ", 100.0 * (more - less) / x),
         ratio if ratio < 100.0 => format!("{ratio:.1} times "),
-        // A multiple of almost nothing makes no sense.
+        // A ratio to a value near zero means nothing.
         _ => String::new(),
     };
     format!("{name}: {b} is {by}{verb} than {a} in {what} ({figures})")

@@ -1,4 +1,4 @@
-//! Monte Carlo check of one posture, with the verdicts that a map gives of its spot.
+//! Monte Carlo check of one posture, with the same result as the check of a map at its spot.
 
 use super::SAMPLES;
 use super::posture_context::PostureContext;
@@ -16,7 +16,7 @@ pub struct PostureCheck {
 impl PostureCheck {
     /// Returns the figures of a posture, checked by samples in the statistical reading.
     ///
-    /// The samples are those of the spot of a map.
+    /// The samples are the same as in the check of a map at its spot.
     pub fn judged(
         context: &PostureContext<'_>,
         memory: &mut EvaluatorScratch,

@@ -2,7 +2,7 @@
 //!
 //! For each reading the comparison gives the spot that this reading would choose, and the regret of the
 //! signed spot. The regret is the value of the signed spot under that reading, divided by the least value
-//! under it.
+//! under the same reading.
 
 use super::posture_context::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
@@ -31,9 +31,9 @@ pub struct ReadingRow {
     pub registration: Registration,
     /// Best node, or the reason why no node can be used.
     pub choice: Result<ReadingChoice, String>,
-    /// Value, under this reading, of the posture that the signed reading chooses with the same registration.
+    /// Value under this reading of the posture that the signed reading chooses with the same registration.
     pub at_signed: Option<f64>,
-    /// Value, under this registration, of the posture that the same reading chooses without registration.
+    /// Value under this registration of the posture that the same reading chooses without registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,
 }
@@ -75,7 +75,7 @@ impl<'a> Readings<'a> {
     pub fn new(cell: &'a Cell) -> Result<Self, String> {
         let own = Workcell::new(cell.clone())?;
         let mut operations = vec![Vec::new(); cell.operations.len()];
-        // Maps of each reading without registration, which is the first one.
+        // Maps of each reading without registration; this case comes first in the loop.
         let mut unregistered: Vec<(Reading, Quantity, Maps)> = Vec::new();
         for registration in Registration::ALL {
             let mut signed: Option<Maps> = None;
@@ -137,12 +137,13 @@ fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
     ];
     let read =
         |(reading, quantity)| Interpretation { reading, quantity, registration, ..cell.interpretation() };
-    // Each operation has a table of its own: senses in different units are not added up.
+    // Each operation has its own table and no values are added, so senses may have different units.
     let answers = |i: &Interpretation| cell.faults_of(i).iter().all(|f| matches!(f.about, About::Sense(_)));
     kinds.into_iter().map(read).filter(answers).collect()
 }
 
-/// Returns the result of operation `k` under the reading of the workcell, whose maps are `maps`.
+/// Returns the result of operation `k` under the reading of the workcell; `maps` holds the maps under this
+/// reading.
 ///
 /// The maps of the signed reading are `signed`; the maps without registration are `plain`.
 fn row(

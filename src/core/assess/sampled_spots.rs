@@ -9,14 +9,15 @@ use crate::robot::Frames;
 /// Number of Monte Carlo samples that are drawn at a spot.
 pub const SAMPLES: usize = 1 << 16;
 
-/// Estimates at the spots of a layout, all by the same samples.
+/// Estimates at the spots of a layout, all from the same samples.
 pub struct SampledSpots {
     pub samples: Vec<Option<MonteCarlo>>,
     pub cell_yield: Option<Estimate>,
 }
 
 impl SampledSpots {
-    /// Samples the errors at the spots of all operations; without effect unless the reading is statistical.
+    /// Samples the errors at the spots of all operations; there are no estimates unless the reading is
+    /// statistical.
     pub fn new(workcell: &Workcell, layout: &Layout, maps: &[OperationMap]) -> Self {
         let cell = &workcell.cell;
         let mut samples = vec![None; maps.len()];
@@ -49,10 +50,10 @@ impl SampledSpots {
     }
 }
 
-/// Replaces the figures of each spot by those of its samples where the samples do not confirm them.
+/// Replaces the figures of each spot by the figures of its samples if the samples do not confirm them.
 ///
 /// Returns whether they are confirmed, for each operation. Values over several nodes and robust values stay
-/// first order, because only the shown node as drawn is sampled.
+/// first order, because samples are drawn only at the shown node, without placement tolerances.
 pub fn take_over(
     workcell: &Workcell,
     samples: &[Option<MonteCarlo>],

@@ -88,11 +88,11 @@ impl Arrow {
         [neck + level * half, neck - level * half, neck + upright * half, neck - upright * half]
     }
 
-    /// Returns three unit vectors: along the arrow, horizontal across the arrow, and perpendicular to these
-    /// two.
+    /// Returns three unit vectors: along the arrow, horizontal and perpendicular to the arrow, and
+    /// perpendicular to both.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let along = (self.tip - self.tail).try_normalize(0.0).unwrap_or_else(Vector3::z);
-        // Every direction across an upright arrow is level.
+        // Every direction perpendicular to a vertical arrow is horizontal, so x is taken.
         let level = Vector3::z().cross(&along).try_normalize(1e-6).unwrap_or_else(Vector3::x);
         [along, level, along.cross(&level)]
     }
@@ -127,7 +127,7 @@ impl Arrow {
 impl Field {
     /// Returns the mean distance between neighbouring nodes, m.
     ///
-    /// The means along the two grid axes are computed apart, and the smaller one is returned.
+    /// The means along the two grid axes are computed separately, and the smaller one is returned.
     ///
     /// Listed points have no grid: each point is a neighbour of the next one in the list.
     pub fn spacing(&self) -> f64 {
@@ -170,7 +170,7 @@ impl Field {
         Some(match (is_signed, component) {
             (true, Component::Resultant) => error.norm(),
             (true, axis) => axis.direction(&error)?.dot(&error),
-            // A map reports every node in the paper's senses, x, y, z and xyz among them.
+            // A map reports every node in the senses of the seed paper, among them x, y, z and xyz.
             (false, _) => take.values[self.senses.iter().position(|s| s.name == component.sense())?][node]?,
         })
     }

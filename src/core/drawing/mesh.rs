@@ -60,7 +60,7 @@ impl Mesh {
             t.iter().for_each(|&i| around[i as usize].push(f as u32));
         }
         let mut mesh = Self::default();
-        // Corners made of every vertex so far.
+        // Corners created so far from each vertex.
         let mut made: Vec<Vec<u32>> = vec![Vec::new(); vertices.len()];
         for (t, _, flat) in &faces {
             let corners = t.map(|i| {
@@ -115,12 +115,12 @@ fn cuboid(pose: &Pose, size: &Vector3<f64>) -> Surface {
     ((0..8).map(corner).collect(), halves.collect())
 }
 
-/// Returns a round bar from `a` to `b`. The ends are half balls if `round` is true, otherwise flat.
+/// Returns a round bar from `a` to `b`. The ends are hemispheres if `round` is true, otherwise flat.
 fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface {
     let axis = (b - a).try_normalize(1e-12).unwrap_or_else(Vector3::z);
     let across = axis.cross(&axis.map(|c| if c.abs() == axis.amax() { 0.0 } else { 1.0 })).normalize();
     let turned = Matrix3::from_columns(&[across, axis.cross(&across), axis]);
-    // Rings from the end at `a` to that at `b`: distance from the axis, and along it from the end.
+    // Rings from the end at `a` to the end at `b`, each with its radius and its centre.
     let cap = if round { SIDES / 4 } else { 1 };
     let lift = |k: usize| if round { FRAC_PI_2 * k as f64 / cap as f64 } else { 0.0 };
     let mut rings: Vec<(f64, Vector3<f64>)> = Vec::new();
@@ -128,7 +128,7 @@ fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface 
         rings.push((radius * lift(k).cos(), a - axis * (radius * lift(k).sin())));
     }
     let ends = if round { radius } else { 0.0 };
-    // A ball has one equator.
+    // The two hemispheres of a ball share one equator.
     let first = if round && a == b { 1 } else { 0 };
     for k in first..cap {
         rings.push((radius * lift(k).cos(), b + axis * (radius * lift(k).sin())));

@@ -39,7 +39,7 @@ pub struct Movement {
 }
 
 impl Movement {
-    /// Returns the motion from home over the spots of a layout and back. Spots follow the order of the
+    /// Returns the motion from home via the spots of a layout and back. Spots follow the order of the
     /// operations; operations without a spot are left out.
     pub fn new(a: &Assessment<'_>) -> Self {
         let chain = Chain::new(&a.cell.robot);

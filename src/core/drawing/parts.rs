@@ -128,7 +128,7 @@ fn skeleton(chain: &Chain, radius: f64) -> Vec<(usize, Shape)> {
     };
     bar(0, Vector3::zeros(), chain.mount.translation);
     for (i, link) in chain.links.iter().enumerate() {
-        // Row i before its twist: along z by r, then along x by l.
+        // `back` undoes the twist of row i. Before its twist, the row moves along z by r, then along x by l.
         let back = |p: Vector3<f64>| {
             let (sin, cos) = (link.sin_alpha, link.cos_alpha);
             Vector3::new(p.x, cos * p.y + sin * p.z, cos * p.z - sin * p.y)

@@ -13,7 +13,7 @@ pub const HALF_DIGITS: &[f64] =
 /// A round number is one of `leads` times a power of ten.
 pub fn round_down(limit: f64, leads: &[f64]) -> f64 {
     let decade = 10f64.powi(limit.log10().floor() as i32);
-    // The logarithm of a power of ten may be off by a last bit.
+    // The logarithm of a power of ten may be wrong in the last bit.
     let fits = |lead: &&f64| **lead * decade <= limit * (1.0 + 1e-12);
     leads.iter().rev().find(fits).map_or(decade, |lead| lead * decade)
 }

@@ -54,7 +54,7 @@ impl UnreachedNodes {
 
     /// Returns the mean missing distance over all nodes; None if all nodes are reached.
     ///
-    /// The mean falls as any node comes nearer to the reach of the arm.
+    /// The mean decreases whenever a node comes nearer to the reach of the arm.
     fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
@@ -93,7 +93,8 @@ impl PlacedLayout<'_> {
         Outcome::Found(Spot { value, ..*worst })
     }
 
-    /// Finds the least-error usable spot of every node, in the order of the nodes.
+    /// Finds the least-error usable spot of every node, in the order of the nodes; nodes touched to teach the
+    /// frame are left out.
     ///
     /// # Errors
     /// Returns the outcome if some node has no usable spot.

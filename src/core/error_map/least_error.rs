@@ -55,8 +55,8 @@ impl PlacedLayout<'_> {
     /// Returns the missing distance if the link lengths alone show that no node is in reach; None otherwise.
     ///
     /// Inverse kinematics computes the missing distance for the node nearest to the reach of the arm. A
-    /// [walk](OperationQuery::walk) over all nodes finds the same distance. The cost therefore does not jump
-    /// between layouts judged here and layouts judged by a walk.
+    /// [walk](OperationQuery::walk) over all nodes finds the same distance. The cost is therefore the same
+    /// whether a layout is judged here or by a walk.
     fn beyond_reach(&self, surface: &PlacedSurface<'_>, attitudes: &mut ToolAttitudes) -> Option<Gap> {
         let shell = self.mapper.shells[surface.operation].as_ref()?;
         let (grid, inverse) = (self.mapper.grid(surface.operation), self.mapper.inverse());
@@ -95,7 +95,7 @@ impl OperationQuery<'_> {
     /// Finds the spot by judging only nodes whose lower bound is not above the least error found; None if the
     /// nodes cannot be ranked or no node can be reached.
     ///
-    /// The spot has the same bits as the one that [`Self::judged`] finds.
+    /// The spot is bit-identical to the one that [`Self::judged`] finds.
     fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
         let ranker = self.placed.mapper.rankers[self.operation].as_ref()?;
         let context = self.context.as_ref().ok()?;
@@ -107,7 +107,8 @@ impl OperationQuery<'_> {
         candidates.clear();
         let mut heap = BinaryHeap::from(std::mem::take(*candidates));
         let found = self.first_free(postures, |memory| {
-            // A value equal to a bound may have an equal beside it with a smaller index.
+            // If the best value equals a bound, the node of this bound may have the same value and a smaller
+            // index. So this node is judged, too.
             while heap.peek().is_none_or(|best| best.spot.value >= ranking.bound()) {
                 let Some(node) = ranking.pop() else { break };
                 self.visit(node, self.setup.grid.target(&self.at, node), memory, &mut heap);

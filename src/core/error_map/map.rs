@@ -11,9 +11,9 @@ use crate::kinematic_error::deviation;
 use crate::pose::Displacement;
 use crate::reading::WorkContext;
 
-/// Recorder of every node of a walk.
+/// Visitor that records every node of a walk.
 struct NodeRecorder {
-    /// Whether nodes get their posture and its errors. This takes most of the time of a map.
+    /// Whether the posture of each node and its errors are recorded, which takes most of the time of a map.
     has_postures: bool,
     /// Candidates of the current node.
     candidates: Vec<PostureCandidate>,
@@ -54,8 +54,8 @@ impl PlacedLayout<'_> {
         OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
     }
 
-    /// Maps the status of every node of an operation without a spot, which is many times faster than
-    /// [`PlacedLayout::map`]. No node has a posture.
+    /// Maps only the status of every node, without postures, values or spot. This is many times faster than
+    /// [`PlacedLayout::map`].
     pub fn statuses(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {
         let nodes = OperationQuery::new(self, operation, spots).nodes(false);
         OperationMap { operation, senses: Vec::new(), nodes, best: None, value: None }
@@ -63,7 +63,7 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
-    /// Records every node; with `has_postures`, also its posture with the errors.
+    /// Records every node; if `has_postures` is true, also its posture with the errors.
     fn nodes(&self, has_postures: bool) -> Vec<NodeRecord> {
         let mut memory = PostureMemory::new(self.placed.mapper, self.operation);
         let mut recorder = NodeRecorder { has_postures, candidates: Vec::new(), nodes: Vec::new() };

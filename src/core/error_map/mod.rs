@@ -4,15 +4,15 @@
 //! A [`PlacedLayout`] is the context: a layout of a cell with its solids posed. Only `walk.rs` loops over the
 //! nodes of a surface. Several functions use this loop:
 //!
-//! - [`PlacedLayout::outcome`], for the search: the least-error spot that can be used, or the value of all
-//!   nodes;
+//! - [`PlacedLayout::outcome`], for the search: the usable spot with the least error, or the combined value
+//!   of all nodes;
 //! - [`PlacedLayout::free_spots`], for the robust search: usable spots in ascending order of value;
-//! - [`PlacedLayout::map`], for people: every node with its posture and errors, or the reason why it has
+//! - [`PlacedLayout::map`], for reports: every node with its posture and errors, or the reason why it has
 //!   none;
-//! - [`Probe`], for any point between the nodes.
+//! - [`Probe`], for any point of the surface, also between the nodes.
 //!
-//! Ranking (`simd`) orders nodes by a lower bound of their error before they are judged. The result has the
-//! same bits as without ranking.
+//! Ranking (`simd`) orders nodes by a lower bound of their error, and their postures are evaluated in this
+//! order. The result is bit-identical to the result without ranking.
 
 mod candidate;
 mod every_node;

@@ -19,7 +19,8 @@ pub enum Status {
     OutOfReach {
         by: f64,
     },
-    /// The node is in reach, but the attitude is missed by the angle `by` (rad), with `joint` at its limit.
+    /// The node is in reach, but the attitude is missed by the angle `by` (rad); `joint` is the joint at its
+    /// limit, if any.
     Attitude {
         by: f64,
         joint: Option<usize>,
@@ -139,8 +140,8 @@ impl NodeRecord {
 
 /// Posture reported for a node, with its errors in the world frame.
 ///
-/// The errors are those of the signed sample. For tolerances they are the errors at the corner of the
-/// tolerance box that is worst in the sense of the operation.
+/// In the signed reading the errors are those of the signed sample. In the other readings they are the errors
+/// at the corner of the tolerance box that is worst in the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
     pub branch: u32,
@@ -159,7 +160,7 @@ pub struct PostureRecord {
     pub second_order_off: f64,
     /// Whether the robot touches the node to teach the surface frame; if so, the node cannot be the spot.
     pub touched: bool,
-    /// Value that the reading minimizes: m, rad or a share of failures.
+    /// Value that the search minimizes: an error (m or rad) or a share of failures.
     pub value: f64,
     /// Figures of the error in each sense of [`OperationMap::senses`], in the same order.
     pub figures: Vec<Figures>,

@@ -5,7 +5,7 @@ use super::grid::Grid;
 use crate::cell::{Cell, NodeAggregation, Operation, Registration};
 use crate::reading::ErrorEvaluator;
 
-/// Everything about one operation that no layout changes.
+/// Everything about one operation that does not depend on the layout.
 pub struct OperationSetup {
     /// Index of the equipment that carries the surface.
     pub equipment: usize,
@@ -13,7 +13,7 @@ pub struct OperationSetup {
     /// Rule that combines the values of the nodes.
     pub over: NodeAggregation,
     pub evaluator: ErrorEvaluator,
-    /// Index of the pick that this operation places relative to.
+    /// Index of the operation that picks the part; None if this operation places no picked part.
     pub relative_to: Option<usize>,
     pub teach: TeachPoints,
 }

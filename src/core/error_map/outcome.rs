@@ -9,7 +9,7 @@ pub struct Spot {
     /// Index of the node.
     pub node: usize,
     pub branch: u32,
-    /// Value that the reading minimizes: an error in the sense of the operation or a statistic of it (m or
+    /// Value that the search minimizes: an error in the sense of the operation or a statistic of it (m or
     /// rad), or a share of failures.
     pub value: f64,
 }

@@ -99,11 +99,11 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value at a held point, with joint coordinates that follow the moved surface in the held
-    /// branch.
+    /// Computes the value at a held point after the layout has changed. The joints follow the moved surface
+    /// in the held branch.
     ///
-    /// Numeric inverse kinematics does not keep branch indices from target to target. The posture nearest to
-    /// the held joints is taken then.
+    /// Numeric inverse kinematics does not keep branch indices from target to target. With such an arm, the
+    /// posture nearest to the held joints is taken.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -124,13 +124,17 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value with a held posture, even if this posture collides or exceeds a joint limit.
+    /// Computes the value with a held posture even if this posture collides or, with closed-form inverse
+    /// kinematics, exceeds a joint limit.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.branch_near(held)?;
         self.value(&branch.posture).ok()
     }
 
-    /// Finds the branch of a held posture, which may exceed a joint limit.
+    /// Finds the branch of a held posture.
+    ///
+    /// The branch may exceed a joint limit, except with numeric inverse kinematics, which takes the nearest
+    /// usable branch.
     fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
         let inverse = &self.query.placed.mapper.arm.inverse;
         let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.query.attitudes) else {

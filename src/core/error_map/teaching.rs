@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 /// Returns the frame of a work surface, which is a taught frame if the cell asks for teaching.
 ///
-/// A taught frame has the error sources of `evaluator`.
+/// The errors of a taught frame are computed from the error sources of `evaluator`.
 ///
 /// # Errors
 /// Returns an error if the robot cannot touch three points that span the frame.

@@ -50,7 +50,8 @@ pub struct VisitedNode {
     pub node: usize,
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
-    /// Missing distance to a posture that reaches the node within the joint limits; None if there is one.
+    /// Missing distance to a posture that reaches the node within the joint limits; None if such a posture
+    /// exists.
     pub missed: Option<Gap>,
 }
 
@@ -78,8 +79,7 @@ impl PostureVisitor for std::collections::BinaryHeap<PostureCandidate> {
 }
 
 impl FirstFree {
-    /// Returns the outcome of the operation if no candidate is left unchecked; None if there was no
-    /// candidate.
+    /// Returns the outcome of the operation after all necessary checks; None if there was no candidate.
     pub fn outcome(&self) -> Option<Outcome> {
         match (self.free, self.refused) {
             (Some(free), _) => Some(Outcome::Found(free.spot)),

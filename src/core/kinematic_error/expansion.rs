@@ -1,6 +1,6 @@
-//! The linear and the second-order error model: derivatives of the TCP pose by every parameter.
+//! The linear and the second-order error model: derivatives of the TCP pose with respect to every parameter.
 //!
-//! They are eqs. (7)-(8) and section 2.3 of the seed paper.
+//! The models are eqs. (7)-(8) and section 2.3 of the seed paper.
 
 use super::Perturbation;
 use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter};
@@ -21,10 +21,11 @@ pub struct MotionTerm {
 impl MotionTerm {
     const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns motion `k` in the order of [`Parameter::of_robot`]; it must not be a motion of a joint frame.
+    /// Returns the effect of motion `k` in the order of [`Parameter::of_robot`]; it must not be a motion of a
+    /// joint frame.
     ///
-    /// The motion at the place of the parameter dq is the rotation about the joint axis, also for a prismatic
-    /// joint. Such a joint moves by the translation at the place of dr.
+    /// The motion with the index of the parameter dq is the rotation about the joint axis, even for a
+    /// prismatic joint. A prismatic joint moves by the translation with the index of dr.
     #[inline(always)]
     fn of(frames: &Frames, axes: usize, k: usize) -> Self {
         let links = PER_LINK * axes;
@@ -45,7 +46,8 @@ impl MotionTerm {
         Self::about(frames, frame, axis, turns)
     }
 
-    /// Returns motion `k` of the joint frames, where `joints` are their poses in the D-H frames before them.
+    /// Returns the effect of motion `k` of the joint frames; `joints` holds the pose of each joint frame in
+    /// the D-H frame that precedes its row.
     ///
     /// This function is separate because [`Self::of`] must stay small enough to be inlined.
     #[inline(never)]
@@ -55,7 +57,8 @@ impl MotionTerm {
         Self::about(frames, &frame, component % 3, component >= 3)
     }
 
-    /// Returns the rotation about (`turns`), or the translation along, an axis of a frame.
+    /// Returns the effect of a rotation about an axis of a frame if `turns` is true, or of a translation
+    /// along it.
     ///
     /// The attribute forces inlining: without it the linear model takes twice as long.
     #[inline(always)]
@@ -68,9 +71,10 @@ impl MotionTerm {
     }
 }
 
-/// Returns the indices of all motions in the list of parameters, in their order from base to tool.
+/// Returns the parameter indices of all motions, in order from base to tool.
 ///
-/// If `joints` is true, the motions of the joint frames are included, each frame before its D-H row.
+/// If `joints` is true, the motions of each joint frame are included; they precede the motions of its D-H
+/// row.
 fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     let (base, tool) = (PER_LINK * axes, PER_LINK * axes + PER_FRAME);
     let frame = |first: usize| [0, 1, 2, 5, 4, 3].map(|k| first + k);
@@ -95,7 +99,7 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
 
 /// Returns the error by the second-order model.
 ///
-/// Each small motion is rotated by the sum of the rotations nearer to the base and half of its own rotation.
+/// Each small motion is rotated by the sum of all rotations nearer to the base plus half of its own rotation.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
@@ -115,7 +119,7 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     sum
 }
 
-/// First and second derivatives of the TCP pose by the parameters of one chain, base frame.
+/// First and second derivatives of the TCP pose with respect to the parameters of one chain, base frame.
 ///
 /// It holds one posture at a time and is reused between postures.
 #[derive(Debug, Clone)]
@@ -130,7 +134,7 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// Returns an expansion with derivatives by all parameters of the robot.
+    /// Returns an expansion with derivatives with respect to all parameters of the robot.
     pub fn new(chain: &Chain) -> Self {
         let axes = chain.axes();
         let drives = (0..axes).map(|j| {
@@ -146,7 +150,8 @@ impl Expansion {
         Self { axes, joint_frames, terms: [MotionTerm::NONE; MAX_PARAMETERS], drives, wanted }
     }
 
-    /// Returns an expansion with derivatives by `parameters` alone; those by other parameters are undefined.
+    /// Returns an expansion with derivatives with respect to `parameters` alone; all other derivatives are
+    /// undefined.
     pub fn of(chain: &Chain, parameters: &[usize]) -> Self {
         let mut expansion = Self::new(chain);
         let mut wanted: Vec<usize> =
@@ -167,14 +172,15 @@ impl Expansion {
         }
     }
 
-    /// Returns the first derivative of the TCP pose by a parameter.
+    /// Returns the first derivative of the TCP pose with respect to a parameter.
     pub fn first(&self, parameter: usize) -> Displacement {
         self.motions(parameter).fold(Displacement::NONE, |sum, (k, size)| {
             sum + Displacement { position: self.terms[k].g, rotation: self.terms[k].w } * size
         })
     }
 
-    /// Returns the second derivative of position and rotation vector of the TCP by parameters `a` and `b`.
+    /// Returns the second derivative of position and rotation vector of the TCP with respect to parameters
+    /// `a` and `b`.
     pub fn second(&self, a: usize, b: usize) -> Displacement {
         let mut sum = Displacement::NONE;
         for (j, size_j) in self.motions(a) {
@@ -198,7 +204,7 @@ impl Expansion {
     /// Returns the position of a motion in the order from base to tool.
     fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
-        // Offset of joint frame i, which its row follows.
+        // Position of the first motion of joint frame i; the motions of its D-H row follow.
         let joint = |i: usize| PER_FRAME + (PER_FRAME + PER_LINK) * i;
         let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][(k - first) % PER_FRAME];
         match k {

@@ -9,17 +9,18 @@
 //! Driels and Mooring 1987). The links alone have 4 n parameters in each of the two sets:
 //!
 //! - four parameters per link: the errors dq of the joint coordinate, dr of the axial offset, dl of the
-//!   length and dalpha of the twist. If two neighbouring axes are parallel, their two dr are one translation.
-//!   If the axes are nearly parallel, the two translations differ only by the small angle between the axes;
+//!   length and dalpha of the twist. If two neighbouring axes are parallel, their two dr are the same
+//!   translation. If the axes are nearly parallel, the two translations differ only by the small angle
+//!   between the axes;
 //! - five parameters (Hayati 1983): where axes are parallel, dbeta replaces dr. It is the rotation about the
-//!   y axis after the link, which the other four cannot make.
+//!   y axis after the link, which the other four parameters cannot produce.
 //!
 //! A prismatic joint has fewer independent parameters. Its dr is the same translation as its dq. The joint
-//! rotates nothing, so all translations between two revolute joints are vectors in one body. At most three
-//! of these are independent. Both sets leave out the dependent translations. They also leave out the six
-//! parameters of every joint frame, because these depend on the parameters of the D-H rows. Neither set has
-//! a parameter for the rotation of a prismatic joint about its axis. Other dependencies increase the
-//! condition number: coincident axes, or postures that do not move a joint.
+//! rotates nothing, so all translations between two revolute joints are constant vectors in one frame. At
+//! most three of these are independent. Both sets leave out the dependent translations. They also leave out
+//! the six parameters of every joint frame, because these depend on the parameters of the D-H rows. Neither
+//! set has a parameter for the rotation of a prismatic joint about its axis. Other dependencies increase the
+//! condition number, for example coincident axes, or postures that do not move a joint.
 
 use super::Expansion;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
@@ -61,7 +62,7 @@ pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
 
 /// Returns the identification Jacobian: six rows per posture, one unscaled column per parameter.
 ///
-/// `length` (m) is the factor of the rows of the rotation: 1 m, or the reach of the arm.
+/// The rows of the rotation are multiplied by `length` (m), for example 1 m or the reach of the arm.
 pub fn identification_jacobian(
     chain: &Chain,
     postures: &[Posture],
@@ -86,8 +87,8 @@ pub fn identification_jacobian(
 
 /// Returns the condition number of the identification Jacobian with columns scaled to unit length.
 ///
-/// `length` (m) is the factor of the rows of the rotation. If the postures cannot identify all parameters
-/// of the set, the condition number is infinite, or above 1e12 because of rounding.
+/// The rows of the rotation are multiplied by `length` (m). If the postures cannot identify all parameters of
+/// the set, the condition number is infinite, or above 1e12 because of rounding.
 pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length: f64) -> f64 {
     let mut jacobian = identification_jacobian(chain, postures, &identifiable(chain, set), length);
     if jacobian.nrows() < jacobian.ncols() {
@@ -104,10 +105,11 @@ pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length:
     values.max() / values.min()
 }
 
-/// Returns the translational parameters that depend linearly on others, because prismatic joints are between
+/// Returns the translational parameters that depend linearly on others because of prismatic joints between
 /// them.
 fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
-    // Nothing rotates within a run, so that the angles between its translations are the same in any posture.
+    // Nothing rotates within a run of prismatic joints, so the angles between its translations are the same
+    // in every posture.
     let frames = chain.frames(&chain.posture(&[0.0; MAX_JOINTS]));
     let slides = |i: usize| chain.links[i].kind == JointKind::Prismatic;
     let mut spare = Vec::new();
@@ -120,7 +122,8 @@ fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
         run.push(Parameter::Dr(end));
         run.extend((first..end).map(Parameter::Dl));
         run.retain(|p| parameters.contains(p));
-        // Translations that the run before left out depend on it and come first.
+        // Translations that an earlier run left out come first, because the parameters of that run already
+        // produce them.
         run.sort_by_key(|p| !spare.contains(p));
         let mut basis: Vec<Vector3<f64>> = Vec::new();
         for parameter in run {

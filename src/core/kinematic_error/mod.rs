@@ -1,13 +1,13 @@
 //! Kinematic error (section 2 of the seed paper): from parameter errors to the error of the TCP.
 //!
-//! Every model uses the same description of the chain: its [`Frames`] at a posture. A parameter error
-//! is a small motion about or along an axis of one of these frames:
+//! Every model uses the same description of the chain: its [`Frames`] at a posture. A parameter error is a
+//! small rotation about, or a small translation along, an axis of one of these frames:
 //!
 //! - dtheta, a rotation about the z axis before the link, and dr, a translation along that axis;
 //! - dl, a translation along the x axis after the link, and dalpha, a rotation about that axis;
 //! - dbeta, a rotation about the y axis after the link (the fifth parameter of Hayati);
-//! - six components each of the base frame, the tool frame and every joint frame. A joint frame lies before
-//!   the D-H row of its joint.
+//! - six components of the base frame, of the tool frame and of every joint frame. A joint frame precedes the
+//!   Denavit-Hartenberg (D-H) row of its joint.
 //!
 //! Number the motions from the base on. Let `S_k` be the twist of motion k per unit in the base frame and
 //! `a_k` its size. Let T be the pose of the TCP without errors and T' the pose with errors. Then
@@ -23,9 +23,9 @@
 //!   as a sum of displacements, so errors of 1 nm keep their digits;
 //! - linear, eqs. (7)-(8): the position error is `e = sum_k a_k g_k`. The displacement per unit is
 //!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
-//! - second-order (section 2.3): the linear model plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k a_k^2
-//!   w_k x g_k`. In these sums `w_j` and `w_k` are rotation axes; translations do not contribute. This is the
-//!   exact quadratic form: a motion nearer to the base also rotates the displacements that later motions
+//! - second-order (section 2.3): the linear model plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k a_k^2 w_k x
+//!   g_k`. In these sums `w_j` and `w_k` are the axes of rotations; they are zero for translations. This is
+//!   the exact quadratic form: a motion nearer to the base also rotates the displacements that later motions
 //!   cause.
 //!
 //! Errors are in the base frame: position in m, rotation as a rotation vector in rad.

@@ -1,7 +1,7 @@
 //! The nonlinear model, eqs. (4)-(6) of the seed paper: `dT = prod(A_i + dA_i) - T`.
 //!
-//! Here `A_i` is the transform of link i, `dA_i` its change by the errors, and T the pose of the TCP without
-//! errors. The product is evaluated as a sequence of small motions.
+//! Here `A_i` is the transform of link i, `dA_i` the change caused by the errors, and T the pose of the TCP
+//! without errors. The product is evaluated as a sequence of small motions.
 
 use super::{FrameError, Perturbation, Turn};
 use crate::pose::{Displacement, Pose, SmallRotation};
@@ -25,8 +25,8 @@ pub fn position_error(frames: &Frames, errors: &Perturbation) -> Vector3<f64> {
 
 /// Returns the position error of the TCP; `JOINTS` says whether joint frames have errors.
 ///
-/// The two cases are compiled separately. One loop for both would take 50 % longer if no joint frame has
-/// errors.
+/// The two cases are compiled separately. One loop for both cases would take 50 % longer when no joint frame
+/// has errors.
 #[inline]
 fn position_walk<const JOINTS: bool>(frames: &Frames, errors: &Perturbation) -> Vector3<f64> {
     let p = &frames.tcp.translation;

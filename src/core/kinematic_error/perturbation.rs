@@ -25,7 +25,8 @@ impl Turn {
     }
 }
 
-/// Errors of one link: those of eq. (4) of the seed paper, and dbeta about the y axis after the link.
+/// Errors of one link: the four errors of eq. (4) of the seed paper, and dbeta, a rotation about the y axis
+/// after the link.
 ///
 /// The values of dtheta and dr include the joint coupling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,7 +57,7 @@ impl FrameError {
     }
 }
 
-/// Errors of the joint frames, and the pose of each frame in the D-H frame before its row.
+/// Errors of the joint frames, and the pose of each joint frame in the D-H frame that precedes its row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointErrors {
     sizes: [f64; PER_FRAME * MAX_JOINTS],
@@ -77,9 +78,9 @@ impl JointErrors {
     }
 }
 
-/// Largest number of small motions of a chain, without those of the joint frames.
+/// Largest number of small motions of a chain, without the motions of the joint frames.
 ///
-/// Joint frames seldom have errors and are stored separately. Samples are made by the million, so each must
+/// Joint frames seldom have errors and are stored separately. Millions of samples are created, so each must
 /// take little memory.
 const MAX_MOTIONS: usize = Parameter::first_joint(MAX_JOINTS);
 
@@ -100,11 +101,11 @@ impl Perturbation {
         Self::of_values(chain, &errors.values())
     }
 
-    /// Prepares parameter errors in the order of [`Parameter::of_robot`], with or without those of the joint
-    /// frames.
+    /// Prepares parameter errors in the order of [`Parameter::of_robot`]; `values` may omit the errors of the
+    /// joint frames.
     ///
-    /// The error dq belongs to the actuators and reaches the D-H coordinates through the joint coupling.
-    /// The function does not allocate.
+    /// The error dq is an error of an actuator coordinate. The joint coupling maps it to errors of the D-H
+    /// coordinates. The function does not allocate.
     pub fn of_values(chain: &Chain, values: &[f64]) -> Self {
         let axes = chain.axes();
         let mut links = [LinkError::default(); MAX_JOINTS];
@@ -130,7 +131,7 @@ impl Perturbation {
         let (base, tool) = values[PER_LINK * axes..].split_at(PER_FRAME);
         let (base, tool) = (FrameError::new(base), FrameError::new(tool));
         let mut all = Self { links, axes, sizes, base, tool, joints: None };
-        // Written in place: moving an absent value costs as much as moving a present one.
+        // Assigned in place, because moving a `None` costs as much as moving a `Some`.
         if joints.iter().any(|v| *v != 0.0) {
             all.joints = Some(JointErrors::new(chain, joints));
         }
@@ -139,7 +140,7 @@ impl Perturbation {
 
     /// Returns the sizes of the small motions (m or rad) in the order of [`Parameter::of_robot`].
     ///
-    /// At the places of dq and dr are the errors of the D-H coordinates theta and r, which include the joint
+    /// The entries of dq and dr hold the errors of the D-H coordinates theta and r, which include the joint
     /// coupling. The second slice holds the motions of the joint frames. It is empty if no joint frame has an
     /// error.
     pub fn sizes(&self) -> [&[f64]; 2] {
@@ -147,7 +148,8 @@ impl Perturbation {
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]
     }
 
-    /// Returns the pose of every joint frame in the D-H frame before its row; empty if no frame has an error.
+    /// Returns the pose of every joint frame in the D-H frame that precedes its row; empty if no joint frame
+    /// has an error.
     pub fn joint_frames(&self) -> &[Pose] {
         self.joints.as_ref().map_or(&[], |joints| &joints.frames[..self.axes])
     }

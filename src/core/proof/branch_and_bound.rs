@@ -20,11 +20,12 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
-/// Number of boxes examined per round: enough for all threads, but only boxes with nearly the least bound.
+/// Number of boxes examined per round: enough to occupy all threads, but so few that their bounds are close
+/// to the least one.
 const BOXES_PER_ROUND: usize = 64;
 /// Number of boxes per round in which a posture with a lower value is sought near the centre.
 const WITNESSES_PER_ROUND: usize = 8;
-/// Share of its former length below which a contracted side of a box justifies another pass.
+/// Another contraction pass follows if a side of the box shrinks below this share of its former length.
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;
@@ -135,7 +136,7 @@ pub(super) fn least(
         let halves: Vec<[Option<JointBox>; 2]> = round.par_iter().map(|part| split(task, part)).collect();
         for mut part in halves.into_iter().flatten().flatten() {
             (part.number, found.boxes) = (found.boxes, found.boxes + 1);
-            // A box whose bound is good enough for ever is discarded; its bound is kept.
+            // A box whose bound will always suffice is not bisected again; only its bound is kept.
             match part.bound >= enough(upper) {
                 true => found.bound = found.bound.min(part.bound),
                 false => heap.push(part),
@@ -234,7 +235,7 @@ fn contract(
     }
     for (i, g) in taylor.gradient.iter().enumerate() {
         let others = linear - g.abs() * radii[i];
-        // Contracts only where the bound is effective, which avoids dividing rounding by rounding.
+        // Contracts only if the constraint cuts the box, which avoids dividing one rounding error by another.
         if g.abs() * radii[i] > 1e-12
             && (high + others < g.abs() * radii[i] || low - others > -g.abs() * radii[i])
         {
@@ -262,7 +263,8 @@ fn bound(
     count: usize,
 ) -> (f64, usize) {
     let Some(worth) = worth else { return (0.0, widest(None, radii, count)) };
-    // Constraints whose boundary crosses the box, and among them those that are thin there.
+    // Constraints whose boundary crosses the box, and among them the thin ones: their allowed range is
+    // narrower than the range of the quantity in the box.
     let crosses = |(c, t): &&(Constraint, Taylor)| {
         let spread = t.spread(radii);
         t.value - spread < c.low || t.value + spread > c.high
@@ -270,8 +272,9 @@ fn bound(
     let crossed: Vec<&(Constraint, Taylor)> = constraints.iter().filter(crosses).take(4).collect();
     let thin: Vec<&(Constraint, Taylor)> =
         crossed.iter().copied().filter(|(c, t)| c.high - c.low < t.spread(radii)).collect();
-    // The choice of the coordinate uses the slopes that thin constraints leave, and the curvature of the
-    // others: a wide constraint with the slope of the value would hide its own width.
+    // The coordinate to bisect is chosen from the value relaxed by the thin constraints alone, plus the
+    // curvature of all crossed constraints. A wide constraint could cancel the slope of the value, although
+    // the value varies over the width of this constraint.
     let (mut best, mut judged) = (worth.least(radii, count), worth.clone());
     let sets = if thin.len() == crossed.len() { vec![thin] } else { vec![thin, crossed] };
     for (k, set) in sets.iter().enumerate().filter(|(_, set)| !set.is_empty()) {

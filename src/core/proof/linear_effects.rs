@@ -66,7 +66,8 @@ pub(super) fn expand(
         (geometry, sum);
     let n = screws.kinds.len();
     let (mut f, mut p) = ([Matrix3::zeros(); MAX_JOINTS + 1], [Matrix3::zeros(); MAX_JOINTS + 1]);
-    // Sizes of the rotations, of their own lever arms, and of the vectors rigid with the link.
+    // Sums of the weights of rotations, of these weights times the lever arms, and of the weights of vectors
+    // fixed to the link.
     let mut sizes = [[0.0; 3]; MAX_JOINTS + 1];
     for ((motion, effect), (eta, zeta)) in motions.iter().zip(effects).zip(weights) {
         let m = motion.link;
@@ -95,8 +96,8 @@ type LinkSums = [Matrix3<f64>; MAX_JOINTS + 1];
 /// Returns the first and second derivatives of the weighted sum of effects with respect to the joint
 /// displacements.
 ///
-/// Joint i rotates the effects of the motions after it in the chain (the sums `f`). For the motions before
-/// it, joint i moves the point on which they act (the sums `p`).
+/// Joint i rotates the effects of the motions after it in the chain (the sums `f`). For the motions that
+/// precede joint i, the joint moves the point on which they act (the sums `p`).
 fn by_theta(
     screws: &Screws,
     placed: &PosedScrews,
@@ -119,8 +120,8 @@ fn by_theta(
         gradient[i] += axial(&f[i + 1]).dot(z);
         let before = z.cross(&axial(&p[i]));
         for j in i..n {
-            // Motions before i give eta . (w x (z_i x rate_j)), those between give eta . (z_i x (w x
-            // rate_j)).
+            // Motions before joint i give eta . (w x (z_i x rate_j)). Motions between joints i and j give eta
+            // . (z_i x (w x rate_j)).
             let between = p[j] - p[i];
             let tilted = z * between.trace() - between * z;
             hessian[i][j] = (before + tilted).dot(&rates[j]);

@@ -1,12 +1,12 @@
 //! Proof: a lower bound of the objective of every layout, by branch and bound with Taylor models.
 //!
 //! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot
-//! independently, wherever height, elevation and distance from the base allow the spot ([`OperationRegion`]).
-//! Only the posture remains unknown, so the least error is a minimum over joint coordinates within their
-//! limits. If the first joint axis is vertical, errors that come after this axis in the chain rotate with it.
-//! Then the first joint does not matter, unless the sense or an error before this joint depends on
-//! directions. Branch and bound over the other joints closes the gap between the lower bound and the least
-//! value found:
+//! independently, wherever its height, tool elevation and distance from the robot base allow it
+//! ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over joint
+//! coordinates within their limits. If the first joint axis is vertical, errors that come after this axis in
+//! the chain rotate with it. Then the first joint does not matter, unless the sense or an error before this
+//! joint depends on directions. Branch and bound over the other joints closes the gap between the lower bound
+//! and the least value found:
 //!
 //! | file | content |
 //! |---|---|
@@ -82,9 +82,10 @@ pub enum WhyNot {
     SurfaceAxes,
     /// The sense is stated in the axes of the world, and the robot base can rotate.
     WorldAxes,
-    /// The sense includes rotations, for which only the linear model has a bound.
+    /// The sense includes rotations. These have a bound only with the linear model or in the statistical
+    /// reading.
     Rotation,
-    /// The parameters are not normally distributed.
+    /// A parameter is not normally distributed, and the quantity is not the RMS.
     NotNormal,
     /// The sense has more than three rows (components of error that count).
     ManyRows,
@@ -92,7 +93,7 @@ pub enum WhyNot {
     Share,
     /// The lower bound did not rise above 0 within the allowed number of boxes of joint coordinates.
     Boxes,
-    /// Samples refute the first-order figure that the bound is of.
+    /// Samples refute the first-order figure to which the bound applies.
     Refuted,
 }
 
@@ -183,7 +184,7 @@ impl Proof {
 
     /// Returns this proof without the bounds of the operations whose figures the samples refute.
     ///
-    /// The bounds are of first-order figures, and say nothing about the figures of samples.
+    /// The bounds apply to first-order figures, and say nothing about the figures of samples.
     pub fn without(&self, workcell: &Workcell, is_refuted: impl Fn(usize) -> bool) -> Self {
         let mut operations = self.operations.clone();
         let bounded = operations.iter_mut().enumerate().filter(|(_, bound)| bound.value.is_ok());
@@ -241,7 +242,9 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     Proof::new(workcell, operations, interrupted)
 }
 
-/// Bounds the value of one operation over several regions: the least of their bounds.
+/// Bounds the value of one operation over several regions by the least of their bounds.
+///
+/// Returns also whether the proof was interrupted.
 fn of_regions(
     workcell: &Workcell,
     regions: &[OperationRegion],
@@ -260,7 +263,8 @@ fn of_regions(
         all.witness = all.witness.into_iter().chain(one.witness).min_by(by_value);
         all.value = match (all.value, one.value) {
             (Ok(a), Ok(b)) => Ok(a.min(b)),
-            // A region without a posture does not lower the bound; one without a bound removes it.
+            // A region without a posture does not lower the bound. If a region has no bound, the operation
+            // has none.
             (a, Err(WhyNot::Infeasible)) => a,
             (Err(WhyNot::Infeasible), b) => b,
             (Err(why), _) | (_, Err(why)) => Err(why),
@@ -270,6 +274,8 @@ fn of_regions(
 }
 
 /// Bounds the value of one operation over a region; `known` is its value in some layout.
+///
+/// Returns also whether the proof was interrupted.
 fn of_operation(
     workcell: &Workcell,
     region: &OperationRegion,

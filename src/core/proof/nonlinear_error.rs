@@ -1,11 +1,11 @@
-//! Nonlinear error of a signed sample: the difference of the end points of the chain with errors and the
-//! nominal chain.
+//! Nonlinear error of a signed sample: the difference between the end points of the chain with errors and of
+//! the nominal chain.
 //!
 //! Two chains with the same joints differ by one small motion before every axis and one before the end. Let
 //! `a_k` be the size of motion k and `g_k` its effect on the end point. To first order in the motions the
-//! difference is `d = sum_k a_k g_k`, and its third derivatives are those of linear effects. The remainder is
-//! of second order in the motions. In any direction of joint space, products of the sizes of the motions
-//! bound its derivatives.
+//! difference is `d = sum_k a_k g_k`, and its third derivatives are the third derivatives of linear effects.
+//! The remainder is of second order in the motions. In any direction of joint space, products of the sizes of
+//! the motions bound its derivatives.
 
 use super::coordinates::Coordinates;
 use super::screws::{JointValues, PosedScrews, Screws, about};
@@ -40,7 +40,7 @@ impl ChainDifference {
                 false => (least(&nominal.axes[k], &screws.axes[k]), nominal.points[k], screws.points[k]),
             };
             turns[k] = angle(&(rotation.transpose() * next));
-            // Distance of the point from where the motions before would put it.
+            // Distance between the point and the place to which the earlier motions alone would move it.
             shifts[k] = (to + rotation * (point - from) - moved).norm();
             (rotation, from, to) = (next, point, moved);
         }

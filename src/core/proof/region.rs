@@ -5,8 +5,8 @@ use crate::cell::{Cell, Coordinate, Operation, Place};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
-/// Margin of the bounds of a region, m and rad: far above the errors of the inverse kinematics, far below
-/// relevant sizes.
+/// Margin of the bounds of a region, m and rad: far above the errors of the inverse kinematics, and far below
+/// all sizes that matter.
 const SLACK: f64 = 1e-6;
 
 /// Region in which the TCP of one operation can be in any layout. Azimuth and spin are free.
@@ -112,7 +112,7 @@ impl Constraint {
     }
 }
 
-/// Returns the range of tool elevations (rad) that the search may choose, extended by the attitude tolerance.
+/// Returns the range of tool elevations (rad) that a search may choose, extended by the attitude tolerance.
 fn elevations(asked: &Operation) -> (f64, f64) {
     let chosen =
         asked.angles[0].as_ref().map_or((asked.attitude.elevation, asked.attitude.elevation), |c| c.range());

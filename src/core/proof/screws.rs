@@ -1,9 +1,9 @@
 //! Kinematic chain as screw axes at a reference posture (product of exponentials).
 //!
 //! The TCP pose is `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)`, where `theta_i` is the
-//! displacement of joint i from the reference posture and `S_i` its screw axis there (R. W. Brockett 1984).
-//! Errors of the chain change only the screw axes and `T(0)`. The positions of the Denavit-Hartenberg frames
-//! do not matter, so rows with huge offsets that cancel are harmless.
+//! displacement of joint i from the reference posture, and `S_i` is its screw axis at that posture (R. W.
+//! Brockett 1984). Errors of the chain change only the screw axes and `T(0)`. The positions of the
+//! Denavit-Hartenberg frames do not matter, so rows with huge offsets that cancel are harmless.
 
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, Parameter};
 use crate::kinematic_error::{FrameError, Perturbation};
@@ -123,10 +123,10 @@ impl Screws {
 
 /// Small motion at one place in the chain, which moves all parts from this place to the tool.
 ///
-/// Axis and point are those at the reference posture, in the base frame.
+/// Axis and point are given at the reference posture, in the base frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScrewMotion {
-    /// Number of joints before the motion in the chain.
+    /// Number of joints that precede the motion in the chain.
     pub link: usize,
     /// Whether the motion is a rotation; otherwise it is a translation.
     pub turns: bool,

@@ -251,7 +251,7 @@ impl<'a> Task<'a> {
     }
 }
 
-/// Returns an error if no bound is known for an operation with this registration, pick or equipment error.
+/// Returns an error if the registration, the pick or the equipment errors of an operation prevent a bound.
 fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
     let asked = &cell.operations[operation];
     if asked.relative_to.is_some() {
@@ -266,7 +266,10 @@ fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
     Ok(())
 }
 
-/// Returns the rows of the sense in the base frame, or the reason why they depend on the layout.
+/// Returns the rows of the sense in the base frame.
+///
+/// # Errors
+/// Returns the reason if these rows depend on the layout.
 fn rows(cell: &Cell, evaluator: &ErrorEvaluator, operation: usize) -> Result<Vec<Row>, WhyNot> {
     let sense = &evaluator.sense;
     let turned = |by: &Matrix3<f64>| -> Vec<Row> {
@@ -293,7 +296,7 @@ fn rows(cell: &Cell, evaluator: &ErrorEvaluator, operation: usize) -> Result<Vec
     }
 }
 
-/// Returns `sum r r^T` over the directions r of the position rows, and over those of the rotation rows.
+/// Returns `sum r r^T` over the directions r of the position rows, and the same sum over the rotation rows.
 fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     let gram = |turns: bool| {
         rows.iter()
@@ -318,7 +321,8 @@ fn is_isotropic(rows: &[Row]) -> bool {
         && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())
 }
 
-/// Returns whether a motion before the first joint is a rotation about its axis or a translation along it.
+/// Returns whether a motion before the first joint is a rotation about the first axis or a translation along
+/// it.
 fn is_of_first_axis(motion: &ScrewMotion, screws: &Screws) -> bool {
     let (axis, arm) = (&screws.axes[0], motion.through - screws.points[0]);
     motion.axis.cross(axis).norm() < DIRECTION_ROUNDING

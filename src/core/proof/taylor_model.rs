@@ -78,8 +78,8 @@ impl Taylor {
     }
 }
 
-/// Returns the derivatives of a point with respect to the joint displacements; if `point` is None, those of
-/// the tool axis.
+/// Returns the derivatives of a point, or of the tool axis if `point` is None, with respect to the joint
+/// displacements.
 pub(super) fn rates(
     screws: &Screws,
     placed: &PosedScrews,
@@ -156,13 +156,13 @@ impl RigidPieces {
     /// Returns `sum s rho^power` over the segments after a link, up to the end of the chain.
     ///
     /// Here `s` is the length of a segment. Consider the product of this segment with another factor: `rho`
-    /// is the sum of the radii of the coordinates that rotate it.
+    /// is the sum of the radii of the coordinates that rotate at least one of the two.
     ///
     /// The sum bounds the derivative of order `power` along any step within the box. A prismatic coordinate
     /// adds a term, because it lengthens its segment.
     ///
     /// `own` holds, as bits, the coordinates that rotate the other factor, which is fixed to `link`. The
-    /// coordinates that rotate a segment are added to them.
+    /// coordinates that rotate the segment itself are added to these.
     pub fn turned(
         &self,
         coordinates: &Coordinates,

@@ -29,15 +29,15 @@ use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 ///
 /// For a sense with more rows, only the RMS, the signed sample and the linear worst case have a bound.
 const MAX_ROWS_OF_PERCENTILE: usize = 3;
-/// Step of a numeric derivative by an eigenvalue of the covariance, as a share of the trace.
+/// Step of a numeric derivative with respect to an eigenvalue of the covariance, as a share of the trace.
 const DERIVATIVE_STEP: f64 = 1e-3;
-/// Upper bound of the relative error of a numeric derivative by an eigenvalue of the covariance.
+/// Upper bound of the relative error of a numeric derivative with respect to an eigenvalue of the covariance.
 const DERIVATIVE_ERROR: f64 = 1e-5;
 
 /// Weights (eta, zeta) of one motion: eta for the displacement of the point, zeta for the rotation.
 pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
 
-/// Way in which a reading makes one value of the effects of all sources.
+/// Way in which a reading combines the effects of all sources into one value.
 #[derive(Debug, Clone)]
 pub(super) enum EffectSum {
     /// Signed sample: the values of the sources.
@@ -49,8 +49,8 @@ pub(super) enum EffectSum {
 }
 
 impl EffectSum {
-    /// Returns the way in which the reading of `evaluator` makes a value of effects, for a sense with `rows`
-    /// rows.
+    /// Returns the way in which the reading of `evaluator` combines effects into a value, for a sense with
+    /// `rows` rows.
     ///
     /// # Errors
     /// Returns the reason if the value has no lower bound in this reading.
@@ -145,7 +145,8 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
 
 /// Writes the vectors `A e_f / value` of a statistic, converted from random factors to sources.
 ///
-/// Here `e_f` is the effect of factor f, and A is the derivative of the squared statistic by the covariance.
+/// Here `e_f` is the effect of factor f, and A is the derivative of the squared statistic with respect to the
+/// covariance.
 fn spread(
     columns: &[Vector6<f64>],
     factors: &[Vec<(usize, f64)>],
@@ -215,7 +216,8 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
         }
     };
     let slopes: Vec<f64> = (0..sizes.len()).map(|k| slope(k).max(0.0)).collect();
-    // By Euler's theorem for homogeneous functions of the first degree the slopes must give the value.
+    // The value is a homogeneous function of degree 1, so by Euler's theorem it must equal the sum of slope
+    // times size.
     let given: f64 = slopes.iter().zip(&sizes).map(|(a, l)| a * l).sum();
     let scale = (1.0 - DERIVATIVE_ERROR) * value / given.max(f64::MIN_POSITIVE);
     let mut a = Matrix3::zeros();

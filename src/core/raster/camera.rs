@@ -37,8 +37,7 @@ impl ViewDirection {
             Self::Front => [x, z, -y],
             Self::Side => [y, z, x],
             Self::Iso => {
-                // The eye is over the upper corner of a cube at the work; in perspective it is a little
-                // higher.
+                // The view is along a space diagonal of a cube; in perspective the eye is a little higher.
                 let x = if work.x < -1e-9 { -1.0 } else { 1.0 };
                 let y = if work.y > 1e-9 { 1.0 } else { -1.0 };
                 let back = Vector3::new(x, y, if perspective { 1.2 } else { 1.0 }).normalize();

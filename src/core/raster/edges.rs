@@ -16,8 +16,8 @@ struct FeatureEdge {
     is_sharp: bool,
 }
 
-/// Number of sharp edges from which on a body is drawn without sharp edges. Such a body is a scanned surface,
-/// on which nearly every edge is sharp.
+/// A body with at least this many sharp edges is drawn without them. Such a body is a scanned surface, on
+/// which nearly every edge is sharp.
 const MAX_SHARP_EDGES: usize = 400;
 
 pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
@@ -46,7 +46,7 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
             });
             let side = &mut sides[at];
             side.count += 1;
-            // An edge is sharp where the normals differ at both ends.
+            // An edge is sharp if the normals of its two faces differ at both ends.
             let differ = side.corners[0] != i && side.corners[1] != j;
             side.is_sharp |= differ && (faces_eye || side.faces_eye);
             side.is_outline |= side.faces_eye != faces_eye;
@@ -58,7 +58,7 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()
 }
 
-/// Returns for each corner an index of the place. Corners at one place, which may differ in their normals,
+/// Returns for each corner the index of its place. Corners at one place, which may differ in their normals,
 /// get the same index.
 fn places(positions: &[Vector3<f64>]) -> Vec<u32> {
     let mut known: HashMap<[u64; 3], u32> = HashMap::new();

@@ -14,7 +14,7 @@ const HALF_SHADE_HEIGHT: f64 = 0.35;
 /// Distance between neighbouring grid lines, m.
 const GRID: f64 = 0.5;
 
-/// Adds the floor at `height` (m) to the scene, below all bodies that the scene already holds.
+/// Adds the floor at `height` (m) to the scene; it extends beyond all bodies that the scene already holds.
 pub fn lay(scene: &mut RasterScene, palette: &Palette, height: f64) {
     let points: Vec<Vector3<f64>> = scene.bodies.iter().flat_map(|b| &b.mesh.positions).copied().collect();
     let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));

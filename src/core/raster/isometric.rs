@@ -18,8 +18,8 @@ use std::fmt::Write;
 const SAMPLES: f64 = 2.0;
 /// Number of tones (steps of brightness) with which a body is drawn.
 const TONES: f32 = 16.0;
-/// Tolerance of the simplification of an outline, samples. Smaller areas than [`MIN_AREA`] (squared samples)
-/// are not drawn.
+/// Tolerance of the simplification of an outline, in samples. Areas smaller than [`MIN_AREA`] (squared
+/// samples) are not drawn.
 const TOLERANCE: f64 = 0.8;
 const MIN_AREA: f64 = 8.0;
 
@@ -32,7 +32,7 @@ pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
     let stage = staged(drawing, shot)?;
     let (width, height) = (shot.width, shot.height);
     let mut out = String::new();
-    // Writing to a String cannot fail; the results here are dropped for that reason.
+    // The results of writing are ignored, because writing to a String cannot fail.
     let _ = writeln!(
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
@@ -135,7 +135,7 @@ impl VisibilityTest<'_> {
             if last > first {
                 let [p, q] = [first, last].map(|k| self.camera.seen(&at(k)).at);
                 let start = format!("M{:.1} {:.1}", p.x, p.y);
-                // Lines go on where the last one ended.
+                // A line that starts where the last one ended needs no start point.
                 if !d.ends_with(&start[1..]) {
                     d.push_str(&start);
                 }
@@ -239,7 +239,7 @@ fn draw_arrows(
         for barb in arrow.barbs() {
             seeing.add(&mut d, &[barb, arrow.tip], lift);
         }
-        // A rim first, so that light arrows are seen on light ground.
+        // A rim is drawn first, so that light arrows are visible on a light background.
         for (colour, width) in [(stage.palette.rim(*colour), 2.9), (*colour, 1.8)] {
             let (stroke, width) = (hex(colour), width * pixel);
             let _ = writeln!(

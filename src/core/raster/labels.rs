@@ -1,4 +1,4 @@
-//! Labels: placement of names and values at places where they cover few nodes and other labels.
+//! Labels: names and values, placed so that they cover few nodes and other labels.
 
 use super::font;
 use super::ink::{PixelImage, distance};

@@ -148,7 +148,7 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
     let mean = nodes.iter().sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
     let work = if nodes.is_empty() { Vector3::new(0.0, -1.0, 0.0) } else { mean - drawing.base.translation };
     let mut scene = RasterScene::of(drawing, shot, &palette);
-    // Glyphs lie level and upright in the picture, as in the legend.
+    // Glyphs are aligned with the right direction of the picture, as in the legend.
     scene.right = shot.view.axes(shot.perspective, &work)[0];
     if shot.show != Show::Nothing {
         marks::add(&mut scene, drawing, shot, &palette, &scale);

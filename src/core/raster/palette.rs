@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// Colour as red, green and blue components, each from 0 to 1.
 pub type Colour = [f32; 3];
 
-/// Colours of a picture, except those of the error scale.
+/// Colours of a picture, except the colours of the error scale.
 pub struct Palette {
     pub paper: Colour,
     pub floor: Colour,
@@ -110,7 +110,7 @@ impl Light {
         Self { key: towards(-0.55, 0.75, 0.45), fill: towards(0.85, 0.1, 0.4) }
     }
 
-    /// Returns the brightness of a surface with this unit normal, as a factor of its colour.
+    /// Returns the brightness of a surface with this unit normal, as a factor that multiplies its colour.
     pub fn on(&self, normal: &Vector3<f64>) -> f32 {
         let (key, fill) = (normal.dot(&self.key).max(0.0), normal.dot(&self.fill).max(0.0));
         (0.56 + 0.46 * key + 0.16 * fill) as f32

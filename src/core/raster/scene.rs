@@ -69,7 +69,7 @@ impl SceneLine {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelSide {
     Above,
-    /// Below those points of the object that are lowest in the picture.
+    /// Below the points of the object's top that are lowest in the picture.
     Below,
     /// Beside a spot, to which a leader line is drawn.
     Spot,
@@ -140,7 +140,7 @@ impl RasterScene {
 
     fn add_envelopes(&mut self, drawing: &Drawing<'_>, shot: &Shot, palette: &Palette) {
         let all = drawing.envelopes.iter().zip(&drawing.fields);
-        // Operations of one tool orientation share an envelope.
+        // Operations with the same tool orientation may share an envelope.
         let mut drawn: Vec<&Vec<Vector3<f64>>> = Vec::new();
         for (rings, _) in all.filter(|(_, f)| shot.operation.is_none_or(|o| o == f.operation)) {
             let pale = mixed(palette.envelope, palette.paper, 0.4);

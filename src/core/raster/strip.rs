@@ -127,7 +127,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Vec<Leg
     let words = LegendTexts::of(drawing, stage, shot);
     let top = shot.height as f64 / unit - HEIGHT;
     let at = |x: f64, y: f64| Vector2::new(x * unit, y * unit);
-    // In a small picture the columns move together, and the letters keep their size.
+    // In a small picture the columns move closer together, and the letters keep their size.
     let narrow = (shot.width as f64 / unit / 125.0).min(1.0);
     let [first, second, third] = [COLUMNS[0], COLUMNS[1] * narrow, COLUMNS[2] * narrow];
     let bar = BAR * narrow;
@@ -148,7 +148,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Vec<Leg
         items.extend((0..STEPS).map(|k| {
             let x = |k: u32| first + bar * f64::from(k) / f64::from(STEPS);
             let colour = colour_of(f64::from(k) / f64::from(STEPS - 1));
-            // Each step reaches to the end, so that no gap shows.
+            // Each step extends to the right end of the bar, so that no gap shows.
             LegendItem::Area(at(x(k), top + 3.1), at(x(STEPS), top + 4.5), colour)
         }));
     }
@@ -178,7 +178,7 @@ fn sign_table(
 ) -> Vec<LegendItem> {
     let rows = if signs.len() <= 6 { 3 } else { MAX_ROWS };
     let columns: Vec<&[LegendSign]> = signs.chunks(rows).collect();
-    // A sign is 3 heights of capitals wide, and as much lies between two columns.
+    // A sign takes 3 heights of capitals, and the gap between two columns is 1.5 heights wide.
     let wide = |column: &&[LegendSign]| {
         4.5 + column.iter().map(|sign| font::width(sign.label(), 1.0)).fold(0.0, f64::max)
     };

@@ -25,8 +25,8 @@ pub fn outlines(
     loops.filter(|(_, rings): &(u32, Vec<_>)| !rings.is_empty()).collect()
 }
 
-/// Returns for each value the sides of grid cells between a cell of this value and a cell of another value. A
-/// side is directed so that the cell of this value is on the right.
+/// Returns for each value the sides of grid cells between a cell of this value and a cell of another value or
+/// the outside. A side is directed so that the cell of this value is on the right.
 fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoint)>> {
     let height = values.len() / width.max(1);
     let at = |x: i32, y: i32| {
@@ -74,7 +74,7 @@ fn area(ring: &[GridPoint]) -> f64 {
 
 /// Returns a ring with fewer points (Douglas and Peucker 1973).
 ///
-/// For this, the ring is split at two points. One is the leftmost point (the uppermost of several), which is
+/// The ring is first split at two points. One is the leftmost point (the uppermost of several), which is
 /// always a corner; the other is the point farthest from it.
 fn simplified(ring: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };

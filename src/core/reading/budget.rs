@@ -19,8 +19,8 @@ pub struct Share {
     ///
     /// In the signed reading the source has its signed value, otherwise the upper limit of its tolerance.
     pub term: Vector3<f64>,
-    /// Size of the linear error in the operation's sense if only this source errs, by its tolerance, m or
-    /// rad.
+    /// Size of the linear error in the operation's sense if this source is at its tolerance and all others
+    /// are 0, m or rad.
     pub alone: f64,
     /// Share of the linear worst case; the shares of all sources add up to 1.
     pub of_worst: f64,
@@ -82,7 +82,7 @@ impl Budget {
     }
 }
 
-/// Returns the part of each source k in the variance: `g_k . sum_j C_kj g_j`.
+/// Returns the contribution of each source k to the variance: `g_k . sum_j C_kj g_j`.
 ///
 /// Here `g_k` is the effect of one unit of source k (`unit`), and `C` is the covariance of the sources.
 fn variances(sources: &ErrorSources, unit: &[Vector6<f64>]) -> Vec<f64> {

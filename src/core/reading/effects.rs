@@ -1,4 +1,4 @@
-//! First-order effects of the error sources on the TCP, relative to the equipment worked on.
+//! First-order effects of the error sources on the TCP, relative to the equipment on which the robot works.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use crate::cell::{Distribution, Parameter};
@@ -6,8 +6,8 @@ use crate::kinematic_error::Expansion;
 use crate::pose::{Displacement, Pose};
 use nalgebra::Vector3;
 
-/// First-order effect of one unit of each error source on the TCP, and its second-order mean error (base
-/// frame).
+/// First-order effect of one unit of each error source on the TCP, and the second-order mean error of the TCP
+/// (base frame).
 ///
 /// The second-order mean is the mean error that the second-order terms of random sources cause.
 #[derive(Debug, Clone)]
@@ -89,8 +89,8 @@ impl Effects {
 
 /// Returns the mean of the second-order terms of the TCP error: `1/2 sum_jk H_jk C_jk`.
 ///
-/// `H_jk` is the second derivative of the TCP pose by sources j and k, and `C` is their covariance. For
-/// independent sources, only the terms with j = k are not zero.
+/// `H_jk` is the second derivative of the TCP pose with respect to sources j and k, and `C_jk` is their
+/// covariance. For independent sources, only the terms with j = k are not zero.
 fn second_order_mean(sources: &ErrorSources, expansion: &Expansion) -> Displacement {
     let mut mean = Displacement::NONE;
     for (k, source) in sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {

@@ -1,4 +1,5 @@
-//! Propagation of parameter errors to the error of an operation, relative to the equipment worked on.
+//! Propagation of parameter errors to the error of an operation, relative to the equipment on which the robot
+//! works.
 
 use super::effects::Effects;
 use super::error_sources::ErrorSources;
@@ -69,7 +70,8 @@ impl ErrorPropagation<'_> {
 
     /// Returns the error of a sample at a posture, relative to the work and to the pick of the part, if any.
     ///
-    /// Do not call this function for the linear model, whose errors are sums of [`Self::effects`].
+    /// Do not call this function for the linear model; the errors of that model are sums of
+    /// [`Self::effects`].
     pub fn error(
         &self,
         context: &WorkContext,
@@ -80,7 +82,8 @@ impl ErrorPropagation<'_> {
         let placed = self.error_at(&context.site, frames, sample, model);
         let Some(reference) = &context.reference else { return placed };
         let picked = self.error_at(&reference.site, &reference.frames, sample, model);
-        // The error of the pick displaces the part in the gripper; its inverse is carried to this posture.
+        // The part lies in the gripper displaced by the inverse of the pick error. This displacement is
+        // rotated to the present posture.
         let turn = frames.tcp.rotation * reference.frames.tcp.rotation.transpose();
         picked.inverse().turned(&turn).then(&placed)
     }
@@ -111,8 +114,8 @@ impl ErrorPropagation<'_> {
 #[derive(Debug, Clone)]
 pub struct PreparedSample {
     errors: Perturbation,
-    /// Rigid motion that the best fit of the base finds for the sample, with the translation of the centre of
-    /// the fit.
+    /// Rigid motion that the best fit of the base finds for the sample, with its reference point at the
+    /// centre of the fit.
     fitted: Option<Displacement>,
     /// Index and frame error of each piece of equipment whose errors count.
     equipment: [Option<(usize, FrameError)>; 2],
@@ -125,7 +128,8 @@ impl PreparedSample {
     }
 }
 
-/// Returns the displacement of the point `p` (base frame, m) if the error of a work frame moves the work.
+/// Returns the displacement of a point of the work at `p` (base frame, m) that the error of the work frame
+/// causes.
 ///
 /// The work is rotated about x, y and z of its frame in this order, then translated.
 fn work_moved(error: &FrameError, work: &Pose, p: &Vector3<f64>) -> Displacement {

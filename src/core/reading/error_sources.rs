@@ -39,8 +39,8 @@ pub struct ErrorSources {
     pub factors: Vec<Vec<(usize, f64)>>,
     /// Number of robot parameters in a sample; joint frames are included only if one of them has an error.
     parameters: usize,
-    /// Indices of the equipment whose errors count: the equipment worked on, and the equipment the part was
-    /// picked from.
+    /// Indices of the equipment whose errors count: the equipment on which the robot works, and the equipment
+    /// from which it picked the part.
     at: [Option<usize>; 2],
 }
 
@@ -60,7 +60,7 @@ impl ErrorSources {
                 list.push(ErrorSource { robot: Some(k), ..ErrorSource::new(parameter, signed, spread) });
             }
         }
-        // A taught frame follows the errors of the equipment.
+        // A taught frame moves with the equipment, so the errors of the equipment do not count.
         for e in at.into_iter().flatten().filter(|_| cell.registration != Registration::Taught) {
             let Some(errors) = &cell.equipment[e].errors else { continue };
             let spreads = errors.tolerance();
@@ -83,14 +83,14 @@ impl ErrorSources {
 
     /// Returns the robot errors of a sample; `values` holds one value per source.
     pub fn perturbation(&self, chain: &Chain, values: &[f64]) -> Perturbation {
-        // A shorter buffer is cheaper to clear, which every tried corner needs.
+        // The buffer is cleared for every corner that is tried, and a shorter one is cheaper to clear.
         match self.parameters <= Parameter::first_joint(MAX_JOINTS) {
             true => self.spread_out(chain, values, &mut [0.0; Parameter::first_joint(MAX_JOINTS)]),
             false => self.spread_out(chain, values, &mut [0.0; MAX_PARAMETERS]),
         }
     }
 
-    /// Returns the robot errors of a sample, using `all` as a zero-filled buffer.
+    /// Returns the robot errors of a sample; the buffer `all` must be filled with zeros.
     fn spread_out(&self, chain: &Chain, values: &[f64], all: &mut [f64]) -> Perturbation {
         for (source, value) in self.list.iter().zip(values) {
             source.robot.into_iter().for_each(|k| all[k] = *value);
@@ -119,7 +119,8 @@ impl ErrorSources {
         Expansion::of(chain, &parameters)
     }
 
-    /// Returns every independent random factor: sources with their values at one standard deviation.
+    /// Returns every independent random factor as a list of sources with their values at one standard
+    /// deviation of the factor.
     pub fn independent(&self) -> Vec<Vec<(usize, f64)>> {
         let alone = self.list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
         alone.map(|(k, s)| vec![(k, s.deviation)]).chain(self.factors.iter().cloned()).collect()
@@ -135,7 +136,8 @@ impl ErrorSources {
         self.list.iter().all(|s| s.kurtosis != 0.0)
     }
 
-    /// Returns the index of a source among the parameters of the robot.
+    /// Returns the index of a source among the parameters of the robot; None for a parameter of the
+    /// equipment.
     pub fn robot_index(&self, source: usize) -> Option<usize> {
         self.list[source].robot
     }
@@ -161,7 +163,8 @@ fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
 /// Each factor is a sparse vector: source indices with their values. `place` maps a parameter to its source.
 fn factors(tolerance: &Tolerance, place: &[Option<usize>]) -> Vec<Vec<(usize, f64)>> {
     let Some(covariance) = &tolerance.covariance else { return Vec::new() };
-    // The axes are those of the correlation matrix, because m and rad must not be compared.
+    // The factors are principal axes of the correlation matrix, because the covariance matrix mixes m and
+    // rad.
     let deviations: Vec<f64> = covariance.matrix.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
     let n = deviations.len();
     let correlation = |i: usize, j: usize| match deviations[i] * deviations[j] {

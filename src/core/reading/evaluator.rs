@@ -21,7 +21,7 @@ pub struct ErrorEvaluator {
     pub sources: ErrorSources,
     best_fit: Option<BestFit>,
     pub sense: Sense,
-    /// Senses reported at every node: those of the seed paper and that of the operation.
+    /// Senses reported at every node: the senses of the seed paper and the sense of the operation.
     pub reported: Vec<Sense>,
     pub model: Model,
     pub reading: Reading,
@@ -30,7 +30,7 @@ pub struct ErrorEvaluator {
     /// Values of the signed sample, one per source.
     pub(super) signed_values: Vec<f64>,
     signed: PreparedSample,
-    /// Whether only the robot has errors, and neither a registration nor a pick removes a part of them.
+    /// Whether only the robot has errors, and neither a registration nor a pick removes any part of them.
     alone: bool,
 }
 
@@ -111,7 +111,7 @@ impl ErrorEvaluator {
     }
 
     /// Returns the pick of a part in the posture with the link frames `frames`, and the effects of errors on
-    /// it.
+    /// the pick.
     pub fn pick_reference(&self, site: WorkFrame, frames: Frames) -> PickReference {
         let mut effects = Effects::default();
         let mut expansion = self.sources.expansion(&self.chain);
@@ -151,8 +151,8 @@ impl ErrorEvaluator {
     /// Returns the signed sample and the rows of the sense (world frame) if the value is a position error of
     /// the TCP.
     ///
-    /// Then [`Self::value`] is the size of the nonlinear position error in these rows. The context does not
-    /// influence it.
+    /// Then [`Self::value`] is the size of the nonlinear position error in these rows. Only the rotation
+    /// [`WorkFrame::world`] of the context influences it.
     pub fn plain(&self) -> Option<(&Perturbation, Vec<Vector3<f64>>)> {
         let signed = self.reading == Reading::Signed && self.model == Model::Nonlinear;
         let is_plain = signed && self.alone && self.sense.is_of_position();
@@ -160,8 +160,8 @@ impl ErrorEvaluator {
         is_plain.then(|| (self.signed.errors(), rows()))
     }
 
-    /// Returns the size of a position error (base frame) in a sense whose rows are directions in the world
-    /// frame.
+    /// Returns the size of a position error (base frame) in the operation's sense, whose rows must be
+    /// directions in the world frame.
     fn size_of_position(&self, e: &Vector3<f64>, world: &Matrix3<f64>) -> f64 {
         let world = world.transpose() * e;
         self.sense.rows().iter().map(|row| row.direction.dot(&world).powi(2)).sum::<f64>().sqrt()
@@ -251,8 +251,10 @@ impl ErrorEvaluator {
         })
     }
 
-    /// Returns an estimate of the size of the second-order terms. It is the root sum square of the rotations
-    /// of the TCP that the sources cause at their tolerances, times that of the displacements.
+    /// Returns an estimate of the size of the second-order terms.
+    ///
+    /// Each source at its tolerance rotates and displaces the TCP. The estimate is the root sum square of the
+    /// rotations times the root sum square of the displacements.
     fn quadratic(&self, effects: &Effects) -> f64 {
         let pairs = self.sources.list.iter().zip(&effects.columns);
         let (turn, shift) = pairs.fold((0.0, 0.0), |(turn, shift), (source, effect)| {
@@ -263,7 +265,7 @@ impl ErrorEvaluator {
         (turn * shift).sqrt()
     }
 
-    /// Returns the corner of the tolerance box with the largest linear error, as one sign per source. Call
+    /// Returns the largest linear error over the tolerance box, and its corner as one sign per source. Call
     /// [`Self::prepare`] first.
     pub fn linear_corner(
         &self,
@@ -279,7 +281,7 @@ impl ErrorEvaluator {
         (found, corner)
     }
 
-    /// Writes the values of the sources at the corner of the tolerance box that `signs` name.
+    /// Writes the values of the sources at the corner of the tolerance box that `signs` gives.
     pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
         for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
             *value = source.plus_minus * sign;
@@ -305,7 +307,7 @@ impl ErrorEvaluator {
         NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
     }
 
-    /// Restricts the reported senses to that of the operation, which makes reports several times faster.
+    /// Restricts the reported senses to the sense of the operation, which makes reports several times faster.
     pub fn report_own_sense(&mut self) {
         self.reported = vec![self.sense.clone()];
     }

@@ -6,10 +6,10 @@ use crate::pose::Displacement;
 /// Error figures of one sense at one posture, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Error of the signed sample, or of the corner of the tolerance box that is worst in the operation's
-    /// sense.
+    /// Error of the signed sample. In the other readings, the error at the corner of the tolerance box that
+    /// is worst in the operation's sense.
     pub error: f64,
-    /// Exact worst case by the linear model.
+    /// Worst case by the linear model, or an upper bound of it ([`super::WorstCase::linear`]).
     pub worst_linear: f64,
     /// Worst case by the chosen model.
     pub worst: f64,
@@ -47,13 +47,14 @@ impl Figures {
 pub struct PostureErrors {
     /// Value that the search minimizes: an error (m or rad), or a share of failures.
     pub value: f64,
-    /// Error of the sample by the model of the cell, base frame.
+    /// Error of the signed sample, or of the worst corner of the tolerance box, by the model of the cell,
+    /// base frame.
     pub error: Displacement,
-    /// Error of the sample by the nonlinear model, base frame.
+    /// Error of this sample or corner by the nonlinear model, base frame.
     pub nonlinear: Displacement,
-    /// Error of the sample by the linear model, base frame.
+    /// Error of this sample or corner by the linear model, base frame.
     pub linear: Displacement,
-    /// Error of the sample by the second-order model, base frame.
+    /// Error of this sample or corner by the second-order model, base frame.
     pub second_order: Displacement,
     /// Figures of each sense of [`super::ErrorEvaluator::reported`].
     pub figures: Vec<Figures>,

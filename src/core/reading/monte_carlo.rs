@@ -1,6 +1,6 @@
-//! Quasi-Monte Carlo check of the statistical reading by samples of the nonlinear model.
+//! Quasi-Monte Carlo check of the statistical reading with samples of the nonlinear model.
 //!
-//! Each replicate is a Richtmyer sequence with a random shift, which follows from an explicit seed. The
+//! Each replicate is a Richtmyer sequence with a random shift, which depends only on a given seed. The
 //! scatter of the replicates gives the confidence interval.
 
 use super::sample_space::{SampleSpace, SampleStream};
@@ -135,16 +135,16 @@ pub struct SampledPosture<'a> {
     pub p95: f64,
 }
 
-/// Estimates for several operations of one cell, by the same samples.
+/// Estimates for several operations of one cell, from the same samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointSamples {
     /// Estimates of each operation alone.
     pub operations: Vec<MonteCarlo>,
-    /// Probability that every operation with a limit keeps it; None without a limit.
+    /// Probability that every operation with a limit keeps its limit; None if no operation has a limit.
     pub together: Option<Estimate>,
 }
 
-/// Estimates the figures of the error in the operation's sense at one posture, by samples of the nonlinear
+/// Estimates the figures of the error in the operation's sense at one posture, from samples of the nonlinear
 /// model.
 ///
 /// `p95` is the first-order 95th percentile; the share of samples above it is estimated, too.
@@ -160,9 +160,9 @@ pub fn monte_carlo(
     SampledPosture { evaluator, context, frames, p95 }.monte_carlo(&space, samples, seed)
 }
 
-/// Estimates the figures of several operations of one cell by the same samples of the nonlinear model.
+/// Estimates the figures of several operations of one cell from the same samples of the nonlinear model.
 ///
-/// Each sample is one arm in one cell (`space`), which is judged in all operations.
+/// Each sample from `space` is one arm in one cell, whose errors apply to all operations.
 pub fn joint_monte_carlo(
     space: &SampleSpace,
     postures: &[SampledPosture<'_>],
@@ -222,7 +222,8 @@ impl Replicate {
 }
 
 impl SampledPosture<'_> {
-    /// Estimates the figures of this operation alone, by the samples of a joint estimate with the same seed.
+    /// Estimates the figures of this operation alone, from the samples that a joint estimate with the same
+    /// seed uses.
     pub fn monte_carlo(self, space: &SampleSpace, samples: usize, seed: u64) -> MonteCarlo {
         let each = samples.div_ceil(REPLICATES).max(1);
         let one = std::slice::from_ref(&self);
@@ -260,9 +261,9 @@ impl SampledPosture<'_> {
 
 /// Returns the share of `count` among independent samples, with Wilson's 95 % score interval.
 ///
-/// The shares of quasi-random points scatter less, so that the interval is a cautious one for them. Unlike
-/// their scatter, it does not vanish where all samples agree (E. B. Wilson, "Probable inference, the law of
-/// succession, and statistical inference", J. Amer. Statist. Assoc. 22, 1927).
+/// The shares of quasi-random points scatter less, so the interval is conservative for them. It does not
+/// vanish if all samples agree, unlike an interval from the scatter of replicates (E. B. Wilson, "Probable
+/// inference, the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22, 1927).
 pub fn share_of(count: usize, samples: usize) -> Estimate {
     let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
     let value = count as f64 / n;

@@ -60,7 +60,8 @@ impl PositionMoments {
         second: ErrorMoments::NONE,
     };
 
-    /// Returns the moments in another frame; `pose` is the pose of the present frame in that one.
+    /// Returns the moments in another frame; the argument is the pose of the present frame in the other
+    /// frame.
     pub fn placed(&self, Pose { rotation, translation }: &Pose) -> Self {
         let placed = |error: &ErrorMoments| {
             let mean = rotation * error.mean;
@@ -125,7 +126,7 @@ impl PositionMoments {
             product: self.square - through * self.mean.transpose(),
         };
         if model == Model::Nonlinear {
-            // Rodrigues' formula for R - 1, which moves the point with its error.
+            // Rodrigues' formula for R - 1, which is applied to the point after its earlier errors.
             let turn = cross * by.sin + cross * cross * by.versine;
             self.error = self.error + (arm + self.error).times(&turn);
             return;
@@ -170,8 +171,8 @@ impl std::ops::Mul<f64> for PositionMoments {
     }
 }
 
-/// First two Fourier coefficients of a random angle: the means of its cosine and sine, and of those of twice
-/// the angle.
+/// First two Fourier coefficients of a random angle a: the means of cos a and sin a, and of cos 2a and sin
+/// 2a.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonics {
     first: (f64, f64),
@@ -207,7 +208,7 @@ impl Harmonics {
 
     /// Returns the mean of `R M R^T`, where R is the rotation by the random angle about the z axis.
     ///
-    /// Trace and antisymmetric part of the block of x and y do not change. The rest of the block turns by
+    /// The trace and the antisymmetric part of the xy block do not change. The rest of the block turns by
     /// twice the angle.
     fn mean_of_matrix(&self, m: &Matrix3<f64>) -> Matrix3<f64> {
         let (c, s) = self.first;

@@ -1,4 +1,5 @@
-//! Registration: frames measured with the robot itself, a best-fitted base and taught surfaces.
+//! Registration: frames measured with the robot itself, namely a best-fit base frame or taught surface
+//! frames.
 //!
 //! A registration is a rigid motion M that a rule fits to the errors at some points. The controller works in
 //! the moved frame, so an error E at a node becomes `M^-1 E`. To first order this is a difference of twists.
@@ -20,12 +21,12 @@ const MAX_ITERATIONS: usize = 16;
 /// Size of a correction (m and rad) below which an exact fit has converged.
 const CONVERGED: f64 = 1e-17;
 
-/// Distance, m, below which two points are the same.
+/// Distance, m, below which two points count as the same.
 const SAME_POINT: f64 = 1e-6;
 
-/// Best fit of the base frame: the least squares of the TCP position errors over the workspace.
+/// Least-squares fit of the base frame to the TCP position errors over the workspace.
 ///
-/// The mean of their squares is over all postures between the joint limits.
+/// The fit minimizes the mean square of the errors over all postures between the joint limits.
 #[derive(Debug, Clone)]
 pub struct BestFit {
     workspace: WorkspaceAverage,
@@ -35,7 +36,8 @@ pub struct BestFit {
     covariance: Matrix3<f64>,
     /// Inverse of the inertia matrix `E[|r|^2 I - r r^T]`.
     inverse: Matrix3<f64>,
-    /// Part of the effect of each source that the fit removes: a twist with the translation of the centre.
+    /// Part of the effect of each source that the fit removes: a twist with its reference point at the
+    /// centre.
     pub effects: Effects,
 }
 
@@ -47,14 +49,15 @@ impl BestFit {
         let (centre, square) = workspace.position(&sources.perturbation(chain, &[]));
         let covariance = square - centre * centre.transpose();
         let inertia = Matrix3::identity() * covariance.trace() - covariance;
-        // Points on one line leave the rotation about it undetermined; then the pseudo-inverse takes none.
+        // If all points lie on one line, the rotation about this line is undetermined. The pseudo-inverse
+        // then gives no rotation about it.
         let inverse = inertia.pseudo_inverse(1e-12 * inertia.norm()).unwrap_or_else(|_| Matrix3::zeros());
         let mut fit = Self { workspace, centre, covariance, inverse, effects: Effects::default() };
         fit.effects = fit.of_sources(chain, sources, mean);
         fit
     }
 
-    /// Returns the rigid motion fitted to a sample, with the translation of the centre of the fit.
+    /// Returns the rigid motion fitted to a sample, with its reference point at the centre of the fit.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let undo = |left: &mut ErrorMoments, back: &Displacement| {
             let turn = SmallRotation::of(&back.rotation);
@@ -72,13 +75,14 @@ impl BestFit {
         frames.tcp.translation - self.centre
     }
 
-    /// Returns the moments of an error d with the vector r from the centre instead of the position.
+    /// Returns the moments of an error with the vector r from the centre to the TCP in place of the TCP
+    /// position.
     fn about_centre(&self, error: ErrorMoments) -> ErrorMoments {
         ErrorMoments { product: error.product - error.mean * self.centre.transpose(), ..error }
     }
 
-    /// Returns the least-squares twist of small displacements d, with the translation of the centre of the
-    /// fit, from their moments about the centre.
+    /// Returns the least-squares twist of small displacements d from their moments about the centre of the
+    /// fit, which is also the reference point of the twist.
     fn twist(&self, ErrorMoments { mean, product }: &ErrorMoments) -> Displacement {
         // The mean of r x d.
         let moment =
@@ -86,8 +90,8 @@ impl BestFit {
         Displacement { position: *mean, rotation: self.inverse * moment }
     }
 
-    /// Returns the part of the effect of each source that the fit removes: a twist with the translation of
-    /// the centre.
+    /// Returns the part of the effect of each source that the fit removes: a twist with its reference point
+    /// at the centre.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let count = sources.list.len();
         let moments =
@@ -117,8 +121,8 @@ impl BestFit {
 pub struct Taught {
     /// Postures that touch the points.
     pub postures: [Frames; 3],
-    /// Part of the effect of each source that the taught frame removes: a twist with the translation of the
-    /// origin.
+    /// Part of the effect of each source that the taught frame removes: a twist with its reference point at
+    /// the origin.
     pub effects: Effects,
 }
 
@@ -144,7 +148,7 @@ impl Taught {
         taught
     }
 
-    /// Returns the rigid motion of the taught frame for a sample, with the translation of its origin.
+    /// Returns the rigid motion of the taught frame for a sample, with its reference point at the origin.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
         let undo = |moved: &mut [Vector3<f64>; 3], back: &Displacement| {
@@ -162,7 +166,7 @@ impl Taught {
         self.distance(p) < SAME_POINT
     }
 
-    /// Returns the distance of a target (base frame, m) from the nearest touched point, m.
+    /// Returns the distance of a point (base frame, m) from the nearest touched point, m.
     pub fn distance(&self, p: &Vector3<f64>) -> f64 {
         let distances = self.postures.iter().map(|f| (f.tcp.translation - p).norm());
         distances.fold(f64::INFINITY, f64::min)
@@ -177,8 +181,8 @@ impl Taught {
         self.postures[k].tcp.translation
     }
 
-    /// Returns the twist of the taught frame, with the translation of its origin, for small displacements of
-    /// the three points.
+    /// Returns the twist of the taught frame, with its reference point at the origin, for small displacements
+    /// of the three points.
     fn twist(&self, moved: &[Vector3<f64>; 3]) -> Displacement {
         let [along, third] = [1, 2].map(|k| self.point(k) - self.point(0));
         let x = along.normalize();
@@ -193,7 +197,7 @@ impl Taught {
 
 /// Returns the rigid motion that an exact fit by `rule` finds in the displacements `left`.
 ///
-/// The fitted motion is taken from the displacements by `undo` until the rule finds none left.
+/// In each iteration, `undo` removes the fitted motion from the displacements, until the rule finds none.
 fn exact<T>(
     mut left: T,
     rule: impl Fn(&T) -> Displacement,

@@ -1,7 +1,7 @@
-//! Random draws of all parameters that the operations of a cell share: one draw is one arm in one cell.
+//! Random draws of the parameters of all operations of a cell: one draw is one arm in one cell.
 //!
-//! Operations have the parameters of the robot in common, and those of equipment that they share. Each of
-//! these parameters has one value per draw, whichever operations are judged.
+//! Operations share the parameters of the robot, and the parameters of equipment that they have in common.
+//! Each of these parameters has one value per draw, whichever operations are judged.
 
 use super::error_sources::{ErrorSource, ErrorSources};
 use super::normal_quantile::normal_quantile;
@@ -53,10 +53,10 @@ impl SampleSpace {
     }
 }
 
-/// Stream of draws, which are the points of a randomly shifted Richtmyer sequence.
+/// Stream of draws at the points of a randomly shifted Richtmyer sequence.
 pub(super) struct SampleStream<'a> {
     space: &'a SampleSpace,
-    /// Coordinate of the current point of the unit cube and step of the sequence, for each dimension.
+    /// Coordinate of the current point in the unit cube, and step of the sequence, for each dimension.
     at: Vec<(f64, f64)>,
     values: Vec<f64>,
 }

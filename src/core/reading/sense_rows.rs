@@ -5,7 +5,7 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-/// Rows of a sense in the base frame, and the point whose error they select.
+/// Rows of a sense in the base frame, and the point whose error they measure.
 #[derive(Debug, Clone, Copy)]
 pub struct SenseRows {
     /// Vector from the TCP to the point whose error the sense measures, base frame, m.

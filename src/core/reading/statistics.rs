@@ -16,7 +16,7 @@ pub(super) struct Statistics {
 }
 
 impl ErrorEvaluator {
-    /// Returns the statistical figures in a sense, with the worst case `worst` in this sense. Call
+    /// Returns the statistical figures in a sense; `worst` (m or rad) is the worst case in this sense. Call
     /// [`Self::prepare`] first.
     pub(super) fn statistics(
         &self,
@@ -59,8 +59,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns whether the worst case limits the percentiles: bounded parameters dominate, and no other kind
-    /// has an error.
+    /// Returns whether the worst case limits the percentiles: bounded parameters dominate, and no parameter
+    /// has an unbounded distribution.
     fn caps(&self, norm: &NormLaw<'_>) -> bool {
         matches!(norm, NormLaw::Bounded(_)) && self.sources.are_all_bounded()
     }

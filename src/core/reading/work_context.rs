@@ -1,4 +1,5 @@
-//! Work of an operation in one layout: the work frame, and the pick of the part that the operation places.
+//! Context of the errors of an operation in one layout: the work frame, and the pick of the part that the
+//! operation places.
 
 use super::effects::Effects;
 use super::registration::Taught;
@@ -9,13 +10,13 @@ use nalgebra::{Matrix3, Vector3};
 /// Work frame of one operation in one layout.
 #[derive(Debug, Clone)]
 pub struct WorkFrame {
-    /// Index of the equipment worked on.
+    /// Index of the equipment on which the robot works.
     pub equipment: usize,
     /// Pose of the equipment in the base frame.
     pub work: Pose,
     /// Rotation from world axes to the base frame.
     pub world: Matrix3<f64>,
-    /// Taught surface frame, if the frame was taught.
+    /// Taught surface frame; None if the frame was not taught.
     pub taught: Option<Box<Taught>>,
 }
 
@@ -38,9 +39,9 @@ pub struct WorkContext {
 impl WorkContext {
     /// Returns whether a target (base frame, m) was touched to teach the surface frame.
     ///
-    /// What error remains at a touched point follows from the rule of the frame: none at the origin, one along
-    /// the x axis at the second point, one in the plane at the third. It says nothing about the rest of the
-    /// surface.
+    /// The rule of teaching determines which error remains at a touched point. No error remains at the
+    /// origin, an error along the x axis at the second point, and an error in the plane at the third. These
+    /// errors do not represent the rest of the surface.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
     }

@@ -1,10 +1,10 @@
 //! Average over the workspace: moments of the TCP position and of its error if all actuator coordinates are
 //! independent and uniform between the joint limits.
 //!
-//! The moments are carried from the tool to the base, joint by joint. Rigid transforms and small motions map
-//! them linearly, and the mean over the range of a joint is in closed form ([`Harmonics`]). So the average is
-//! exact. Only an actuator that drives later joints through the coupling is integrated by a Gauss-Legendre
-//! rule. Its nodes are so many that the error of the rule is below 1e-4 of the integral.
+//! The moments are propagated from the tool to the base, joint by joint. Rigid transforms and small motions
+//! map them linearly, and the mean over the range of a joint has a closed form ([`Harmonics`]). So the
+//! average is exact. Only an actuator that drives later joints through the coupling is integrated by a
+//! Gauss-Legendre rule. The rule has so many nodes that its error is below 1e-4 of the integral.
 
 use super::position_moments::{ErrorMoments, Harmonics, PositionMoments};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Model};
@@ -14,9 +14,10 @@ use crate::robot::Chain;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::ops::Range;
 
-/// Number of nodes of a Gauss-Legendre rule, besides those for the oscillation of the integrand.
+/// Number of nodes of a Gauss-Legendre rule, in addition to the nodes for the oscillation of the integrand.
 const SPARE_NODES: f64 = 4.0;
-/// Greatest number of nodes of a Gauss-Legendre rule; it suffices for a joint of 10 turns each way.
+/// Greatest number of nodes of a Gauss-Legendre rule; it suffices for a joint with 10 turns in each
+/// direction.
 const MAX_NODES: f64 = 128.0;
 
 /// A chain prepared for averages over its workspace.
@@ -41,7 +42,7 @@ struct AveragedRow {
     link: Pose,
     /// Least and greatest actuator coordinate, rad or m.
     range: (f64, f64),
-    /// Factors by which the actuators up to this one move the joint.
+    /// Factors by which this actuator and those before it move the joint.
     coupling: Vec<f64>,
     /// Gauss-Legendre rule over the range, as actuator coordinates and weights whose sum is 1.
     ///
@@ -87,7 +88,7 @@ impl WorkspaceAverage {
         error + second
     }
 
-    /// Returns the moments in the base frame.
+    /// Returns the moments of the TCP position and its error, base frame.
     fn moments(&self, errors: &Perturbation, model: Model) -> PositionMoments {
         let mut at = PositionMoments::ORIGIN;
         if let Some(error) = &errors.tool {
@@ -135,11 +136,13 @@ impl WorkspaceAverage {
 }
 
 impl AveragedRow {
-    /// Prepares row `j` of a chain, whose actuator drives later joints by `driven` in all.
+    /// Prepares row `j` of a chain; `driven` is the sum of the factors by which its actuator drives later
+    /// joints.
     fn new(chain: &Chain, j: usize, driven: f64) -> Self {
         let link = &chain.links[j];
         let own = if link.kind == JointKind::Revolute { 1.0 } else { 0.0 };
-        // The moments are of degree 2 in sine and cosine of an angle, and n nodes serve a frequency of 2 n.
+        // The moments are of degree 2 in sine and cosine of an angle. On the interval -1 to 1, n nodes
+        // suffice for an angular frequency of 2 n.
         let frequency = 2.0 * (own + driven) * (link.limits.1 - link.limits.0) / 2.0;
         let count = (SPARE_NODES + frequency / 2.0).ceil().min(MAX_NODES) as usize;
         let theta = Harmonics::of_angle(link.theta);
@@ -182,7 +185,8 @@ impl AveragedRow {
         moments
     }
 
-    /// Returns the moments after the motion of the joint, of which other actuators cause `driven` (rad or m).
+    /// Returns the moments after the motion of the joint; `driven` (rad or m) is the part that other
+    /// actuators cause.
     fn moved(&self, moments: &PositionMoments, driven: f64, at: Option<f64>) -> PositionMoments {
         match self.kind {
             JointKind::Revolute => {

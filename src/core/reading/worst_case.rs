@@ -91,8 +91,8 @@ pub fn by_model(
             (best, at) = (value, corner);
         }
     };
-    // Sources with hardly any linear effect act by products of errors. A few are tried in every
-    // combination, many with the signs of the largest motions.
+    // Sources with hardly any linear effect act through products of errors. A few such sources are tried in
+    // every combination of signs. Many take their signs from the corners in `largest`.
     let unseen = |k: usize| 2.0 * columns[k].norm() <= gap;
     let count = (0..columns.len()).filter(|&k| unseen(k)).count();
     if (1..=MAX_EXHAUSTIVE).contains(&count) {
@@ -189,7 +189,8 @@ fn polished(
 
 /// Flips the first pair of signs that increases the error and changes the linear error by at most `gap`.
 ///
-/// Pairs matter because products of errors may dominate where the linear effects are small.
+/// Pairs matter because products of errors may dominate if the linear effects are small. Returns false if
+/// there is no such pair.
 fn flip_pair(
     columns: &[Vector6<f64>],
     gap: f64,

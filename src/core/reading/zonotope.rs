@@ -3,8 +3,9 @@
 //! The vectors `g_k` are the generators, and a choice of signs is a corner.
 //!
 //! The maximum is the largest sum of effects if each source may take either end of its tolerance. A vertex is
-//! farthest only if its own direction is inside its normal cone. The planes perpendicular to the generators
-//! cut the sphere of directions into cells, one per vertex. So it suffices to visit every cell:
+//! farthest only if the direction from the origin to it lies in its normal cone. The planes perpendicular to
+//! the generators cut the sphere of directions into cells, one per vertex. So it suffices to visit every
+//! cell:
 //!
 //! - 2-D: rotate a direction by half a turn; the signs flip one after another, in the order of the angles;
 //! - 3-D: the planes cut the sphere in great circles, and every cell borders on one; walk along each circle
@@ -13,8 +14,8 @@
 //! - 4-D to 6-D: branch and bound (`branch_and_bound`).
 //!
 //! For a few generators all corners are tried (`sign_table`). Every candidate is a true corner, so ties and
-//! rounding never invent a maximum. The returned value is computed from the returned signs. Squares must
-//! neither overflow nor underflow: the sizes of generators must be between 1e-150 and 1e150.
+//! rounding never produce a false maximum. The returned value is computed from the returned signs. Squares
+//! must neither overflow nor underflow: the sizes of generators must be between 1e-150 and 1e150.
 
 mod branch_and_bound;
 mod circle_walk;
@@ -35,8 +36,8 @@ const MAX_EXHAUSTIVE: usize = 7;
 const MAX_EXHAUSTIVE_MERGED: usize = 11;
 /// Sine of the angle below which generators count as parallel.
 ///
-/// Parallel generators get signs with which they add up, except generators smaller than this share of the
-/// sum.
+/// Parallel generators get signs with which they add up. Generators smaller than this share of the sum may
+/// get other signs.
 const PARALLEL_SINE: f64 = 1e-13;
 /// Cosine below which directions count as perpendicular.
 const PERPENDICULAR: f64 = 1e-14;

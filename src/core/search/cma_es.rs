@@ -3,8 +3,8 @@
 //! Formulas and default parameters are those of N. Hansen, "The CMA Evolution Strategy: A Tutorial",
 //! arXiv:1604.00772. Equations, sections and Table 1 are numbered as there.
 //!
-//! The method uses only the order of the costs. So the jumps of the cost at infeasible layouts do not disturb
-//! it.
+//! The steps depend only on the order of the costs. So the jumps of the cost at infeasible layouts do not
+//! disturb the method.
 
 use argmin::core::{
     CostFunction, Error, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus,
@@ -53,7 +53,8 @@ pub struct CmaEs {
 impl CmaEs {
     /// Prepares a run from `mean` with the initial step size `sigma`.
     ///
-    /// The parameters are those of Table 1 of N. Hansen, arXiv:1604.00772, with `scale` times its population.
+    /// The parameters are those of Table 1 of N. Hansen, arXiv:1604.00772, with `scale` times the population
+    /// of that table.
     pub fn new(mean: Vec<f64>, sigma: f64, scale: u32, rng: ChaCha8Rng) -> Self {
         let n = mean.len() as f64;
         let lambda = (4 + (3.0 * n.ln()).floor() as usize) * scale as usize;
@@ -119,12 +120,12 @@ impl CmaEs {
             covariance += y * y.transpose() * (self.c_mu * w);
         }
         for (y, w) in steps[self.weights.len()..].iter().zip(&self.worse) {
-            // Scaled to the length of a typical step, so that no single bad one can spoil the covariance.
+            // Scaled to the length of a typical step, so that no single bad step can spoil the covariance.
             let length = (whiten * y).norm_squared().max(f64::MIN_POSITIVE);
             covariance += y * y.transpose() * (self.c_mu * w * n / length);
         }
         self.covariance = (&covariance + covariance.transpose()) / 2.0;
-        // The exponent is bounded: one generation never enlarges the step by more than a factor e.
+        // The exponent is bounded: one generation never increases the step size by more than a factor of e.
         self.sigma *= ((self.c_sigma / self.d_sigma) * (length / self.chi - 1.0)).min(1.0).exp();
     }
 
@@ -148,13 +149,13 @@ impl CmaEs {
 ///
 /// Source: eqs. (50)-(53) of N. Hansen, arXiv:1604.00772.
 fn negative(raw: &[f64], mu_eff: f64, c_1: f64, c_mu: f64, n: f64) -> Vec<f64> {
-    // The middle weight of an odd number may exceed zero by rounding.
+    // With an odd population, rounding may make the middle weight positive.
     let raw: Vec<f64> = raw.iter().map(|w| w.min(0.0)).collect();
     let sum: f64 = raw.iter().sum();
     let effective = sum * sum / raw.iter().map(|w| w * w).sum::<f64>();
     let most =
         (1.0 + c_1 / c_mu).min(1.0 + 2.0 * effective / (mu_eff + 2.0)).min((1.0 - c_1 - c_mu) / (n * c_mu));
-    // With few variables c_mu is 0; then there are no negative weights.
+    // If the limit is not a positive number, there are no negative weights.
     let most = if most.is_finite() { most.max(0.0) } else { 0.0 };
     raw.iter().map(|w| -most * w / sum).collect()
 }

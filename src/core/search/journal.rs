@@ -33,9 +33,9 @@ pub struct Checkpoint {
     record: Record,
     /// Results of the evaluations in the current run.
     explored: Vec<Answer>,
-    /// Results of the evaluations in the polish that followed the current run.
+    /// Results of the evaluations in the polish and local search that followed the current run.
     polished: Vec<Answer>,
-    /// Hash of the evaluated points in each phase: exploration, polish.
+    /// Hash of the evaluated points in each phase: exploration; polish with local search.
     asked: [u64; 2],
 }
 
@@ -173,7 +173,8 @@ impl SearchJournal {
         self.allow();
     }
 
-    /// Begins the local search, which may use the rest of the budget.
+    /// Begins the local search, which may use the rest of the budget, but at most [`MAX_RUN_EVALUATIONS`]
+    /// more evaluations than the polish.
     pub fn begin_local_search(&mut self) {
         self.until = self.checkpoint.stopping.budget.min(self.until + MAX_RUN_EVALUATIONS);
     }
@@ -182,7 +183,7 @@ impl SearchJournal {
         let stopping = &self.checkpoint.stopping;
         let most = match self.phase {
             Phase::Explore => stopping.exploration(),
-            // An exploration that ended early leaves a larger rest.
+            // An exploration that ended early leaves more of the budget.
             Phase::Polish if stopping.keeps_more() => self.record.evaluations + stopping.polish(),
             Phase::Polish => stopping.budget,
         };

@@ -1,10 +1,10 @@
 //! Local search around the members of the Pareto front or the shortlist.
 //!
-//! It changes one coordinate of a member at a time, or two coordinates with listed values. A coordinate with
-//! listed values takes all of them. A coordinate with a range takes steps that become smaller. New members
-//! are explored in turn (Pareto local search: L. Paquete, M. Chiarandini, T. Stuetzle, in Metaheuristics for
-//! Multiobjective Optimisation, 2004). If the budget suffices for every layout of the space, the search
-//! evaluates all of them.
+//! Each change affects one coordinate of a member, or two coordinates with listed values. A coordinate with
+//! listed values takes each of its values. A coordinate with a range takes steps that become smaller. New
+//! members are explored in turn (Pareto local search: L. Paquete, M. Chiarandini, T. Stuetzle, in
+//! Metaheuristics for Multiobjective Optimisation, 2004). If the budget suffices for every layout of the
+//! space, the search evaluates all of them.
 
 use super::problem::Problem;
 use super::search_space::NeighbourChange;
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 /// Changes in the order in which they are tried.
 ///
-/// Large changes find other layouts for the shortlist, small ones improve a member.
+/// Large changes find other layouts for the shortlist; small changes improve a member.
 const CHANGES: [NeighbourChange; 7] = [
     NeighbourChange::List,
     NeighbourChange::Range(0.1),

@@ -1,16 +1,16 @@
 //! Search for the best layout: solvers of argmin place all movable equipment.
 //!
 //! The free coordinates of all placements form a point of the unit cube ([`SearchSpace`]). The cost of a
-//! point is that of [`crate::layout::evaluate`], with a penalty for infeasible layouts. A global solver with
-//! restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish of the best layout uses the
-//! rest. The problem keeps the best feasible layout that `evaluate` has ever seen, even if the solver reports
-//! another. The same cell, seed and budget give the same bytes for any number of threads.
+//! point is the cost of [`crate::layout::evaluate`], which includes a penalty for infeasible layouts. A
+//! global solver with restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish of the best
+//! layout uses the rest. The problem keeps the best feasible layout that `evaluate` has ever seen, even if
+//! the solver reports another. The same cell, seed and budget give the same bytes for any number of threads.
 //!
-//! A Pareto search minimizes another scalarization of its goals in every run, and offers every feasible
+//! A Pareto search minimizes a different scalarization of its goals in every run, and offers every feasible
 //! layout to a Pareto front. A search that keeps several layouts offers every feasible layout to a shortlist:
-//! the best layouts that differ clearly from each other. Front and shortlist are part of the record and so of
-//! every checkpoint. At the end a local search explores the neighbours of their members. Polish and local
-//! search together use a quarter of the budget.
+//! the best layouts that differ clearly from each other. Front and shortlist are part of the record, and
+//! therefore of every checkpoint. At the end a local search explores the neighbours of their members. Polish
+//! and local search together use a quarter of the budget.
 
 mod cma_es;
 mod journal;
@@ -46,7 +46,7 @@ pub struct EvaluatedLayout {
     pub evaluation: Evaluation,
 }
 
-/// Layout reported beside the best one.
+/// Layout reported in addition to the best one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alternative {
     pub candidate: EvaluatedLayout,
@@ -144,7 +144,7 @@ pub fn search_job(
     let alternatives = alternatives(workcell, &space, &journal.record, settings.keep);
     let mut record = journal.record;
     let mut best = candidate(workcell, space.layout(&record.point));
-    // The layout of the file may be finer than the rounding of the search, and better.
+    // The search rounds coordinates, so the unrounded layout in the file may be better.
     if start.evaluation.cost < best.evaluation.cost {
         best = start.clone();
         record.trace.extend(best.evaluation.objective.map(|e| (record.evaluations, e)));
@@ -163,7 +163,8 @@ fn alternative(workcell: &Workcell, layout: Layout) -> Option<Alternative> {
     Some(Alternative { candidate, goals })
 }
 
-/// Returns the layouts other than the best that the record has kept.
+/// Returns the layouts of the Pareto front or of the shortlist in the record; `keep` limits their number if
+/// it is not 0.
 fn alternatives(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

@@ -70,7 +70,7 @@ pub struct Problem<'a> {
     scalarization: Mutex<Option<Scalarization>>,
     /// Working memory of the threads, reused between calls.
     workspaces: Mutex<Vec<Workspace>>,
-    /// Random numbers for [`Anneal`], because argmin passes none to it.
+    /// Random number generator for [`Anneal`], because argmin passes none to it.
     annealing: Mutex<ChaCha8Rng>,
 }
 
@@ -90,7 +90,7 @@ impl<'a> Problem<'a> {
         Self { workcell, space, watch, keep, budget, goals, journal, scalarization, workspaces, annealing }
     }
 
-    /// Sets the random numbers of simulated annealing.
+    /// Sets the random number generator of simulated annealing.
     pub fn anneal_with(&self, rng: ChaCha8Rng) {
         *locked(&self.annealing) = rng;
     }
@@ -198,7 +198,7 @@ impl<'a> Problem<'a> {
 
     /// Returns the point of the front that has the least cost for the scalarization of the current run.
     ///
-    /// The front is that at the start of the run.
+    /// The front used is the front at the start of the run.
     pub fn best_for_scalarization(&self) -> Option<Vec<f64>> {
         let (journal, scalarization) = (locked(&self.journal), locked(&self.scalarization));
         let (front, scalarization) = (journal.checkpoint().front()?, scalarization.as_ref()?);
@@ -213,7 +213,7 @@ impl<'a> Problem<'a> {
 
     /// Returns the costs of several points, and adds them to the record in the order given.
     fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
-        // Solvers ask one question at a time, so that no thread waits for this lock.
+        // Solvers request one batch of costs at a time, so no thread waits for this lock.
         let mut journal = locked(&self.journal);
         let count = self.left_of(&journal).min(points.len() as u64) as usize;
         if count == 0 {
@@ -281,7 +281,8 @@ impl Anneal for &Problem<'_> {
     type Output = Vec<f64>;
     type Float = f64;
 
-    /// Returns a random neighbour: some or all coordinates make steps, whose size differs from call to call.
+    /// Returns a random neighbour: a random selection of coordinates makes steps, whose size differs from
+    /// call to call.
     fn anneal(&self, point: &Vec<f64>, _temperature: f64) -> Result<Vec<f64>, Error> {
         let mut rng = locked(&self.annealing);
         let size = 0.5 * 10f64.powf(-4.0 * rng.random::<f64>());

@@ -1,4 +1,4 @@
-//! Scalarization: one number from several goals, which a run of a Pareto search minimizes.
+//! Scalarization: combines several goals into one number, which a run of a Pareto search minimizes.
 //!
 //! The number is the augmented weighted Chebyshev distance from the best value seen of each goal,
 //!
@@ -22,10 +22,11 @@ const AUGMENTATION: f64 = 1e-3;
 
 /// Range of the cost in a run.
 ///
-/// It is similar to the range of errors in m, for which the temperatures of annealing are chosen.
+/// It is similar to the range of errors in m, because the temperatures of annealing are chosen for such
+/// errors.
 const COST_SCALE: f64 = 0.02;
 
-/// Largest cost of a feasible layout; every infeasible layout costs more.
+/// Largest cost of a feasible layout in a run; every infeasible layout costs more.
 const MAX_COST: f64 = 100.0;
 
 /// Scalarized goals of one run.

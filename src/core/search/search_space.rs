@@ -6,9 +6,9 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 /// Change that leads from a point to its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NeighbourChange {
-    /// Change of one coordinate to another of its listed values.
+    /// Change of one coordinate to another listed value.
     List,
-    /// Change of two coordinates to others of their listed values.
+    /// Change of two coordinates to other listed values.
     Lists,
     /// Step of one coordinate that has a range, as a share of that range.
     Range(f64),
@@ -42,10 +42,10 @@ impl<'c> SearchSpace<'c> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
-    /// Returns the canonical one of all points with the same layout; it lies within the cube.
+    /// Returns the canonical point, within the cube, among all points with the same layout.
     ///
-    /// A variable with a range has its rounded value there. A variable with listed values is in the middle of
-    /// the interval that stands for its value.
+    /// A variable with a range has its rounded value. A variable with listed values is in the middle of the
+    /// interval that stands for its value.
     pub fn settled(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.variables.iter().zip(point);
         shares.map(|((slot, c), u)| share(c, value(*slot, c, mirrored(*u)))).collect()
@@ -144,7 +144,7 @@ fn value(slot: Slot, coordinate: &Coordinate, share: f64) -> f64 {
         Coordinate::Range { min, max, .. } => {
             let value = min + share * (max - min);
             let rounded = if slot.is_angle() { to_ten_thousandth_degree(value) } else { to_um(value) };
-            // The ends of a range need not be rounded numbers.
+            // The ends of a range need not be rounded numbers, so rounding may lead out of the range.
             rounded.clamp(*min, *max)
         }
         Coordinate::List(values) => {

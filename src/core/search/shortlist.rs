@@ -3,19 +3,20 @@
 use super::pareto_front::differ;
 use serde::{Deserialize, Serialize};
 
-/// Least difference of a coordinate between any two layouts of a shortlist.
+/// Any two layouts of a shortlist differ by more than this value in at least one coordinate.
 ///
 /// The difference is a share of the range of the coordinate, or of the number of listed values.
 pub const REALLY_DIFFERENT: f64 = 0.05;
 
 /// Number of stored layouts per requested layout.
 ///
-/// More are stored than requested, because one better layout may replace several.
+/// More layouts are stored than requested, because one better layout may replace several.
 const RESERVE_FACTOR: usize = 4;
 
 /// Best layouts seen, each of which differs from every better one by more than [`REALLY_DIFFERENT`].
 ///
-/// A layout that a similar, better one has replaced does not return, even if that one is replaced later.
+/// A layout that a similar, better one has replaced does not return, even if the better one is replaced
+/// later.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shortlist {
     keep: usize,
@@ -31,7 +32,7 @@ impl Shortlist {
 
     /// Adds a layout, unless a similar one is at least as good or the shortlist is full of better ones.
     pub fn take(&mut self, point: &[f64], cost: f64) {
-        // Among equals the first stays.
+        // Among layouts of equal cost the first one stays.
         let place = self.members.partition_point(|m| m.0 <= cost);
         let full = place >= RESERVE_FACTOR * self.keep;
         if full || self.members[..place].iter().any(|m| !differ(&m.1, point, REALLY_DIFFERENT)) {

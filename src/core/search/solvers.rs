@@ -15,7 +15,8 @@ use rand_chacha::ChaCha8Rng;
 const SIGMA_FROM_FILE: f64 = 0.15;
 /// Initial step size of CMA-ES from a random point, as a share of the search range.
 const SIGMA: f64 = 0.3;
-/// Period of the restarts of CMA-ES: the first is global, the others are local with a small first step.
+/// Period of the restarts of CMA-ES: the first restart of each period is global, the others are local with a
+/// small first step.
 const RESTART_PERIOD: u64 = 3;
 /// Number of particles of a swarm.
 const PARTICLES: usize = 40;
@@ -35,7 +36,8 @@ const POLISH_TOLERANCE: f64 = 1e-10;
 type IterationState = IterState<Vec<f64>, (), (), (), (), f64>;
 type SwarmState = PopulationState<Particle<Vec<f64>, f64>, f64>;
 
-/// Runs the global solver repeatedly, each time from another point, until its budget is used up.
+/// Runs the global solver repeatedly, each time from another point, until the budget of the exploration is
+/// used up.
 ///
 /// The first run starts from the layout in the cell file, if the solver accepts a start point.
 pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>) {
@@ -53,7 +55,7 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         let known = if run % 2 == 1 { problem.best_for_scalarization() } else { None };
         let from = if run == 0 { start.clone() } else { known.unwrap_or_else(|| random(&mut rng)) };
         let from = problem.separated(from);
-        // The problem has kept the best layout, however a solver ends.
+        // The result of the solver is ignored, because the problem keeps the best layout.
         let _ended = match settings.solver {
             Solver::CmaEs => {
                 // A run of a Pareto search is too short for a large population.
@@ -91,8 +93,8 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
 /// The first run stays near the layout in the cell file. Later runs start anywhere, in two ways as in
 /// BIPOP-CMA-ES (N. Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO
 /// 2009). Large steps and a population that doubles up to eight times the default find wide minima of the
-/// cost. A small first step keeps the run on one side of an obstacle. There the best layout may lie in a
-/// small feasible region.
+/// cost. A small first step keeps the run on one side of an obstacle. On that side the best layout may lie in
+/// a small feasible region.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {
         None => (SIGMA_FROM_FILE, 1),

@@ -31,7 +31,7 @@ pub enum SearchEnd {
     TimeLimit,
     /// The resumed search evaluated other points than its checkpoint says.
     ///
-    /// The checkpoint comes from another build, or from a machine with another rounding.
+    /// The checkpoint comes from another build, or from a machine that rounds differently.
     Diverged,
     /// Every placement is fixed.
     NothingToSearch,
@@ -78,7 +78,7 @@ pub struct Stopping {
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search that minimizes the error alone.
     ///
-    /// A Pareto search does not end by the relative gap, because the bound is one of the error alone. A new
+    /// A Pareto search does not end by the relative gap, because the bound applies to the error alone. A new
     /// member of the front counts as an improvement.
     #[serde(default)]
     pub pareto: Goals,

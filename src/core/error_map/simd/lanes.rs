@@ -75,13 +75,14 @@ impl<S: Simd> Lanes<S> {
         Self { of: self.simd.mul_add_e_f64s(self.of, by.of, plus.of), ..self }
     }
 
-    /// Returns the lanes in which the number is greater than `other`; false where a number is NaN.
+    /// Returns the lanes in which the number is greater than `other`; false if either number is NaN.
     #[inline(always)]
     pub fn is_above(self, other: f64) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.greater_than_f64s(self.of, self.simd.splat_f64s(other)) }
     }
 
-    /// Returns the lanes in which the number is less than that in `other`; false where a number is NaN.
+    /// Returns the lanes in which the number is less than the number in `other`; false if either number is
+    /// NaN.
     #[inline(always)]
     pub fn is_below(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.less_than_f64s(self.of, other.of) }

@@ -29,8 +29,8 @@ pub struct PerturbedChain {
 #[derive(Debug, Clone, PartialEq)]
 struct ConstantMotion {
     pose: Pose,
-    /// Whether the motion rotates about x alone, as for most links: no error dtheta, dbeta or of a joint
-    /// frame.
+    /// Whether the motion rotates about x alone. This holds for most links: those without errors dtheta and
+    /// dbeta, if the next joint frame has no rotational error.
     twists: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Inverse kinematics of the planar arm with four axes, in lanes: every branch, and whether it exceeds a
 //! joint limit.
 //!
-//! The formulas and their order are those of `reach::closed_form::planar` wherever a rounding error could
+//! The formulas and their order equal those of `reach::closed_form::planar` wherever a rounding error could
 //! grow: near the stretched arm, and for targets near the base axis. The joint limits are a little wider
 //! here. So no branch that [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
 
@@ -61,7 +61,7 @@ impl PlanarLanes {
     }
 }
 
-// Closures would not be compiled for the lanes, so there are none here.
+// The compiler would not use the SIMD instructions inside closures, so these functions contain none.
 impl PlanarLanes {
     /// Transforms targets from the base frame to frame 0.
     #[inline(always)]
@@ -70,7 +70,7 @@ impl PlanarLanes {
         let radius2 = x * x + y * y;
         let lateral = self.arm.lateral;
         let along2 = radius2 - lateral * lateral;
-        // On the base axis any yaw will do: NaN, which no test refuses.
+        // On the base axis every yaw is a solution. NaN stands for it here, because no test refuses NaN.
         let on_axis = radius2.is_below(radius2.like(1e-24));
         let inverse2 = on_axis.choose(radius2.like(f64::NAN), radius2.reciprocal());
         let beside = (along2 + radius2 * (2.0 * STRETCHED)).is_below(radius2.like(0.0));

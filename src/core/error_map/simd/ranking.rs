@@ -2,8 +2,8 @@
 //!
 //! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding. So no
 //! posture at the node has a value ([`ErrorEvaluator::value`]) below its bound. The scalar code judges single
-//! nodes in this order until the least value is below the bounds of all other nodes. The spot therefore has
-//! the same bits as if every node had been judged.
+//! nodes in this order until the least value is below the bounds of all other nodes. The spot is therefore
+//! bit-identical to the spot found by judging every node.
 
 use super::lanes::{CosSin, Lanes, MAX_LANES};
 use super::perturbed_chain::PerturbedChain;
@@ -144,7 +144,7 @@ impl WithSimd for RankingPass<'_> {
         let (xs, _) = S::as_simd_f64s(&ranker.xs);
         let (ys, _) = S::as_simd_f64s(&ranker.ys);
         let (bounds, _) = S::as_mut_simd_f64s(bounds);
-        // A long direction is a weight, which weighs rounding errors, too.
+        // The length of a direction is a weight, which also scales rounding errors.
         let margin = BOUND_MARGIN * rows.iter().map(|row| row.wanted.norm()).sum::<f64>();
         for ((x, y), bound) in xs.iter().zip(ys).zip(bounds) {
             let (x, y) = (Lanes::new(simd, *x), Lanes::new(simd, *y));

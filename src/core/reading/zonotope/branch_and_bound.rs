@@ -1,8 +1,8 @@
 //! Branch and bound over the signs of the generators, for more than three dimensions.
 //!
-//! The generators are sorted by size, the largest first; a table holds all sums of the last six. Let `v` be
-//! the sum of the generators whose signs are chosen. Let `w` be a sum of the others, `g_j, g_j+1, ..`, with
-//! any signs. Then
+//! The generators are sorted by size, the largest first. A table holds the sums of the last six with all
+//! signs. Let `v` be the sum of the generators whose signs are chosen. Let `w` be a sum of the others, `g_j,
+//! g_j+1, ..`, with any signs. Then
 //!
 //! ```text
 //! |v + w|^2 <= |v|^2 + 2 sum |v . g_k| + K_j,     K_j = max |w|^2
@@ -66,7 +66,7 @@ impl Default for BranchAndBound {
 }
 
 impl BranchAndBound {
-    /// Writes the signs with the largest norm of the sum that is found to `corner`.
+    /// Writes to `corner` the signs with the largest norm of the sum that the search finds.
     ///
     /// Returns a proven upper bound of the norm for all signs; None if the signs found are proven to be the
     /// best.
@@ -106,7 +106,7 @@ impl BranchAndBound {
         }
     }
 
-    /// Starts a search over the sorted generators from index `from` on, with good signs.
+    /// Starts a search over the sorted generators from index `from` on, with good initial signs.
     ///
     /// The generators after `from` have the signs of their own best sum, and generator `from` has +1. Flips
     /// of single signs then improve these signs.

@@ -110,7 +110,7 @@ pub(super) fn walk_circles(generators: &[Vector3<f64>], walk: &mut CircleWalk, c
 
 /// Returns two unit vectors perpendicular to a unit vector and to each other.
 ///
-/// T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6 (2017).
+/// The source is T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6 (2017).
 fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     let sign = 1f64.copysign(axis.z);
     let a = -1.0 / (sign + axis.z);

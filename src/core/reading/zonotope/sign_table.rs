@@ -7,7 +7,7 @@ pub(super) const WIDTH: usize = 6;
 
 /// Sums of up to six generators with all combinations of signs, in blocks of four.
 ///
-/// Only one of each sum and its negative is stored.
+/// Each stored sum also stands for its negative.
 pub(super) struct SignTable<const M: usize> {
     blocks: [SignBlock<M>; 1 << (WIDTH - 3)],
     used: usize,
@@ -100,7 +100,7 @@ impl<const M: usize> SignBlock<M> {
     }
 }
 
-/// Tries all combinations of signs: the last six generators by the table, the others in Gray code order.
+/// Tries all combinations of signs: the last six generators with the table, the others in Gray code order.
 pub(super) fn try_all<const M: usize>(g: &[SVector<f64, M>], table: &mut SignTable<M>, signs: &mut [f64]) {
     if g.is_empty() {
         return;
