@@ -25,8 +25,8 @@ pub struct BudgetReport<'a> {
     /// Monte Carlo check of the posture; None unless the reading is statistical.
     pub check: Option<PostureCheck>,
     pub worst: WorstCase,
-    /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, else the
-    /// worst case.
+    /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, or the
+    /// worst case in any other reading.
     pub figure: f64,
     /// Trials on the parameters with the largest shares of the budget. Each trial halves the tolerance of one
     /// parameter; the last halves the tolerances of all these parameters.

@@ -32,7 +32,8 @@ pub struct Reachable<'a> {
 pub struct EnvelopeQuery<'a> {
     pub operation: Option<&'a Operation>,
     pub attitude: Attitude,
-    /// Yaw of the work surface in the base frame, rad; azimuths of the attitude are measured from its x axis.
+    /// Yaw of the work surface in the base frame, rad; azimuths of the attitude are measured from the x axis
+    /// of the surface.
     pub yaw: f64,
     /// Heights of the horizontal sections, m. If the list is empty, one section is at the height of the
     /// greatest reach.

@@ -1,8 +1,9 @@
 //! Assessment of layouts, alone and side by side.
 //!
-//! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several with the same
-//! operations, readings and objective. [`BudgetReport`] (the error budget), [`Explanation`] and
-//! [`ErrorDistribution`] concern one posture. [`Readings`] compares every reading of one layout.
+//! An [`Assessment`] is the full evaluation of one layout. A [`Comparison`] holds several assessments with
+//! the same operations, readings and objective. [`BudgetReport`] (the error budget), [`Explanation`] and
+//! [`ErrorDistribution`] concern one posture. [`Readings`] compares the results of one layout under every
+//! reading.
 
 mod budget;
 mod distribution;
@@ -52,7 +53,8 @@ pub struct Assessment<'a> {
     pub refined: Vec<Option<Refined>>,
     /// Effect of the placement tolerances on every operation; empty unless [`Self::misplaced`] was called.
     pub robustness: Vec<Option<Robustness>>,
-    /// Monte Carlo estimates at the spot of each operation; None unless the reading is statistical.
+    /// Monte Carlo estimates at the spot of each operation; None without a spot, or if the reading is not
+    /// statistical.
     pub samples: Vec<Option<MonteCarlo>>,
     /// Yield of the whole cell: share of arms that keep the limits of all operations at their spots.
     ///

@@ -89,7 +89,7 @@ impl<'a> PostureContext<'a> {
         })
     }
 
-    /// Returns the posture with given joint coordinates, with its context in the layout of the file.
+    /// Returns the posture with given joint coordinates, with its context in the layout of the cell file.
     ///
     /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. It is needed only for a
     /// taught frame or a pick, which depend on the inverse kinematics.

@@ -1,4 +1,4 @@
-//! Comparison of readings: the layout of the file under every reading and registration.
+//! Comparison of readings: the layout of the cell file under every reading and registration.
 //!
 //! For each reading the comparison gives the spot that this reading would choose, and the regret of the
 //! signed spot. The regret is the value of the signed spot under that reading, divided by the least value

@@ -143,7 +143,7 @@ impl MovementBuilder<'_> {
     fn show(&mut self, time: f64, joints: &JointVector, holding: Option<usize>) {
         let frames = self.chain.frames(&self.chain.posture(joints));
         let links = frames.links[..=self.chain.axes()].iter().enumerate();
-        // Frame 0 of the chain may stand on a mount; solids of link 0 are drawn in the base.
+        // Frame 0 of the chain may stand on a mount; solids of link 0 are drawn in the base frame.
         let mut world: Vec<Pose> =
             links.map(|(k, link)| if k == 0 { self.base } else { self.base * *link }).collect();
         world.push(self.base * frames.tcp);

@@ -104,7 +104,7 @@ impl Mapper {
 
 /// Bounds the reach of the arm in an operation by a spherical shell; None if this would save no time.
 ///
-/// It saves none if inverse kinematics is cheap, or if a search may change the attitude.
+/// The shell saves no time if inverse kinematics is cheap, or if a search may change the attitude.
 fn shell(inverse: &Inverse, operation: &Operation) -> Option<Shell> {
     // A searched attitude would need one shell for each of its values.
     let is_fixed = !operation.angles.iter().flatten().any(Coordinate::is_free);

@@ -42,7 +42,7 @@ pub enum Unjudged {
     NotTaught,
     /// Only the points touched to teach the frame can be reached.
     OnlyTouched,
-    /// The pick that the operation is relative to has no spot.
+    /// The operation that picks the part has no spot.
     NoPick,
     /// The layout does not belong to the cell.
     NotALayout,

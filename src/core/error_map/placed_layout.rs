@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// A layout of a cell with its solids posed.
 ///
-/// Everything that judges postures takes this one context, so that the solids always belong to the layout.
+/// All functions that judge postures take this context, so that the solids always belong to the layout.
 pub struct PlacedLayout<'a> {
     pub(super) mapper: &'a Mapper,
     pub(super) layout: &'a Layout,

@@ -23,7 +23,7 @@ pub struct PostureMemory {
     pub scratch: EvaluatorScratch,
     pub frames: Frames,
     pub contacts: ContactMemory,
-    /// The posture that inverse kinematics writes to.
+    /// Posture to which the inverse kinematics writes.
     pub posture: Posture,
 }
 

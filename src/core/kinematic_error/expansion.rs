@@ -121,7 +121,7 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
 
 /// First and second derivatives of the TCP pose with respect to the parameters of one chain, base frame.
 ///
-/// It holds one posture at a time and is reused between postures.
+/// An expansion holds the derivatives at one posture at a time and is reused between postures.
 #[derive(Debug, Clone)]
 pub struct Expansion {
     axes: usize,

@@ -43,7 +43,7 @@ pub struct LinkError {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameError {
     pub slides: [f64; 3],
-    /// Rotations in the order of their axes x, y, z.
+    /// Rotations about x, y and z, stored in this order.
     pub turns: [Turn; 3],
 }
 

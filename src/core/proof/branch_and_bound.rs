@@ -37,7 +37,7 @@ const ROUNDING: f64 = 1e-11;
 const MIN_SIDE: f64 = 1e-12;
 /// Difference of two values, m or rad, below which the search treats them as equal.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Value, m or rad: if the least value found is smaller, the search accepts 0 as lower bound.
+/// Value, m or rad: if the least value found is below it, the search accepts 0 as lower bound.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// Result of the search over boxes.
@@ -295,8 +295,8 @@ fn bound(
 
 /// Returns the Lagrange multipliers of the constraints in `set`, by least squares.
 ///
-/// These multipliers minimize the gradient of the value minus the weighted constrained quantities. Each
-/// component of the gradient is scaled by the radius of the box.
+/// These multipliers minimize the length of the gradient of the value minus the weighted constrained
+/// quantities. Each component of the gradient is scaled by the radius of the box.
 fn multipliers(worth: &Taylor, set: &[&(Constraint, Taylor)], radii: &JointValues) -> Vector4<f64> {
     let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
     let product = |a: &JointValues, b: &JointValues| -> f64 {

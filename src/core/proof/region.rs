@@ -26,7 +26,7 @@ pub struct OperationRegion {
 impl OperationRegion {
     /// Returns the regions of an operation: one for each listed height of its equipment, or a single one.
     ///
-    /// `kept` is the elevation that the arm keeps by construction, if it does.
+    /// `kept` is the elevation (rad) that the construction of the arm fixes; None if the arm can change it.
     pub fn all(cell: &Cell, operation: usize, kept: Option<f64>) -> Vec<Self> {
         let equipment = cell.operations[operation].equipment;
         let Coordinate::List(heights) = &cell.equipment[equipment].placement[2] else {
@@ -42,7 +42,7 @@ impl OperationRegion {
 
     /// Returns the region of an operation over all layouts of a cell.
     ///
-    /// `kept` is the elevation that the arm keeps by construction, if it does.
+    /// `kept` is the elevation (rad) that the construction of the arm fixes; None if the arm can change it.
     pub fn new(cell: &Cell, operation: usize, kept: Option<f64>) -> Self {
         let asked = &cell.operations[operation];
         let stand = EquipmentRange::new(cell, asked.equipment);
@@ -74,7 +74,8 @@ impl OperationRegion {
             all.push(Constraint { of: ConstrainedQuantity::Axis(2), low, high });
         }
         if let Some((low, high)) = self.radius {
-            // The square is flat on the axis; a lower limit of 0 must not look like a constraint.
+            // The gradient of the squared distance is 0 on the axis, so a lower limit of 0 must not act as a
+            // constraint.
             let low = if low > 0.0 { low * low } else { -high * high };
             all.push(Constraint { of: ConstrainedQuantity::RadiusSquared, low, high: high * high });
         }
@@ -118,7 +119,7 @@ fn elevations(asked: &Operation) -> (f64, f64) {
         asked.angles[0].as_ref().map_or((asked.attitude.elevation, asked.attitude.elevation), |c| c.range());
     let by = asked.attitude.tolerance + SLACK;
     let (low, high) = (chosen.0 - by, chosen.1 + by);
-    // Beyond the vertical the tool leans to the other side.
+    // Beyond the vertical the tool leans to the other side, and its elevation decreases again.
     let ends = [low, high].map(|e| e.sin().clamp(-1.0, 1.0).asin());
     let (least, most) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
     (if low <= -FRAC_PI_2 { -FRAC_PI_2 } else { least }, if high >= FRAC_PI_2 { FRAC_PI_2 } else { most })

@@ -208,7 +208,7 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
         };
         match sizes[k] > 2.0 * DERIVATIVE_STEP {
             true => (at(DERIVATIVE_STEP) - at(-DERIVATIVE_STEP)) / (2.0 * DERIVATIVE_STEP),
-            // A one-sided derivative of second order at the edge.
+            // A one-sided difference of second-order accuracy, because eigenvalues must not become negative.
             false => {
                 (4.0 * at(DERIVATIVE_STEP) - 3.0 * value - at(2.0 * DERIVATIVE_STEP))
                     / (2.0 * DERIVATIVE_STEP)

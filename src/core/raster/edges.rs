@@ -29,7 +29,7 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
         let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
         let faces_eye = (b - a).cross(&(c - a)).dot(&camera.to_eye(&a)) > 0.0;
         for (i, j) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-            // Neighbours run along their common edge in opposite directions.
+            // Adjacent triangles run along their common edge in opposite directions.
             let (i, j) = if places[i as usize] < places[j as usize] { (i, j) } else { (j, i) };
             let key = [places[i as usize], places[j as usize]];
             let ends = [mesh.positions[i as usize], mesh.positions[j as usize]];
@@ -52,7 +52,7 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
             side.is_outline |= side.faces_eye != faces_eye;
         }
     }
-    // A scanned surface is sharp all over, and an arrow is too thin for more than its outline.
+    // On a scanned surface nearly every edge is sharp, and an arrow is too thin for more than its outline.
     let sharp = !body.is_sign && sides.iter().filter(|s| s.is_sharp).count() < MAX_SHARP_EDGES;
     let is_drawn = |s: &FeatureEdge| s.is_outline || s.count == 1 || s.is_sharp && sharp;
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()

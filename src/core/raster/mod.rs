@@ -4,13 +4,13 @@
 //! the scene. PNG and SVG show the same scene. Equal drawings give equal bytes, because no font file,
 //! graphics driver or random number is used.
 
-#[doc(hidden)] // open for tests/it
+#[doc(hidden)] // public for tests/it
 pub mod camera;
-#[doc(hidden)] // open for tests/it
+#[doc(hidden)] // public for tests/it
 pub mod canvas;
 mod edges;
 mod floor;
-#[doc(hidden)] // open for tests/it
+#[doc(hidden)] // public for tests/it
 pub mod font;
 mod ink;
 mod isometric;
@@ -20,7 +20,7 @@ mod palette;
 mod scale;
 mod scene;
 mod strip;
-#[doc(hidden)] // open for tests/it
+#[doc(hidden)] // public for tests/it
 pub mod trace;
 
 pub use camera::ViewDirection;
@@ -148,7 +148,7 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
     let mean = nodes.iter().sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
     let work = if nodes.is_empty() { Vector3::new(0.0, -1.0, 0.0) } else { mean - drawing.base.translation };
     let mut scene = RasterScene::of(drawing, shot, &palette);
-    // Glyphs are aligned with the right direction of the picture, as in the legend.
+    // Glyphs are aligned with the horizontal direction of the picture, as in the legend.
     scene.right = shot.view.axes(shot.perspective, &work)[0];
     if shot.show != Show::Nothing {
         marks::add(&mut scene, drawing, shot, &palette, &scale);

@@ -17,7 +17,8 @@ pub struct Share {
     pub plus_minus: f64,
     /// Linear position error of the TCP that this source causes, in world axes, m.
     ///
-    /// In the signed reading the source has its signed value, otherwise the upper limit of its tolerance.
+    /// In the signed reading the source has its signed value, in the other readings the upper limit of its
+    /// tolerance.
     pub term: Vector3<f64>,
     /// Size of the linear error in the operation's sense if this source is at its tolerance and all others
     /// are 0, m or rad.

@@ -1,8 +1,8 @@
 //! Tolerance analysis: the error of an operation for a signed sample, a tolerance box or a distribution.
 //!
 //! The seed paper maps one signed sample of the parameter errors (section 2). If the numbers are tolerances
-//! instead, they bound a box of samples, and the worst sample counts. If they are random variables,
-//! statistics of the error count, for example the root sum square (RSS):
+//! instead, they bound a box of samples, and the worst sample counts. If they are random variables, the
+//! reading gives statistics of the error, for example the root sum square (RSS):
 //!
 //! ```text
 //! signed        |e|                        e = the model's error of the sample
@@ -24,7 +24,7 @@ mod evaluator;
 mod figures;
 mod monte_carlo;
 pub mod norm;
-#[doc(hidden)] // open for tests/maths
+#[doc(hidden)] // public for tests/maths
 pub mod normal_quantile;
 mod position_moments;
 mod posture_errors;

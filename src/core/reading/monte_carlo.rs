@@ -89,7 +89,7 @@ impl Histogram {
 impl MonteCarlo {
     /// Replaces first-order figures, yield and value by the estimates unless these confirm them.
     ///
-    /// Returns whether the estimates confirm them. The value is that of the statistical reading.
+    /// Returns whether the estimates confirm them. `value` is the value of the statistical reading.
     pub fn check(
         &self,
         quantity: Quantity,

@@ -45,7 +45,7 @@ pub struct PositionMoments {
     pub mean: Vector3<f64>,
     /// Second moment `E[p p^T]`.
     pub square: Matrix3<f64>,
-    /// Moments of the error; for the second-order model, of its first-order terms alone.
+    /// Moments of the error. For the second-order model they include its first-order terms alone.
     pub error: ErrorMoments,
     /// Moments of the second-order terms of the error; only the second-order model has them.
     pub second: ErrorMoments,

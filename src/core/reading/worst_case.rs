@@ -61,7 +61,8 @@ const MAX_EXHAUSTIVE: usize = 8;
 /// Sine of the angle below which columns count as parallel and are flipped as one group in the local search.
 const PARALLEL_SINE: f64 = 1e-6;
 
-/// Returns the worst case by a model, where `error` gives its error at a corner of the tolerance box.
+/// Returns the worst case by a model; `error` returns the error by this model at a corner of the tolerance
+/// box.
 ///
 /// A local search starts from the corner that is worst by the linear model, `corner`, and from the opposite
 /// corner. The sizes of their errors differ only by terms of even order. The search flips signs: one alone,
@@ -69,8 +70,8 @@ const PARALLEL_SINE: f64 = 1e-6;
 /// than a threshold. The threshold is the largest of three values: twice the difference of the models, the
 /// share `NEAR_SHARE` of the linear worst case, and `quadratic`, the size of the second-order terms. Groups
 /// are needed, for example, on a planar arm, whose lateral effects are perpendicular to all others. There the
-/// worst linear corners come in pairs, and no single flip leads from one to the other. `largest` are the
-/// corners with the largest displacement and rotation of the TCP, which serve as further starts.
+/// worst linear corners come in pairs, and no single flip leads from one to the other. `largest` holds the
+/// corners with the largest displacement and the largest rotation of the TCP, which serve as further starts.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,

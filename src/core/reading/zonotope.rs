@@ -164,7 +164,7 @@ fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
     }
 }
 
-/// Generators in which parallel ones are merged into a sum, and the map back to the single generators.
+/// Generators with parallel ones merged into sums, and the map back to the single generators.
 struct MergedGenerators<const M: usize> {
     count: usize,
     sum: [SVector<f64, M>; MAX_GENERATORS],

@@ -1,10 +1,11 @@
-//! Search for the best layout: solvers of argmin place all movable equipment.
+//! Search for the best layout: solvers of the crate argmin choose placements and attitudes.
 //!
-//! The free coordinates of all placements form a point of the unit cube ([`SearchSpace`]). The cost of a
-//! point is the cost of [`crate::layout::evaluate`], which includes a penalty for infeasible layouts. A
-//! global solver with restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish of the best
-//! layout uses the rest. The problem keeps the best feasible layout that `evaluate` has ever seen, even if
-//! the solver reports another. The same cell, seed and budget give the same bytes for any number of threads.
+//! The free coordinates of all placements and attitudes form a point of the unit cube ([`SearchSpace`]). The
+//! cost of a point is the cost of [`crate::layout::evaluate`], which includes a penalty for infeasible
+//! layouts. A global solver with restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish
+//! of the best layout uses the rest. The problem keeps the best feasible layout that `evaluate` has ever
+//! seen, even if the solver reports another. The same cell, seed and budget give the same bytes for any
+//! number of threads.
 //!
 //! A Pareto search minimizes a different scalarization of its goals in every run, and offers every feasible
 //! layout to a Pareto front. A search that keeps several layouts offers every feasible layout to a shortlist:
@@ -18,7 +19,7 @@ mod local_search;
 mod pareto_front;
 mod problem;
 mod record;
-#[doc(hidden)] // open for tests/maths
+#[doc(hidden)] // public for tests/maths
 pub mod scalarization;
 mod search_space;
 mod shortlist;

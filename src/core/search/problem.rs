@@ -101,7 +101,8 @@ impl<'a> Problem<'a> {
     }
 
     fn left_of(&self, journal: &SearchJournal) -> u64 {
-        // Answers in the journal are free, and the record must not fall behind them.
+        // Results in the journal cost nothing. Even an interrupted search takes all of them, so that its
+        // record is complete.
         let stopped = self.interrupted() && !journal.knows();
         let left = journal.until.saturating_sub(journal.record.evaluations);
         if stopped || journal.met().is_some() { 0 } else { left }

@@ -47,7 +47,8 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
             // The layout in the file is the first candidate, so that the result is never worse.
             problem.try_point(&start);
         }
-        // Every run has its own random stream, so that one run does not shift the next.
+        // Every run has its own random stream, so that one run does not change the random numbers of the
+        // next.
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(run);
         let random = |rng: &mut ChaCha8Rng| (0..problem.dimensions()).map(|_| rng.random()).collect();

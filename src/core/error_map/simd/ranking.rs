@@ -148,7 +148,7 @@ impl WithSimd for RankingPass<'_> {
         let margin = BOUND_MARGIN * rows.iter().map(|row| row.wanted.norm()).sum::<f64>();
         for ((x, y), bound) in xs.iter().zip(ys).zip(bounds) {
             let (x, y) = (Lanes::new(simd, *x), Lanes::new(simd, *y));
-            // The order of operations is that of [`Grid::targets`].
+            // The order of the additions and products equals the order in [`Grid::targets`].
             let target = Level { x: x * cos + at.x - y * sin, y: x * sin + at.y + y * cos, z };
             *bound = ranker.bound(target, rows, margin, attitudes).get();
         }

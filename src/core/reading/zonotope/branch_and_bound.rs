@@ -8,9 +8,9 @@
 //! |v + w|^2 <= |v|^2 + 2 sum |v . g_k| + K_j,     K_j = max |w|^2
 //! ```
 //!
-//! The maximum `K_j` over all `w` is known, because the others alone are a smaller problem of the same kind,
-//! solved before. This is Russian doll search (G. Verfaillie, M. Lemaitre, T. Schiex, AAAI 1996). The bound
-//! is tight: 64 random generators in 6-D take about ten thousand nodes.
+//! The maximum `K_j` over all `w` is known, because the other generators alone are a smaller problem of the
+//! same kind, which is solved first. This is Russian doll search (G. Verfaillie, M. Lemaitre, T. Schiex, AAAI
+//! 1996). The bound is tight: 64 random generators in 6-D take about ten thousand nodes.
 
 use super::MAX_GENERATORS;
 use super::climb;
