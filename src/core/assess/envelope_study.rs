@@ -84,8 +84,10 @@ impl<'a> Reachable<'a> {
     }
 }
 
-/// Returns the base, the origins of the link frames and the TCP (base frame, m) in a posture near the
-/// greatest reach, in the vertical section.
+/// Returns the base, the origins of the link frames and the TCP in a posture near the greatest reach, base
+/// frame, m.
+///
+/// The TCP is in the vertical section.
 ///
 /// The list is empty if the arm reaches none of the points that are tried.
 fn drawn_arm(envelope: &Envelope<'_>, inverse: &Inverse, size: &Size, azimuth: f64) -> Vec<Vector3<f64>> {

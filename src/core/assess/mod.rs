@@ -165,8 +165,8 @@ impl<'a> Assessment<'a> {
         self.confirmed[operation]
     }
 
-    /// Returns the part of a proof that holds for the values of this layout, and the gap of its objective to
-    /// the bound: `objective / bound - 1`.
+    /// Returns the part of a proof that holds for the values of this layout, and the gap of its objective:
+    /// `objective / bound - 1`.
     ///
     /// A bound for first-order figures is left out if samples refute these figures.
     pub fn proven(&self, proof: &Proof) -> (Proof, Option<f64>) {

@@ -1,10 +1,10 @@
 //! Walk over all nodes: it judges every branch of every node, and finds the best usable one.
 //!
 //! An [`OperationQuery`] is one operation in one placed layout. Its [walk](OperationQuery::walk) solves the
-//! inverse kinematics of each node, computes the value of each posture within the joint limits, and hands the
-//! posture to a [`PostureVisitor`]. [`OperationQuery::first_free`] then takes candidates, best first, until
-//! one is free of collisions and allowed by the motion rules. Search, map and probe all use these functions,
-//! so they apply the same rules.
+//! inverse kinematics of each node and judges each posture within the joint limits, which means that it
+//! computes the value of the posture. It hands these postures to a [`PostureVisitor`].
+//! [`OperationQuery::first_free`] then takes candidates, best first, until one is free of collisions and
+//! allowed by the motion rules. Search, map and probe all use these functions, so they apply the same rules.
 
 use super::candidate::PostureCandidate;
 use super::node_record::Status;

@@ -66,8 +66,8 @@ pub(super) fn expand(
         (geometry, sum);
     let n = screws.kinds.len();
     let (mut f, mut p) = ([Matrix3::zeros(); MAX_JOINTS + 1], [Matrix3::zeros(); MAX_JOINTS + 1]);
-    // Sums of the weights of rotations, of these weights times the lever arms, and of the weights of vectors
-    // fixed to the link.
+    // For each link, sums of the weights of rotations, of these weights times lever arms, and of the other
+    // weights.
     let mut sizes = [[0.0; 3]; MAX_JOINTS + 1];
     for ((motion, effect), (eta, zeta)) in motions.iter().zip(effects).zip(weights) {
         let m = motion.link;

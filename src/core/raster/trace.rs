@@ -25,8 +25,8 @@ pub fn outlines(
     loops.filter(|(_, rings): &(u32, Vec<_>)| !rings.is_empty()).collect()
 }
 
-/// Returns for each value the sides of grid cells between a cell of this value and a cell of another value or
-/// the outside. A side is directed so that the cell of this value is on the right.
+/// Returns for each value the sides of its cells that border on a cell of another value or on the outside. A
+/// side is directed so that the cell of this value is on the right.
 fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoint)>> {
     let height = values.len() / width.max(1);
     let at = |x: i32, y: i32| {

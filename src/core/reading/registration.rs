@@ -82,7 +82,9 @@ impl BestFit {
     }
 
     /// Returns the least-squares twist of small displacements d from their moments about the centre of the
-    /// fit, which is also the reference point of the twist.
+    /// fit.
+    ///
+    /// The centre is also the reference point of the twist.
     fn twist(&self, ErrorMoments { mean, product }: &ErrorMoments) -> Displacement {
         // The mean of r x d.
         let moment =

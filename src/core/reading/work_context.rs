@@ -40,8 +40,8 @@ impl WorkContext {
     /// Returns whether a target (base frame, m) was touched to teach the surface frame.
     ///
     /// The rule of teaching determines which error remains at a touched point. No error remains at the
-    /// origin, an error along the x axis at the second point, and an error in the plane at the third. These
-    /// errors do not represent the rest of the surface.
+    /// origin. At the second point an error along the x axis remains, at the third an error in the plane.
+    /// These errors do not represent the rest of the surface.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
     }

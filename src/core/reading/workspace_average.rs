@@ -204,8 +204,9 @@ impl AveragedRow {
 
 /// Returns nodes and weights of the Gauss-Legendre rule for the mean over a range.
 ///
-/// They are the eigenvalues of the Jacobi matrix of the Legendre polynomials and the squares of the first
-/// components of its eigenvectors (Golub and Welsch, Mathematics of Computation 23 (1969) 221-230).
+/// The nodes are the eigenvalues of the Jacobi matrix of the Legendre polynomials. The weights are the
+/// squares of the first components of its eigenvectors (Golub and Welsch, Mathematics of Computation 23
+/// (1969) 221-230).
 fn gauss_legendre(count: usize, (low, high): (f64, f64)) -> Vec<(f64, f64)> {
     let beside = |k: usize| k as f64 / (4.0 * (k * k) as f64 - 1.0).sqrt();
     let jacobi =

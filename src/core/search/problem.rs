@@ -55,9 +55,9 @@ pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 
 /// Cost function on the unit cube with a budget.
 ///
-/// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. (An error
-/// would stop the solvers, too, but the Nelder-Mead solver of argmin panics at an error.) The record keeps
-/// the best layouts.
+/// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. An error
+/// would stop the solvers, too, but the Nelder-Mead solver of argmin panics at an error. The record keeps the
+/// best layouts.
 pub struct Problem<'a> {
     workcell: &'a Workcell,
     space: &'a SearchSpace<'a>,

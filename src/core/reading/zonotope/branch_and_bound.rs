@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The maximum `K_j` over all `w` is known, because the other generators alone are a smaller problem of the
-//! same kind, which is solved first. This is Russian doll search (G. Verfaillie, M. Lemaitre, T. Schiex, AAAI
-//! 1996). The bound is tight: 64 random generators in 6-D take about ten thousand nodes.
+//! same kind. The smaller problem is solved first. This is Russian doll search (G. Verfaillie, M. Lemaitre,
+//! T. Schiex, AAAI 1996). The bound is tight: 64 random generators in 6-D take about ten thousand nodes.
 
 use super::MAX_GENERATORS;
 use super::climb;

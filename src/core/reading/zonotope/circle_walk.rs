@@ -46,8 +46,9 @@ impl CircleWalk {
         self.key[k] = f64::from_bits(key.to_bits() & !PLACES | k as u64);
     }
 
-    /// Returns the longest sum on a walk over the first `n` generators and one more generator, which has the
-    /// length `size` and lies along the axis.
+    /// Returns the longest sum on a walk over the first `n` generators and one along the axis.
+    ///
+    /// The generator along the axis has the length `size`.
     pub(super) fn farthest(&mut self, n: usize, size: f64) -> WalkMaximum {
         self.sort(n);
         let mut sum: Vector3<f64> = self.at[..n].iter().sum();
