@@ -17,7 +17,7 @@ pub enum Severity {
 /// Kind of a fault, which decides the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FaultKind {
-    /// The file was read, but its content is wrong.
+    /// Any other fault: wrong content, or another file that cannot be read.
     #[default]
     Content,
     /// The cell or robot file itself cannot be read.
@@ -26,8 +26,8 @@ pub enum FaultKind {
 
 /// Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1.
 ///
-/// A fault of a setting has no place in a file: `file` is then the setting as typed, and line and column are
-/// both zero.
+/// A setting on the command line has no position in a file. `file` is then the setting as typed, and line and
+/// column are both zero.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Fault {
     pub severity: Severity,
@@ -47,7 +47,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// Returns the fault of a file as a whole (missing, too large, not text).
+    /// Returns an error that concerns a file as a whole (missing, too large, not text).
     pub fn of_file(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self {
             severity: Severity::Error,
@@ -62,7 +62,7 @@ impl Fault {
         }
     }
 
-    /// Returns the fault of a cell or robot file that cannot be read.
+    /// Returns the error of a cell or robot file that cannot be read.
     pub fn unreadable(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self { kind: FaultKind::Unreadable, ..Self::of_file(file, message, help) }
     }
@@ -87,7 +87,7 @@ impl Fault {
     }
 }
 
-/// Largest number of characters shown before the fault; the start of a longer line is cut off.
+/// Largest number of characters shown before the fault. If more precede it, the start of the line is cut off.
 const WIDEST: usize = 100;
 
 impl fmt::Display for Fault {
@@ -138,10 +138,10 @@ pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str
         }
         let other = c.chars().count();
         let most = (length.max(other) / 3).max(1);
-        // The distance takes a table of one word times the other.
+        // The distance needs a table whose size is the product of the two lengths.
         let comparable = length.max(other) <= 100 && length.abs_diff(other) <= most;
         let apart = comparable.then(|| strsim::damerau_levenshtein(word, c))?;
-        // A short word has too many neighbours: cm is not mm.
+        // Many words are near to a short one: `cm` must not suggest `mm`.
         let near = apart <= most && (2 * apart < length || sorted(word) == sorted(c));
         near.then_some((apart, length.abs_diff(other)))
     };

@@ -8,7 +8,7 @@ use crate::mesh::{Solidity, Triangles, Vertices, from_obj, from_stl, solidity};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// Returns whether the file name is that of an OBJ or STL file; records a fault if not.
+/// Returns whether the file name ends with `.obj` or `.stl`; records a fault if not.
 pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
     let lower = name.to_ascii_lowercase();
     let known = [".obj", ".stl"].iter().any(|end| lower.ends_with(end));
@@ -19,7 +19,7 @@ pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
     known
 }
 
-/// Reads the mesh in the file at `path` and multiplies its coordinates by `scale` to convert them to m.
+/// Reads the mesh in the file at `path` and multiplies its coordinates by `scale`, which converts them to m.
 ///
 /// `at` is the place where the file is named; faults point to this place.
 pub fn load(path: &str, at: At, scale: &Vector3<f64>, pose: Pose, lib: &mut Library<'_>) -> Option<Shape> {
@@ -34,7 +34,7 @@ pub fn load(path: &str, at: At, scale: &Vector3<f64>, pose: Pose, lib: &mut Libr
     Some(Shape::Mesh { pose, vertices, triangles, closed })
 }
 
-/// Returns the vertices of a mesh file (in m, duplicates merged) and its triangles.
+/// Returns the vertices of a mesh file (multiplied by `scale`, duplicates merged) and its triangles.
 fn read_file(path: &str, at: At, scale: f64, lib: &mut Library<'_>) -> Option<(Vertices, Triangles)> {
     let is_obj = path.to_ascii_lowercase().ends_with(".obj");
     let file = if is_obj { lib.text(path, Some(at))? } else { lib.file(path, Some(at))? };

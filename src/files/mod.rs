@@ -34,7 +34,7 @@ pub struct Loaded {
     /// Every file read, the cell file first, in the order of reading.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
-    /// Whether neither file nor command line states the reading. The kind of the error set then decides it.
+    /// Whether neither the files nor the command line state the reading. The error sets in use then decide it.
     pub follows_errors: bool,
 }
 
@@ -49,10 +49,10 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     load_with(path, &[], read)
 }
 
-/// Reads a cell as [`load`] does, with some keys stated on the command line instead of in the file.
+/// Reads a cell as [`load`] does. The keys in `settings` come from the command line and override the file.
 ///
 /// # Errors
-/// Returns faults as [`load`] does. A fault of a setting names its flag instead of a file, at line 0.
+/// Returns faults as [`load`] does. A fault of a setting names its flag instead of a file; its line is 0.
 pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, settings, &mut lib);
@@ -105,14 +105,16 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
     }
 }
 
-/// Returns whether the file at `path` states, itself or through its `from`, that it is a robot file.
+/// Returns whether the file at `path` is a robot file, according to its own `schema` or to one that it takes
+/// over with `from`.
 pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
     let root = from::load(path, &[], &mut Library::new(read));
     let schema = root.as_ref().and_then(|root| root.value.get("schema"));
     schema.is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "sweetspot/robot/1"))
 }
 
-/// Returns the faults in the order of files and lines. Faults of a file that is named twice are listed once.
+/// Returns the faults in the order of files and lines. Of several equal faults at one place, as in a file that
+/// is named twice, only one is listed.
 fn sorted(lib: &mut Library<'_>) -> Vec<Fault> {
     let mut faults = std::mem::take(&mut lib.faults);
     let order: HashMap<_, _> = lib.sources.iter().enumerate().map(|(i, s)| (&s.path, i)).collect();

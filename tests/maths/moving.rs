@@ -96,7 +96,7 @@ fn wrong_tools_are_refused() {
     let faults =
         refused("from = \"hitachi_paper.toml\"\n[robot]\ntool = { from = \"equipment/worktable.toml\" }\n");
     assert!(
-        faults[0].contains("is the file of an equipment: a file with schema = \"sweetspot/tool/1\""),
+        faults[0].contains("is an equipment file: a file with schema = \"sweetspot/tool/1\""),
         "{faults:?}"
     );
 }

@@ -34,10 +34,10 @@ key_table! {
         BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
         SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
         ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Minimize the worst value over the placement tolerances, not the value as drawn.");
-        GAP = number("gap", NumberRange::NotNegative, "Stop when the best layout is this near to the proven lower bound, as a share: 0.01 is 1 %.").example("0.01");
+        GAP = number("gap", NumberRange::NotNegative, "Stop when the objective exceeds the proven lower bound by at most this share: 0.01 is 1 %.").example("0.01");
         STAGNATION = Key::new("stagnation", BUDGETS, "Stop after this number of layouts without improvement.").example("5000");
         PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Search the Pareto front of these goals: layouts of which none is better than another in all of them.").example("[\"error\", \"clearance\"]");
-        KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of best layouts to report that differ from each other.").example("5");
+        KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of layouts to report: the best ones that differ from each other.").example("5");
     }
 }
 
@@ -47,7 +47,7 @@ const GOALS: ValueKind = ValueKind::List(&ValueKind::word::<Goal>(), (2, Goal::A
 
 /// Returns the JSON Schema of the names of senses that a cell defines.
 ///
-/// Such a name has no @ and is not the name of a built-in sense.
+/// Such a name contains no @ and is not the name of a built-in sense.
 fn names_of_senses() -> Value {
     json!({ "propertyNames": { "not": { "anyOf": [{ "enum": PLAIN }, { "pattern": "@" }] } } })
 }
@@ -63,9 +63,9 @@ key_table! {
         SOURCE = super::SOURCE;
         ERRORS = text("errors", "Name of the robot's error set to evaluate.").required().example("\"placeholder\"").remedy("add errors = \"NAME\", one of the error sets of the robot");
         MODEL = word::<Model>("model", "Kinematic error model: how errors of the parameters become the error of the TCP.").default(Literal::Word(Model::Nonlinear.name()));
-        READING = word::<Reading>("reading", "How the errors are read: as one signed sample, as the worst corner of tolerances, or as random variables; if left out, signed for a sample, else worst-case.");
+        READING = word::<Reading>("reading", "How the errors are read: as one signed sample, as the worst corner of tolerances, or as random variables; if left out, worst-case if an error set in use is a tolerance, else signed.");
         QUANTITY = word::<Quantity>("quantity", "Statistic to minimize in the statistical reading.").default(Literal::Word(Quantity::P95.name()));
-        REGISTRATION = word::<Registration>("registration", "What has been measured with the robot itself: nothing, its base frame (the least squares of the TCP position errors over all postures between the joint limits), or the frame of each surface.").default(Literal::Word(Registration::None.name()));
+        REGISTRATION = word::<Registration>("registration", "What has been measured with the robot itself: nothing, its base frame (least-squares fit to the TCP position errors over all postures between the joint limits), or the frame of each surface.").default(Literal::Word(Registration::None.name()));
         GUARD = number("guard_percent", NumberRange::Positive, "Guard: difference from the nonlinear model above which a model is reported as not trustworthy.").default(Literal::Number(1.0));
         ROBOT = table("robot", &robot_in_cell::TABLE, "Robot and the placement of its base.").required().remedy("add robot = { from = \"robots/NAME.toml\" }");
         EQUIPMENT = Key::new("equipment", ValueKind::Named(&ValueKind::Table(&equipment::TABLE), 0), "Equipment of the cell: one table [equipment.NAME] for each.");
@@ -74,7 +74,7 @@ key_table! {
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with on, grid, bend_deg and sense");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
-        CLEARANCE = number_or_zero("clearance_mm", NumberRange::NotNegative, "Clearance below which a distance counts as a collision; floor spaces keep it along a side or in height.");
+        CLEARANCE = number_or_zero("clearance_mm", NumberRange::NotNegative, "Clearance below which a distance counts as a collision; floor spaces keep it in plan, along a side of one of them, or in height.");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world.");
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
         TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");

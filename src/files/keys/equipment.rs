@@ -5,7 +5,7 @@ use super::key::*;
 use super::parts::*;
 use super::solid::{equipment_solid, rectangle};
 
-/// Keys that give the floor space; an equipment needs one of them.
+/// Keys that define the floor space; a piece of equipment needs at least one of them.
 pub const BODY: [&str; 3] = ["footprint", "solid", "surface"];
 
 key_table! {
@@ -16,17 +16,17 @@ key_table! {
         UNITS = super::UNITS;
         NAME = text("name", "Name of the equipment in its file.");
         SOURCE = super::SOURCE;
-        SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of its frame.").example("{ size_mm = [1500, 700] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height without solids; if left out, the rectangle that covers its solids and surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
+        SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of the frame of the equipment.").example("{ size_mm = [1500, 700] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height if there are no solids; if left out, the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, MANY), "solids"), "Solids, in the frame of the equipment.");
     }
     rules [Rule::AnyOf(&BODY), Rule::Needs("schema", "units")];
 }
 
 key_table! {
-    equipment, "an equipment", "Equipment: work surface, solids, floor space and placement.", {
+    equipment, "a piece of equipment", "Equipment: work surface, solids, floor space and placement.", {
         PLACEMENT = table("placement", &placement::TABLE, "Placement in the world, or in the frame of the equipment that it stands on.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
-        STANDS_ON = text("stands_on", "Equipment on which this one stands and with which it moves; the placement is then in its frame.").example("\"worktable\"");
+        STANDS_ON = text("stands_on", "Equipment that carries this one: it moves with its carrier, and its placement is in the frame of the carrier.").example("\"worktable\"");
         TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement, for the commands robust and search --robust.").example("{ x_mm = 2, y_mm = 2 }");
         ERRORS = table("errors", &errors_of_equipment::TABLE, "Errors of the placement or the fixture, in the frame of the equipment.");
     }
@@ -55,7 +55,7 @@ key_table! {
 }
 
 key_table! {
-    keep_out, "a keep-out box", "Box in the world that nothing may enter.", {
+    keep_out, "a keep-out box", "Box, fixed in the world, that nothing may enter.", {
         MIN = vector("min_mm", "Low corner.").required();
         MAX = vector("max_mm", "High corner.").required();
     }

@@ -1,4 +1,4 @@
-//! Keys of the error sets of a robot, and of the errors of an equipment.
+//! Keys of the error sets of a robot, and of the errors of equipment.
 
 use super::constraints::POSTURE;
 use super::key::*;
@@ -55,40 +55,40 @@ const fn row(name: &'static str, help: &'static str) -> Key {
 }
 
 key_table! {
-    frame_error, "a frame error", "Error of a frame: the frame is the nominal one times Trans(position_mm) Rz Ry Rx.", {
+    frame_error, "a frame error", "Error of a frame: the erroneous frame is the nominal frame times Trans(position_mm) Rz Ry Rx.", {
         POSITION = vector_or_zero("position_mm", "Errors along x, y and z.");
         ROTATION = vector_or_zero("rotation_deg", "Errors about x, y and z: after the translation, the frame is turned about its z axis, then its new y, then its new x.");
     }
 }
 
 key_table! {
-    joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint: the frame is the nominal one times Trans(position_mm) Rz Ry Rx.", {
+    joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint: the erroneous frame is the nominal frame times Trans(position_mm) Rz Ry Rx.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
     }
     extends super::frame_error::TABLE;
 }
 
 key_table! {
-    distribution, "`distribution`", "Distributions of the plus-or-minus values, by rows and frames.", {
-        DEFAULT = word::<Distribution>("default", "Distribution of everything that is not named.").default(Literal::Word(Distribution::Normal.name()));
+    distribution, "`distribution`", "Distributions of the plus-or-minus values of rows and frames.", {
+        DEFAULT = word::<Distribution>("default", "Distribution of all errors whose key is left out.").default(Literal::Word(Distribution::Normal.name()));
         DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one for each joint.");
         DR = Key::new("dr", BY_JOINT, "Distribution of dr_mm: one word, or a list with one for each joint.");
         DL = Key::new("dl", BY_JOINT, "Distribution of dl_mm: one word, or a list with one for each joint.");
         DALPHA = Key::new("dalpha", BY_JOINT, "Distribution of dalpha_deg: one word, or a list with one for each joint.");
         DBETA = Key::new("dbeta", BY_JOINT, "Distribution of dbeta_deg: one word, or a list with one for each joint.");
-        BASE = Key::new("base", BY_COMPONENT, "Distribution of the base frame: one word, or six for x, y, z and the turns about them.");
-        TOOL = Key::new("tool", BY_COMPONENT, "Distribution of the TCP: one word, or six for x, y, z and the turns about them.");
-        JOINTS = Key::new("joints", BY_COMPONENT, "Distribution of every joint frame: one word, or six for x, y, z and the turns about them.");
+        BASE = Key::new("base", BY_COMPONENT, "Distribution of the errors of the base frame: one word, or six for x, y, z and the rotations about them.");
+        TOOL = Key::new("tool", BY_COMPONENT, "Distribution of the errors of the TCP: one word, or six for x, y, z and the rotations about them.");
+        JOINTS = Key::new("joints", BY_COMPONENT, "Distribution of the errors of every joint frame: one word, or six for x, y, z and the rotations about them.");
     }
 }
 
-/// Names that the parameters of a covariance may have.
+/// Help text that lists the names of the parameters of a covariance.
 pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x)";
 
 key_table! {
     covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters, whose plus-or-minus values must be 0.", {
         PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
-        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, a row for each of the parameters, in products of mm and degrees.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
+        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, one row for each of the parameters: mm2, mm times degrees, or degrees2.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }
 }
 
@@ -105,7 +105,7 @@ key_table! {
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
         JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves its joint and everything after it. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
-        DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table by rows and frames.").default(Literal::Word(Distribution::Normal.name()));
+        DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table with words for rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
     }
@@ -116,9 +116,9 @@ key_table! {
 }
 
 key_table! {
-    errors_of_equipment, "`errors`", "Errors of the placement or the fixture of an equipment, in its frame.", {
+    errors_of_equipment, "`errors`", "Errors of the placement or the fixture of a piece of equipment, in its frame.", {
         FORM = super::FORM;
-        DISTRIBUTION = Key::new("distribution", BY_COMPONENT, "Distribution of the errors: one word, or six for x, y, z and the turns about them.").default(Literal::Word(Distribution::Normal.name()));
+        DISTRIBUTION = Key::new("distribution", BY_COMPONENT, "Distribution of the errors: one word, or six for x, y, z and the rotations about them.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
     }
     extends super::frame_error::TABLE;
@@ -128,8 +128,8 @@ key_table! {
     ];
     refused [Refused {
         name: "covariance",
-        message: "the errors of an equipment have no `covariance`",
-        remedy: "give its plus-or-minus in position_mm and rotation_deg",
+        message: "the errors of equipment have no `covariance`",
+        remedy: "give the plus-or-minus values in position_mm and rotation_deg",
     }];
 }
 

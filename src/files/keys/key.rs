@@ -1,4 +1,4 @@
-//! Entry of the tables of keys: name, kind of value, need, default, help and example.
+//! Key of a TOML table in the files: name, kind of value, need, default, help and example.
 
 pub use super::range::{LARGEST, NumberRange, SMALLEST};
 pub use super::unit::KeyUnit;
@@ -13,7 +13,7 @@ pub const MAX_NAME: usize = 60;
 /// Largest number of allowed values of a coordinate.
 pub const MAX_VALUES: usize = 1000;
 
-/// Largest number of items of a list whose length has no upper limit.
+/// Value that stands for "no upper limit" in the number of items of a list.
 pub const MANY: usize = usize::MAX;
 
 /// Kind of value that a key has.
@@ -35,7 +35,7 @@ pub enum ValueKind {
     /// Coordinate within these bounds: a fixed number, a range to search, or a list of values to choose from.
     Coordinate(f64, f64),
     Table(&'static KeyTable),
-    /// Table of values under names chosen by the user, with the least number of entries.
+    /// Table of values under names that the user chooses: kind of the values and least number of entries.
     Named(&'static ValueKind, usize),
     /// List of items: kind of the items, least and greatest number of items, and noun for messages.
     List(&'static ValueKind, (usize, usize), &'static str),
@@ -73,9 +73,9 @@ pub struct Key {
     pub need: Need,
     /// Explanation of the key for users: a sentence, without the unit.
     pub help: &'static str,
-    /// Example of a value, as TOML. If this is empty, any value of the kind is shown.
+    /// Example of a value, as TOML. If this text is empty, [`ValueKind::example`] replaces it.
     pub example: &'static str,
-    /// Help text for a missing key. If this is empty, the help text says to add the example.
+    /// Help text for a missing key. If this text is empty, the help says to add the example.
     pub remedy: &'static str,
 }
 
@@ -121,7 +121,7 @@ impl Key {
         if self.example.is_empty() { self.kind.example() } else { self.example.to_string() }
     }
 
-    /// Returns what to do about the missing key.
+    /// Returns the help text for the missing key.
     pub fn remedy_in_words(&self) -> String {
         match self.remedy {
             "" => format!("add {} = {}", self.name, self.shown_example()),
@@ -171,7 +171,7 @@ impl KeyTable {
         self.and_extended().flat_map(|table| table.own_rules)
     }
 
-    /// Returns the refused key of this name: one that users might expect, but that the table does not have.
+    /// Returns the refused key of this name: a key that users might expect, but that the table does not have.
     pub fn refused_key(&'static self, name: &str) -> Option<&'static Refused> {
         self.and_extended().flat_map(|table| table.own_refused).find(|refused| refused.name == name)
     }
@@ -238,7 +238,7 @@ impl ValueKind {
         if let ValueKind::Checked(kind, _) = self { kind.plain() } else { self }
     }
 
-    /// Returns the keys of the table that a value of this kind is, or that its items are.
+    /// Returns the keys of a value of this kind, or of its items, if they are tables; otherwise None.
     pub fn table(&self) -> Option<&'static KeyTable> {
         match self {
             ValueKind::Table(table) => Some(table),

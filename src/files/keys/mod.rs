@@ -1,6 +1,6 @@
-//! All keys of the files: one table of keys for each kind of TOML table.
+//! All keys of the files: one [`key::KeyTable`] for each kind of TOML table.
 //!
-//! The reader, the JSON Schemas and the reference for users are all made from these tables.
+//! The reader, the JSON Schemas and the reference for users all use these tables.
 
 pub mod cell;
 pub mod constraints;

@@ -18,7 +18,7 @@ pub const MAX_TOLERANCE: f64 = 45.0;
 /// Largest elevation of the tool axis, up or down, degrees. Beyond 90 degrees the tool leans back.
 pub const MAX_BEND: f64 = 135.0;
 
-/// Returns the names of the built-in senses: each without a frame, and with every frame after an `@`.
+/// Returns the names of the built-in senses: each alone, and each followed by `@` and the name of a frame.
 fn plain_senses() -> Vec<String> {
     let framed = PLAIN.iter().flat_map(|p| Frame::ALL.map(|f| format!("{p}@{}", f.name())));
     PLAIN.iter().map(|p| p.to_string()).chain(framed).collect()
@@ -54,17 +54,17 @@ const DIVISIONS: ValueKind =
 
 key_table! {
     operation, "an operation", "Precision operation: its place, the attitude of the tool, and the error that counts.", {
-        ON = text("on", "Equipment on whose work surface the operation happens.").required().example("\"worktable\"").remedy("add on = \"NAME\" of an equipment with a work surface");
+        ON = text("on", "Equipment on whose work surface the operation happens.").required().example("\"worktable\"").remedy("add on = \"NAME\", the equipment with the work surface");
         GRID = Key::new("grid", DIVISIONS, "Divisions along x and y of the surface: [10, 8] makes 11 x 9 nodes.").required_unless("points_mm").example("[10, 8]").remedy("add grid = [10, 8], the divisions along x and y");
         REGION = table("region", &rectangle::TABLE, "Part of the surface that the grid covers; if left out, all of it.").example("{ centre_mm = [100, 50], size_mm = [200, 100] }");
         POINTS_MM = Key::new("points_mm", POINTS, "Points of the surface (x and y) at which the operation happens, in place of a grid.").example("[[-100, 0], [100, 0]]");
         OVER = word::<NodeAggregation>("over", "best: the operation happens at the best node; max, mean, p95: it happens at every node, and the maximum, mean or 95th percentile of their errors counts; if left out, best for a grid, max for points.");
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");
         BEND = Key::new("bend_deg", ValueKind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
-        AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Azimuth: heading of the tool axis in the surface, or of the tool's x axis if the tool is vertical; a number, a range, a list, \"radial\" (away from the robot) or \"free\".").default(Literal::Word("free"));
-        SPIN = Key::new("spin_deg", super::SPIN, "Spin: right-handed turn of the reference axis about the tool axis. The reference axis is the first of the TCP's x, y and z axes perpendicular to it. At 0 it points upwards, or along the azimuth if the tool points down. A number, a range, a list, or \"free\" (every 30 degrees).").default(Literal::Word("free"));
+        AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Azimuth: heading of the tool axis in the surface, or of the tool's x axis if the tool is vertical; a number, a range, a list, \"radial\" (in the vertical plane through the axis of the robot base) or \"free\".").default(Literal::Word("free"));
+        SPIN = Key::new("spin_deg", super::SPIN, "Spin: right-handed turn of the reference axis about the tool axis. The reference axis is the first of the TCP's x, y and z axes that is perpendicular to the tool axis. At spin 0 the reference axis points upwards, or along the azimuth if the tool points down. A number, a range, a list, or \"free\" (every 30 degrees).").default(Literal::Word("free"));
         TOLERANCE = number_or_zero("tolerance_deg", NumberRange::UpTo(MAX_TOLERANCE), "Angle by which the tool axis may be tilted from the attitude.");
-        SENSE = Key::new("sense", ValueKind::Either(&[ValueKind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz or rotation, with @surface or @tool in other axes, or a sense of the cell.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
+        SENSE = Key::new("sense", ValueKind::Either(&[ValueKind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz or rotation, with @surface or @tool in the axes of the surface or the tool, or a sense that the cell defines.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
         LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in mm.").example("0.5");
         LIMIT_DEG = number("limit_deg", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in degrees.").example("0.1");
         RELATIVE_TO = text("relative_to", "Earlier operation that picked the part placed here: errors common to both cancel.").example("\"picking\"");

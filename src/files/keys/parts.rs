@@ -82,10 +82,10 @@ pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
     Key::new(name, ValueKind::word::<W>(), help)
 }
 
-/// Returns the key `from`, which names the file whose keys this file includes.
+/// Returns the key `from`, which names the file whose keys this table takes over.
 pub const fn from(example: &'static str) -> Key {
     let help =
-        "File that this one builds on; keys given here override its keys, and lists are replaced whole.";
+        "File that this one builds on; keys given here override its keys, and lists are replaced as a whole.";
     Key::new("from", ValueKind::Path, help).example(example)
 }
 

@@ -3,10 +3,10 @@
 /// Largest length (mm) or angle (degrees) that a file may contain.
 pub const LARGEST: f64 = 1e7;
 
-/// Smallest size or weight that a file may contain.
+/// Smallest number that a file may contain if the number must be positive, such as a size or a weight.
 pub const SMALLEST: f64 = 1e-6;
 
-/// Values that a number may have, in the unit of the file. Every number is finite and within 1e7.
+/// Values that a number may have, in the unit of the file. Every number is finite and at most 1e7 in size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NumberRange {
     Finite,
@@ -21,7 +21,7 @@ pub enum NumberRange {
 }
 
 impl NumberRange {
-    /// Returns what is wrong with a value, and what to do.
+    /// Returns what is wrong with a value and what to do; None if the value is allowed.
     pub fn refuses(self, value: f64) -> Option<(String, String)> {
         let at_least_0 = "write 0 or a number greater than 0";
         let (wrong, remedy) = match self {
@@ -36,10 +36,10 @@ impl NumberRange {
                 ("must be at least 1e-6", "is the unit right? lengths are in mm")
             }
             Self::NotNegative | Self::UpTo(_) | Self::Below(_) if value < 0.0 => {
-                ("must not be negative", at_least_0)
+                ("must be 0 or greater", at_least_0)
             }
             Self::PlusMinus if value < 0.0 => {
-                ("must not be negative", "a plus-or-minus has no sign; a sample has: kind = \"signed\"")
+                ("must be 0 or greater", "a tolerance has no sign; for signed errors, write kind = \"signed\"")
             }
             Self::UpTo(most) if value > most => {
                 return Some((format!("must be at most {most}"), format!("write a number from 0 to {most}")));
@@ -47,7 +47,7 @@ impl NumberRange {
             Self::Below(end) if value >= end => {
                 return Some((
                     format!("must be less than {end}"),
-                    format!("write a number from 0 on, below {end}"),
+                    format!("write a number that is at least 0 and less than {end}"),
                 ));
             }
             _ => return None,

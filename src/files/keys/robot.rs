@@ -39,12 +39,12 @@ const SOLIDS_OF_LINKS: ValueKind =
 const SOLIDS: ValueKind = ValueKind::List(&ValueKind::Table(&solid::TABLE), (0, MANY), "solids");
 
 key_table! {
-    joint, "a joint", "D-H row, a moving axis: A = Rz(q_offset + q) Tz(r) Tx(l) Rx(alpha).", {
+    joint, "a joint", "D-H row of one joint: A = Rz(q_offset + q) Tz(r) Tx(l) Rx(alpha) if revolute and standard.", {
         NAME = Key::new("name", ValueKind::Name, "Name of the joint for messages.").required();
         R = number("r_mm", NumberRange::Finite, "Axial offset r along z; a prismatic joint adds its coordinate to it.").required();
         L = number("l_mm", NumberRange::Finite, "Common normal l along x.").required();
         ALPHA = number("alpha_deg", NumberRange::Finite, "Twist alpha about x.").required();
-        MOTION = word::<JointMotion>("kind", "Kind of joint; a passive joint turns with others, by the coupling alone.").default(Literal::Word(JointMotion::Revolute.name()));
+        MOTION = word::<JointMotion>("kind", "Kind of joint; a passive joint has no actuator and turns with others, by the coupling.").default(Literal::Word(JointMotion::Revolute.name()));
         Q_OFFSET = number("q_offset_deg", NumberRange::Finite, "Angle theta of a revolute joint at coordinate 0.");
         THETA = number("theta_deg", NumberRange::Finite, "Angle theta of a prismatic joint.");
         LIMITS_DEG = Key::new("limits_deg", LIMITS, "Lower and upper limit of a revolute joint.").example("[-90, 90]");
@@ -95,12 +95,12 @@ key_table! {
         NAME = Key::new("name", ValueKind::Name, "Name of the robot.").required_unless("urdf");
         SOURCE = super::SOURCE.required_unless("urdf").example("").remedy("add source = \"...\"");
         CONVENTION = word::<Convention>("convention", "Order of the rows: Rz Tz Tx Rx (standard) or Tx Rx Rz Tz (modified, Craig).").default(Literal::Word(Convention::Standard.name()));
-        JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows from the base on, [[joint]] for each moving axis.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
-        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i is 1, and those after it are 0.").example("[[1, 0], [1, 1]]");
-        HOME = Key::new("home", POSTURE, "Home posture, one number for each joint, degrees or mm; if left out, each is 0, or the middle of its limits if they exclude 0.").example("[0, -30, 60, 0]");
+        JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows, starting at the base: one [[joint]] for each joint.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
+        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i is 1, and the numbers after it are 0.").example("[[1, 0], [1, 1]]");
+        HOME = Key::new("home", POSTURE, "Home posture, one number for each joint, degrees or mm; if left out, each coordinate is 0, or the middle of its limits if they exclude 0.").example("[0, -30, 60, 0]");
         URDF = text("urdf", "URDF file (without xacro) in place of D-H rows, with its path relative to the folder of this file.").example("\"robots/arm.urdf\"");
-        BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, its root.").example("\"base\"");
-        TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only end of the chain.").example("\"flange\"");
+        BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, the root of the links.").example("\"base\"");
+        TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only link without children.").example("\"flange\"");
         PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers them.").remedy("add footprint = { size_mm = [600, 600] }");
@@ -115,7 +115,7 @@ key_table! {
 }
 
 key_table! {
-    /// `[robot]` of a cell.
+    /// Keys of the table `[robot]` of a cell.
     robot_in_cell, "`robot`", "Robot of a cell and the placement of its base.", {
         BASE = table("base", &placement::TABLE, "Placement of the robot base in the world; if left out, the origin.");
         BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");

@@ -76,7 +76,7 @@ key_table! {
     leg, "a leg", "Upright leg down to the floor; its length follows from the height of the equipment.", {
         CENTRE = Key::new("centre_mm", PLAN, "Centre in plan.").required();
         SIZE = Key::new("size_mm", PLAN_SIZES, "Size along x and y.").required();
-        TOP = number("top_mm", NumberRange::Finite, "Height of its top in the frame of the equipment.").required();
+        TOP = number("top_mm", NumberRange::Finite, "Height of the top of the leg in the frame of the equipment.").required();
     }
 }
 
@@ -96,11 +96,11 @@ fn obj_or_stl() -> Value {
 key_table! {
     /// Keys that all solids have in common.
     any_solid, "a solid", "Solid: a name and one shape.", {
-        NAME = Key::new("name", ValueKind::Name, "Name for messages; no two solids of one robot or equipment may have the same name.").required();
+        NAME = Key::new("name", ValueKind::Name, "Name for messages; no two solids of a robot or a piece of equipment may have the same name.").required();
         BOX = table("box", &cuboid::TABLE, "Box.").example("{ centre_mm = [0, 0, 0], size_mm = [100, 100, 100] }");
         SPHERE = table("sphere", &sphere::TABLE, "Sphere.");
-        CAPSULE = table("capsule", &bar::TABLE, "Segment swept by a ball.");
-        CYLINDER = table("cylinder", &bar::TABLE, "Round bar with flat ends.");
+        CAPSULE = table("capsule", &bar::TABLE, "Bar with hemispherical ends.");
+        CYLINDER = table("cylinder", &bar::TABLE, "Bar of circular cross-section with flat ends.");
         MESH = table("mesh", &mesh::TABLE, "Triangles of a mesh file.");
     }
 }
@@ -125,7 +125,7 @@ key_table! {
 }
 
 key_table! {
-    equipment_solid, "a solid", "Solid of an equipment: a name and one shape.", {
+    equipment_solid, "a solid", "Solid of a piece of equipment: a name and one shape.", {
         LEG = table("leg", &leg::TABLE, "Upright leg down to the floor; its length follows from the height of the equipment.");
     }
     extends super::any_solid::TABLE;

@@ -1,4 +1,4 @@
-//! Closed sets of words.
+//! Closed sets of words: the values of a key that accepts only certain words.
 
 /// Closed set of values, each with the word that stands for it in the files.
 pub trait Word: Copy + 'static {

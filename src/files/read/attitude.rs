@@ -22,7 +22,7 @@ pub fn read(t: &mut Table) -> Option<SearchedAttitude> {
     let tolerance = t.number(&operation::TOLERANCE)?;
     let (elevation, (azimuth, searched_azimuth), (spin, searched_spin)) = (elevation?, azimuth?, spin?);
     let attitude = Attitude { elevation: elevation.start(), azimuth, spin, tolerance };
-    // What is fixed stands in the attitude.
+    // A fixed angle is part of the attitude, but not a search variable.
     let angles = [Some(elevation), searched_azimuth, searched_spin];
     Some((attitude, angles.map(|c| c.filter(Coordinate::is_free))))
 }
@@ -36,7 +36,7 @@ fn read_bend(t: &mut Table) -> Option<Coordinate> {
     if let Some(deg) = beyond {
         let given = plain(units::rounded(deg, 6));
         let message = format!("`bend_deg` must be from -{MAX_BEND} to {MAX_BEND}, not {given}");
-        let help = "-90 is the tool pointing down, 0 horizontal, 90 up, -100 down and back by 10";
+        let help = "at -90 the tool points down, at 0 it is horizontal, at 90 it points up; -100 is 10 beyond straight down";
         t.error(node.at, message, help);
     }
     Some(bend)

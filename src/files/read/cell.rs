@@ -67,10 +67,10 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     })
 }
 
-/// Settings that say how the errors of a cell are modelled and interpreted.
+/// Settings that define how the errors of a cell are modelled and interpreted.
 struct Question {
     model: Model,
-    /// Reading that the file states; None if the kind of the errors decides it.
+    /// Reading that the file states; None if the kind of the error sets decides it.
     reading: Option<Reading>,
     quantity: Quantity,
     registration: Registration,
@@ -110,7 +110,7 @@ fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
         && read.search.robust
         && !read.has_placement_tolerance()
     {
-        let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to an equipment";
+        let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to a piece of equipment";
         t.error(node.at, "`robust` is set, but no placement has a tolerance", help);
     }
 }
@@ -141,7 +141,7 @@ fn read_equipment(t: &mut Table) -> Vec<Equipment> {
     let mut all = t.named(&cell::EQUIPMENT, |name, t| equipment::read(name, t, Role::Equipment));
     all.extend(t.named(&cell::OBSTACLE, |name, t| {
         if taken.is_some_and(|taken| taken.value.get(name).is_some()) {
-            let message = format!("the name `{}` is already used by an equipment", shown(name));
+            let message = format!("the name `{}` is already used by a piece of equipment", shown(name));
             t.error(t.at, message, "give the obstacle a name of its own");
         }
         equipment::read(name, t, Role::Obstacle)
@@ -180,8 +180,8 @@ fn read_pareto(t: &mut Table) -> Option<Goals> {
     let named: Option<Vec<Goal>> = named.collect::<Vec<_>>().into_iter().collect();
     let goals = Goals::of(&named?);
     if goals.is_none() {
-        let help = format!("there are: {}", listed(Goal::ALL.map(Goal::name)));
-        t.error(node.at, "`pareto` must name each goal once", help);
+        let help = format!("the goals are: {}", listed(Goal::ALL.map(Goal::name)));
+        t.error(node.at, "`pareto` must not name a goal twice", help);
     }
     goals
 }

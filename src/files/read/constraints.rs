@@ -15,7 +15,7 @@ use nalgebra::Vector2;
 /// Least area of a fence, m2. A smaller area is probably in the wrong unit.
 const MIN_AREA: f64 = 1e-4;
 
-/// Least distance of two corners of a fence, m.
+/// Least distance of two consecutive corners of a fence, m.
 const MIN_EDGE: f64 = 1e-6;
 
 /// Reads `[margins]`. If `robot` could be read, checks that its joints keep some travel.
@@ -89,7 +89,7 @@ fn read_posture(node: &Node, robot: &Robot, margins: &Margins, t: &mut Table) ->
                 shown(&joint.name)
             );
             let at = node.value.items().map_or(node.at, |items| items[i].at);
-            t.error(at, message, format!("choose it from {low} to {high}, not {}", plain(q)));
+            t.error(at, message, format!("write a value from {low} to {high}, not {}", plain(q)));
         }
     }
     Some(posture)
@@ -104,7 +104,7 @@ pub fn read_fence(t: &mut Table) -> Option<Option<Fence>> {
     })
 }
 
-/// Reads the corners of a simple polygon; returns them counterclockwise.
+/// Reads the corners of a polygon that does not cross itself; returns them counterclockwise, m.
 fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
     let items = value::items(node, &fence::POLYGON, t.lib)?;
     let read = |(i, item)| {
@@ -146,12 +146,11 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
 
 /// Returns whether two edges share a point other than a common corner.
 ///
-/// `follows` says that the second edge begins where the first ends, `leads` that it ends where the first
-/// begins.
+/// `follows` means that `b` begins at the end of `a`; `leads` means that `b` ends at the start of `a`.
 fn cross(a: Edge, b: Edge, follows: bool, leads: bool) -> bool {
     let (u, v) = (a.1 - a.0, b.1 - b.0);
     if follows || leads {
-        // Neighbours meet again only if one runs back over the other.
+        // Neighbouring edges meet again only if one runs back over the other.
         let back = if follows { u.dot(&v) } else { v.dot(&u) };
         let flat = u.perp(&v).abs() <= 1e-12 * u.norm() * v.norm();
         return flat && back < 0.0;

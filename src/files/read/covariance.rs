@@ -12,7 +12,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::DMatrix;
 
-/// Relative rounding error that is allowed for a symmetric, semidefinite matrix in a file.
+/// Relative tolerance for rounding errors in the checks of a matrix: symmetry, correlations and eigenvalues.
 const ROUNDING: f64 = 1e-9;
 
 /// Reads `covariance`.
@@ -49,7 +49,7 @@ fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
     }
 }
 
-/// Returns the names in `parameters`; records a fault if there are none or more than the robot has.
+/// Returns the names in `parameters`. Records a fault if there are none, or more than the robot has parameters.
 fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n [Node]> {
     let most = Parameter::count(arm.axes);
     if let Some(items) = node.value.items().filter(|items| (1..=most).contains(&items.len())) {
@@ -99,7 +99,7 @@ fn read_parameter(item: &Node, names: &[String], arm: ErrorRows<'_>, t: &mut Tab
     found
 }
 
-/// Returns a help text for an unknown name: similar names, or all allowed names.
+/// Returns a help text for an unknown name: the range of joint numbers, a similar name, or the allowed names.
 fn nearest(name: &str, names: &[String], arm: ErrorRows<'_>) -> String {
     if let Some(first) = of_joint(name, 1).filter(|first| names.contains(first)) {
         let last = of_joint(name, arm.axes).unwrap_or_default();
@@ -111,7 +111,7 @@ fn nearest(name: &str, names: &[String], arm: ErrorRows<'_>) -> String {
     }
 }
 
-/// Returns the name of a joint's parameter with the joint replaced by joint `number`.
+/// Returns the name of a parameter with its joint number replaced by `number`; None if the name has no digit.
 fn of_joint(name: &str, number: usize) -> Option<String> {
     let (before, rest) = name.split_at(name.find(|c: char| c.is_ascii_digit())?);
     Some(format!("{before}{number}{}", rest.trim_start_matches(|c: char| c.is_ascii_digit())))
@@ -122,9 +122,9 @@ fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, t: &mut 
     let values = values.values();
     for item in places.iter().zip(items).filter(|(place, _)| values[**place] != 0.0).map(|(_, item)| item) {
         let name = name_of(item);
-        let message = format!("`{name}` has a plus-or-minus besides its covariance");
+        let message = format!("`{name}` has both a plus-or-minus value and a covariance");
         let help =
-            format!("write 0 as the plus-or-minus of {name}: its spread is on the diagonal of `matrix`");
+            format!("write 0 as the plus-or-minus value of {name}: the diagonal of `matrix` gives its variance");
         t.error(item.at, message, help);
     }
 }
@@ -174,13 +174,12 @@ impl<'n> Matrix<'n> {
     fn check_variance(&self, i: usize, name: &str, t: &mut Table) {
         if self.at(i, i) < 0.0 {
             let variance = plain(self.at(i, i));
-            let message = format!("the variance of `{name}` must not be negative, not {variance}");
+            let message = format!("the variance of `{name}` must be 0 or greater, not {variance}");
             t.error(self.place(i, i), message, "write the square of its standard deviation");
         }
     }
 
-    /// Checks an entry left of the diagonal against its mirror image, and its correlation against the limit
-    /// of 1.
+    /// Checks that an entry below the diagonal equals its mirror image, and that its correlation is at most 1.
     fn check_pair(&self, i: usize, j: usize, names: &[String], t: &mut Table) {
         let (a, b) = (self.at(i, j), self.at(j, i));
         let (of, and) = (&names[i], &names[j]);
@@ -198,7 +197,7 @@ impl<'n> Matrix<'n> {
         } else if a.abs() > deviations * (1.0 + ROUNDING) {
             let message = format!("{of} and {and} cannot have the covariance {}", plain(a));
             let help = format!(
-                "at most {}, the product of their standard deviations: are the units those of the file?",
+                "at most {}, the product of their standard deviations: are all units mm and degrees?",
                 plain(deviations)
             );
             t.error(self.place(i, j), message, help);

@@ -14,7 +14,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::Vector3;
 
-/// Reads `[equipment.NAME]` or `[obstacle.NAME]`, most keys of which usually come `from` an equipment file.
+/// Reads `[equipment.NAME]` or `[obstacle.NAME]`. Most keys usually come from an equipment file, by `from`.
 pub fn read(name: &str, t: &mut Table, role: Role) -> Option<Equipment> {
     header(t, &body::SCHEMA)?;
     t.if_given(&body::NAME, Table::text);
@@ -31,7 +31,7 @@ pub fn read(name: &str, t: &mut Table, role: Role) -> Option<Equipment> {
         Role::Equipment => t.table(&equipment::PLACEMENT, placement::read),
         Role::Obstacle => t.table(&obstacle::PLACEMENT, placement::read_fixed),
     };
-    // What it stands on is found by its name when all are read.
+    // [`tie`] resolves the name when all equipment is read.
     t.if_given(&equipment::STANDS_ON, Table::text);
     let errors = t.if_given(&equipment::ERRORS, |t, key| t.table(key, frame_error::read_errors));
     let exact = PlacementTolerance::default();
@@ -63,7 +63,7 @@ pub fn tie(root: &mut Table, all: &mut [Equipment]) {
                 let others = || names.iter().filter(|n| *n != name).map(String::as_str);
                 let help = match did_you_mean(under, others()) {
                     Some(near) => format!("did you mean \"{}\"?", shown(near)),
-                    None => format!("there is: {}", listed(others())),
+                    None => format!("the cell has: {}", listed(others())),
                 };
                 root.error(tied.at, format!("there is no equipment `{}`", shown(under)), help);
             }
@@ -77,7 +77,7 @@ pub fn tie(root: &mut Table, all: &mut [Equipment]) {
     }
 }
 
-/// Returns whether an equipment stands, directly or indirectly, on itself.
+/// Returns whether equipment `k` stands, directly or indirectly, on itself.
 fn circular(all: &[Equipment], k: usize) -> bool {
     let mut under = all[k].on;
     while let Some(next) = under {

@@ -58,7 +58,7 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
     let (dq_deg, dq_mm) = (dq_deg?, dq_mm?);
     check_joint_kinds(t, &error_set::DQ_DEG, &dq_deg, arm, JointKind::Revolute);
     check_joint_kinds(t, &error_set::DQ_MM, &dq_mm, arm, JointKind::Prismatic);
-    // One of the two is zero for every joint.
+    // For every joint, one of the two values is zero.
     let dq = dq_deg.iter().zip(dq_mm).map(|(a, b)| a + b).collect();
     let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
     let (base, tool, joints, name) = (base?, tool?, joints?, name.to_string());
@@ -71,10 +71,9 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
     Some(SignedErrors::of_values(name, n, &values))
 }
 
-/// Refuses errors of the base and of joint 1 that duplicate those of row 1 in modified convention.
+/// Refuses errors of the base and of joint 1 that duplicate errors of row 1 in modified convention.
 ///
-/// Modified rows begin with the common normal. So dalpha, dl and dbeta of row 1 already describe these
-/// errors.
+/// Modified rows begin with the common normal. So dalpha, dl and dbeta of row 1 already describe these errors.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
     let of_base = (
         error_set::BASE,

@@ -1,4 +1,4 @@
-//! Readers of frame errors: of the robot's base, tool and joints, and of an equipment's placement or fixture.
+//! Readers of frame errors: of the robot's base, tool and joints, and of the placement or fixture of equipment.
 
 use super::row_order::ErrorRows;
 use super::tolerance;
@@ -54,7 +54,7 @@ fn read_joint(node: &Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<usize> {
     };
     let names = || arm.joints.iter().map(|joint| joint.name.as_str());
     let found = names().position(|n| n == name);
-    // The names of a robot that could not be read are not known.
+    // If the joints could not be read, their names are unknown.
     if found.is_none() && !arm.joints.is_empty() {
         let help = match did_you_mean(name, names()) {
             Some(near) => format!("did you mean \"{}\"?", shown(near)),
@@ -65,7 +65,7 @@ fn read_joint(node: &Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<usize> {
     found
 }
 
-/// Reads `errors` of an equipment.
+/// Reads `errors` of a piece of equipment.
 pub fn read_errors(t: &mut Table) -> Option<FrameErrors> {
     let form = t.word(&errors_of_equipment::FORM);
     let values = read_values(t, tolerance::range_of(form));

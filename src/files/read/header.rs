@@ -9,8 +9,8 @@ use crate::files::toml::value;
 
 /// Reads `schema` and `units`.
 ///
-/// Returns None for a file of another kind, of which no other key is then read. A part written inside a cell
-/// has neither key: it uses those of the cell.
+/// Returns None for a file of another kind; its other keys are then not read. A part that is written inside a
+/// cell has neither key, because those of the cell apply.
 pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
     let given = t.get(schema);
     if given.is_some_and(|node| !is_schema(node, t, schema)) {
@@ -35,7 +35,7 @@ pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
 
 /// Returns whether the file is of the required kind; records a fault if not.
 ///
-/// If the included file has the wrong kind, the fault is where the including file names it.
+/// If an included file has the wrong kind, the fault is at the table of the including file that names it.
 fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     let ValueKind::Exactly(wanted) = schema.kind else { return false };
     let Some(given) = value::text(node, "schema", t.lib) else { return false };
@@ -45,13 +45,13 @@ fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     let file = shown(&t.lib.sources[node.at.file].path);
     let named = if node.at.file == t.at.file { node.at } else { t.at };
     let (at, message) = match KINDS.iter().find(|(kind, _)| given == format!("sweetspot/{kind}/1")) {
-        Some((_, what)) => (named, format!("`{file}` is the file of {what}")),
+        Some((_, what)) => (named, format!("`{file}` is {what} file")),
         None => (node.at, format!("`{}` is not a known schema", shown(&given))),
     };
     t.error(at, message, format!("a file with schema = \"{wanted}\" is expected here"));
     false
 }
 
-/// Kinds of files, with their article.
+/// Kinds of files, each also with its article.
 const KINDS: [(&str, &str); 4] =
     [("cell", "a cell"), ("robot", "a robot"), ("tool", "a tool"), ("equipment", "an equipment")];

@@ -11,7 +11,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 use std::collections::HashSet;
 
-/// Joint limit, degrees. If no joint has a larger limit, the limits are probably in radians.
+/// Joint limit, degrees. If no revolute joint has a larger limit, the limits are probably in radians.
 const SUSPICIOUS_LIMIT_DEG: f64 = 7.0;
 
 /// Reads the D-H rows of a robot.
@@ -46,7 +46,7 @@ fn read(t: &mut Table) -> Option<Joint> {
     let name = t.name(&joint::NAME);
     let (r, l, alpha) = (t.number(&joint::R), t.number(&joint::L), t.number(&joint::ALPHA));
     let Some(motion) = t.word::<JointMotion>(&joint::MOTION) else {
-        // Which other keys it should have is not known.
+        // Without the kind, the other keys of the joint cannot be checked.
         t.give_up();
         return None;
     };
@@ -61,7 +61,7 @@ fn read(t: &mut Table) -> Option<Joint> {
     Some(Joint { name, kind, theta, r: r?, l: l?, alpha: alpha?, limits })
 }
 
-/// Reads lower and upper limit, rad or m.
+/// Reads the lower and the upper limit of a joint, rad or m.
 fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
     let (node, name) = (t.get(key)?, key.name);
     let limits = value::numbers(node, &format!("`{name}`"), 2, NumberRange::Finite, t.lib)?;
@@ -76,9 +76,9 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
     Some((key.unit().si(limits[0]), key.unit().si(limits[1])))
 }
 
-/// Reads the matrix `coupling`: row i gives D-H coordinate i as a combination of the actuators.
+/// Reads the matrix `coupling`: row i gives D-H coordinate i as a linear combination of the actuator coordinates.
 ///
-/// If the matrix is missing, every coordinate equals its actuator's coordinate.
+/// If the matrix is missing, every D-H coordinate equals the coordinate of its own actuator.
 pub fn read_coupling(t: &mut Table, n: usize) -> Option<Vec<Vec<f64>>> {
     let Some(node) = t.get(&robot::COUPLING) else {
         let unit = |i| (0..n).map(|j| f64::from(u8::from(i == j))).collect();
@@ -108,9 +108,9 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
     Some(values)
 }
 
-/// Reads the home posture, one number for each joint in its unit.
+/// Reads the home posture: one number for each joint, degrees or mm in the file, rad or m in the result.
 ///
-/// If it is missing, each coordinate is 0, or the middle of its limits if they exclude 0.
+/// If the key is missing, each coordinate is 0, or the middle of its limits if they exclude 0.
 pub fn read_home(t: &mut Table, joints: &[Joint]) -> Option<JointVector> {
     let mut home = [0.0; MAX_JOINTS];
     let Some(node) = t.get(&robot::HOME) else {
@@ -130,7 +130,7 @@ pub fn read_home(t: &mut Table, joints: &[Joint]) -> Option<JointVector> {
             let (low, high, name) = (shown_limit(low), shown_limit(high), shown(&joint.name));
             let message = format!("number {} of `home` is outside the limits of joint `{name}`", i + 1);
             let at = node.value.items().map_or(node.at, |items| items[i].at);
-            t.error(at, message, format!("choose it from {low} to {high}, not {}", plain(q)));
+            t.error(at, message, format!("write a value from {low} to {high}, not {}", plain(q)));
         }
     }
     Some(home)

@@ -1,4 +1,4 @@
-//! Readers of each kind of file, which build the model from the located tree and use the tables of keys.
+//! Readers of each kind of file. They build the model from the tree of values by the tables of keys.
 
 pub mod attitude;
 pub mod cell;

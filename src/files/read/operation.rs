@@ -38,7 +38,7 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
 
 /// Parts of the cell that an operation may name.
 struct References<'c> {
-    /// Whether every table could be read. Only then is an unknown name a fault.
+    /// Whether every table could be read. An unknown name is a fault only if this is true.
     complete: bool,
     /// Equipment that could be read.
     equipment: &'c [Equipment],
@@ -155,7 +155,7 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
     let mut limit = Some(None);
     for (key, unit) in [(operation::LIMIT_MM, Unit::Length), (operation::LIMIT_DEG, Unit::Angle)] {
         let Some(node) = t.get(&key) else { continue };
-        // A flag speaks of every operation at once: a limit in the other unit does not apply to this one.
+        // A flag sets every operation. A limit does not apply to operations whose sense has the other unit.
         let sense_node = t.get(&operation::SENSE);
         let by_flag = t.lib.is_flag(node.at) || sense_node.is_some_and(|sense| t.lib.is_flag(sense.at));
         if by_flag && sense.is_some_and(|sense| sense.unit != unit) {
@@ -183,7 +183,7 @@ fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<u
     let place = |wanted: &str| around.operation_names.get(wanted).copied();
     let found = place(&other);
     let (message, help) = match found {
-        _ if other == name => ("an operation is not relative to itself".to_string(), PICKED.to_string()),
+        _ if other == name => ("an operation cannot be relative to itself".to_string(), PICKED.to_string()),
         None => {
             let others = || around.operations.iter().map(|(n, ..)| n.as_str()).filter(|n| *n != name);
             let help = match did_you_mean(&other, others()) {

@@ -13,8 +13,8 @@ use crate::units;
 /// Largest distance, m, by which rounding may put a point beyond the edge of its surface.
 const EDGE_ROUNDING: f64 = 1e-9;
 
-/// Time (s) and memory (bytes) that `map --json` takes per node, measured with a quarter of a million nodes
-/// on hitachi_cell.
+/// Time (s) and memory (bytes) that `map --json` takes per node, measured on `hitachi_cell.toml` with a quarter
+/// of a million nodes.
 const NODE_COST: (f64, f64) = (1.2e-4, 1600.0);
 
 /// Reads the nodes of an operation, and how the errors at the nodes become one value.
@@ -27,7 +27,7 @@ pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, NodeAgg
     if let Some(node) = points {
         let points = read_points(t, surface);
         for key in [operation::GRID, operation::REGION] {
-            // A grid of the file that this one is made from is replaced by the points.
+            // The points replace a grid or region of an included file (`from`).
             if let Some(besides) = t.get(&key).filter(|besides| besides.at.file == node.at.file) {
                 let name = key.name;
                 let message = format!("`{name}` cannot be given with `points_mm`: the points are the nodes");
@@ -37,7 +37,7 @@ pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<(Place, NodeAgg
         return Some((Place::Points(points?), over?));
     }
     let divisions = read_grid(t);
-    // A surface that is not known has had its fault.
+    // If the surface is unknown, its fault is already recorded.
     let whole = surface.unwrap_or(Rectangle { centre: (0.0, 0.0), size: (1.0, 1.0) });
     let area = t.if_given(&operation::REGION, |t, _| read_region(t, surface));
     Some((Place::Grid { area: area?.unwrap_or(whole), divisions: divisions? }, over?))

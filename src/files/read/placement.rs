@@ -19,7 +19,7 @@ pub fn read(t: &mut Table) -> Option<[Coordinate; 4]> {
     Some([x?, y?, z?, yaw?])
 }
 
-/// Reads x, y, z and yaw of an obstacle, which is never searched.
+/// Reads x, y, z and yaw of an obstacle, which a search never moves.
 pub fn read_fixed(t: &mut Table) -> Option<[Coordinate; 4]> {
     let keys = [fixed_placement::X, fixed_placement::Y, fixed_placement::Z, fixed_placement::YAW];
     let [x, y, z, yaw] = keys.map(|key| read_number(t, &key).map(Coordinate::Fixed));

@@ -1,7 +1,8 @@
 //! Warnings about sizes that are probably in a wrong unit.
 //!
 //! A size is suspicious if it is more than 20 times the robot's reach, or less than a twentieth of the reach.
-//! A tolerance is suspicious if it is more than a twentieth of the reach, or less than a millionth of it.
+//! An error set is suspicious if its largest length tolerance is more than a twentieth of the reach, or less
+//! than a millionth of the reach.
 
 use crate::cell::Coordinate;
 use crate::cell::{Cell, Equipment, Role};
@@ -14,11 +15,10 @@ use crate::units::{mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
 
-/// Largest distance, m, of equipment from its supporting surface that counts as rounding. The distance is
-/// measured below the surface or beside it.
+/// Largest distance, m, by which rounding may put equipment below its supporting surface or beside it.
 const MAX_STAND_GAP: f64 = 1e-6;
 
-/// Share of the robot's reach below which a tolerance is too small to be manufactured.
+/// Share of the robot's reach below which a tolerance is too small for any manufacturing process.
 const LEAST_DEVIATION: f64 = 1e-6;
 
 /// Object with a size, m, and the place in the file at which a warning points.
@@ -59,12 +59,12 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
             thing.at,
             Severity::Warning,
             message,
-            "are all lengths, and those of the robot, really in mm?",
+            "are all lengths really in mm, also those of the robot?",
         );
     }
 }
 
-/// Warns of suspicious length tolerances: offsets, common normals and positions of joint frames.
+/// Warns if the largest length tolerance is suspicious: of offsets, common normals and joint frame positions.
 ///
 /// Angles are not checked, because an angle in a wrong unit has a plausible size, too.
 fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut Library<'_>) {

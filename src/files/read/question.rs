@@ -4,7 +4,7 @@ use crate::cell::{About, Cell};
 use crate::files::toml::document::Library;
 use crate::files::toml::tree::Node;
 
-/// Records a fault, at the key concerned, for every combination of settings that cannot be evaluated.
+/// Records a fault for every combination of settings that cannot be evaluated, at the key concerned.
 pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     for fault in cell.interpretation_faults() {
         let at = match fault.about {

@@ -28,7 +28,7 @@ struct Mechanism {
     joint_frames: Vec<Pose>,
 }
 
-/// Reads the keys of a robot from a table that may have others, such as the base pose in a cell.
+/// Reads the keys of a robot from a table that may have other keys, such as the base placement in a cell.
 pub fn read(t: &mut Table) -> Option<Robot> {
     header(t, &robot::SCHEMA)?;
     let urdf = t.get(&robot::URDF);
@@ -139,8 +139,7 @@ fn read_rows(t: &mut Table) -> Mechanism {
     Mechanism { axes, convention, mount: Pose::identity(), joints, coupling, joint_frames }
 }
 
-/// Returns the joints with the rows derived from a URDF. Records a fault if the robot file has rows of its
-/// own, too.
+/// Returns the joints with the rows derived from a URDF. Records a fault if the robot file itself has rows, too.
 fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mechanism {
     for key in [robot::JOINT, robot::COUPLING, robot::CONVENTION] {
         if t.get(&key).is_some() {
@@ -157,7 +156,7 @@ fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mec
 
 /// Joins the solids of a URDF and the solids of the robot file.
 ///
-/// Names are made unique, because messages name the solids.
+/// Solids of the URDF are renamed if necessary, because messages need unique names.
 fn joined(mut drawn: Vec<LinkSolid>, own: Vec<LinkSolid>) -> Vec<LinkSolid> {
     let mut names: HashSet<String> = own.iter().map(|s| s.solid.name.clone()).collect();
     for solid in &mut drawn {
@@ -169,7 +168,7 @@ fn joined(mut drawn: Vec<LinkSolid>, own: Vec<LinkSolid>) -> Vec<LinkSolid> {
     drawn
 }
 
-/// Converts modified D-H rows to standard rows; returns the mount of the chain on the base.
+/// Converts modified D-H rows to standard rows; returns the mount, which is the pose of frame 0 in the base.
 ///
 /// The common normal and twist of a row move to the row before it. The common normal and twist of the first
 /// row become the mount. The conversion is exact, because a translation along x and a rotation about x

@@ -14,12 +14,12 @@ pub struct ErrorRows<'j> {
 }
 
 impl ErrorRows<'_> {
-    /// Returns the parameters that hold dl, dalpha and dbeta of a modified row 1.
+    /// Returns the indices of the parameters that hold dl, dalpha and dbeta of a modified row 1.
     ///
     /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T translates along an axis and R
-    /// rotates about one. dl and dbeta become errors of the frame of joint 1, after the twist; dalpha becomes
-    /// an error of the base frame, before it. This is exact, because Tx and Rx commute and each of the two
-    /// frames has one rotation only.
+    /// rotates about an axis. dl and dbeta become errors of the frame of joint 1, after the twist. dalpha
+    /// becomes an error of the base frame, before the twist. This is exact, because Tx and Rx commute and each
+    /// of the two frames takes only one rotation of the row.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         [joint, base + 3, joint + 4]
@@ -30,9 +30,10 @@ impl ErrorRows<'_> {
         [2, 3, 4].map(|k| PER_LINK * row + k)
     }
 
-    /// Returns the parameters that no key of a file with modified rows sets; None for standard rows.
+    /// Returns the indices of the parameters that no key of a file with modified rows sets; None for standard
+    /// rows.
     ///
-    /// They are dl, dalpha and dbeta of the last standard row.
+    /// These parameters are dl, dalpha and dbeta of the last standard row.
     pub fn unused(&self) -> Option<[usize; 3]> {
         (self.modified && self.axes > 0).then(|| self.of_row(self.axes - 1))
     }

@@ -10,7 +10,7 @@ use crate::files::toml::tree::{At, Node};
 use crate::files::toml::value;
 use nalgebra::Vector3;
 
-const ROWS_OF: &str = "a rotation or xyz takes 3, xy or a plane 2, anything else 1";
+const ROWS_OF: &str = "a term with rotation or xyz has 3 rows, with xy or a plane 2, any other 1";
 
 /// Reads every `[sense.NAME]`.
 pub fn read_all(t: &mut Table) -> Vec<Sense> {
@@ -35,7 +35,7 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     }?;
     let rows: usize = terms.iter().map(|term: &Term| term.rows.len()).sum();
     if rows > MAX_ROWS {
-        let message = format!("the sense has {rows} rows: at most {MAX_ROWS} make one");
+        let message = format!("the sense has {rows} rows, more than {MAX_ROWS}");
         t.error(t.at, message, ROWS_OF);
     }
     let unit = unit_of(&terms);
@@ -46,7 +46,7 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))
 }
 
-/// Term of a sense. The rows have length 1 and are not yet weighted.
+/// Term of a sense. The directions of its rows are unit vectors, not yet weighted.
 struct Term {
     at: At,
     rows: Vec<Row>,
@@ -61,8 +61,7 @@ impl Term {
     }
 }
 
-/// Returns the unit of a sense: an angle if it has only rotations without a factor to length, otherwise a
-/// length.
+/// Returns the unit of a sense: an angle if all terms are rotations without `mm_per_deg`, otherwise a length.
 fn unit_of(terms: &[Term]) -> Unit {
     let angle = terms.iter().all(|term| term.turns() && term.lever.is_none());
     if angle { Unit::Angle } else { Unit::Length }
@@ -130,7 +129,8 @@ fn read_axes(node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     rows
 }
 
-/// Reads a vector; returns the rows of the error along it, in the plane perpendicular to it, or about it.
+/// Reads a vector. Returns the rows that measure the error along the vector (`direction`), in the plane
+/// perpendicular to it (`plane`), or about it (`axis`).
 fn read_rows(key: &Key, node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     let way = key.name;
     let vector = value::numbers(node, &format!("`{way}`"), 3, NumberRange::Finite, t.lib)?;
@@ -147,7 +147,7 @@ fn read_rows(key: &Key, node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     Some(directions.into_iter().map(|direction| Row { turns, direction }).collect())
 }
 
-/// Returns two unit vectors perpendicular to `normal` and to each other, right-handed with it.
+/// Returns two unit vectors that form a right-handed orthogonal frame with `normal` as the third axis.
 fn in_plane(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let mut axis = Vector3::zeros();
     axis[normal.iamin()] = 1.0;

@@ -25,14 +25,14 @@ const KEYS: [Key; 6] = [
 /// Shortest capsule or cylinder, m.
 const MIN_BAR_LENGTH: f64 = 1e-9;
 
-/// Reads the list of solids; a missing one is empty.
+/// Reads the list of solids; a missing list counts as empty.
 pub fn read_all(t: &mut Table, key: &Key) -> Vec<Solid> {
     read_each(t, key, |_, solid| solid)
 }
 
-/// Reads the list of solids; a missing one is empty.
+/// Reads the list of solids; a missing list counts as empty.
 ///
-/// `read_one` reads the keys that belong to the carrier of a solid, such as its link.
+/// `read_one` reads the keys that a solid has besides its name and shape, such as its link.
 pub fn read_each<T>(
     t: &mut Table,
     key: &Key,
@@ -98,7 +98,8 @@ fn read_leg(t: &mut Table) -> Option<Shape> {
     Some(Shape::Leg { x, y, size: size?, top: top? })
 }
 
-/// Reads `mesh = { file, units, centre_mm, rpy_deg }`; `file` is relative to the naming file.
+/// Reads `mesh = { file, units, centre_mm, rpy_deg }`; `file` is relative to the folder of the file that names
+/// the mesh.
 fn read_mesh(t: &mut Table) -> Option<Shape> {
     let pose = t.pose(&mesh::CENTRE, &mesh::RPY);
     let unit: Option<MeshUnit> = t.word(&mesh::UNITS);
@@ -123,8 +124,8 @@ fn read_bar(kind: &str, t: &mut Table) -> Option<Shape> {
 
 /// Reads `footprint`; if it is missing, returns the plan extent of the solids and the surface.
 ///
-/// Records a fault if a solid or the surface reaches beyond the footprint, or if nothing gives a footprint.
-/// In the latter case, the message says that one of the keys `needed` must be given.
+/// Records a fault if a solid or the surface reaches beyond the footprint. Also records a fault if nothing
+/// defines a footprint and `needed` is not empty. Its message says that one of the keys `needed` must be given.
 pub fn read_footprint(
     t: &mut Table,
     key: &Key,
@@ -146,7 +147,7 @@ pub fn read_footprint(
         let (front, back) = (cy - given.size.1 / 2.0 - lo.y, hi.y - cy - given.size.1 / 2.0);
         let out = units::mm_from_m(left.max(right).max(front).max(back));
         if out > 1e-6 {
-            let message = format!("`footprint` is {out:.1} mm too small for what stands on it");
+            let message = format!("`footprint` is {out:.1} mm too small for the solids and the surface");
             t.error(node.at, message, "make it larger: it is the floor space that nothing else may use");
         }
     }

@@ -1,4 +1,4 @@
-//! Reader of `teach_mm`: three points of a work surface that teach its frame.
+//! Reader of `teach_mm`: three points of a work surface that the robot touches to teach the surface frame.
 
 use super::place::{extent_in_words, is_on};
 use crate::cell::Rectangle;
@@ -12,7 +12,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::Vector2;
 
-/// Reads the points, m. Checks that they lie on the work surface if the surface is known.
+/// Reads the points, m. Checks that they span a triangle and, if `surface` is known, that they lie on it.
 pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<[(f64, f64); 3]> {
     let node = t.get(&operation::TEACH)?;
     let items = t.items(&operation::TEACH)?;

@@ -9,7 +9,7 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Value;
 use crate::files::toml::value;
 
-/// Returns the range of the numbers of an error set; those of a tolerance are not negative.
+/// Returns the range of the numbers in an error set: in a tolerance, none may be negative.
 pub fn range_of(form: Option<ErrorForm>) -> NumberRange {
     if form == Some(ErrorForm::Tolerance) { NumberRange::PlusMinus } else { NumberRange::Finite }
 }
@@ -26,7 +26,7 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
     let plus_minus = values.values().into_iter().zip(distributions);
     let mut spreads: Vec<_> =
         plus_minus.map(|(plus_minus, distribution)| Spread { plus_minus, distribution, sigmas }).collect();
-    // A covariance that was refused makes the set unreadable.
+    // If the covariance was refused, the whole set counts as unreadable.
     let covariance = covariance?;
     for (k, &place) in covariance.iter().flat_map(|c| c.parameters.iter().enumerate()) {
         let deviation = covariance.as_ref().map_or(0.0, |c| c.matrix[(k, k)].sqrt());
@@ -36,7 +36,7 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
     Some(Tolerance { name: values.name, spreads, covariance })
 }
 
-/// Refuses in a signed set the keys that only a tolerance has. A set of unknown kind gets no fault.
+/// Refuses the keys of a tolerance in a signed set. A set of unknown kind gets no fault here.
 pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
     for key in [error_set::DISTRIBUTION, error_set::SIGMAS, error_set::COVARIANCE] {
         if let Some(node) = t.get(&key)
@@ -50,7 +50,7 @@ pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
 
 /// Reads `distribution` of a robot: one word, or a table with words for rows and frames.
 ///
-/// Returns the distributions of all parameters, rows in the order of the file.
+/// Returns the distributions of all parameters, with the D-H rows in the order of the file.
 fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
     let key = error_set::DISTRIBUTION;
     let is_table = t.get(&key).is_some_and(|node| matches!(node.value, Value::Table(_)));
@@ -62,7 +62,7 @@ fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
         let links =
             [distribution::DQ, distribution::DR, distribution::DL, distribution::DALPHA, distribution::DBETA];
         let links = links.map(|key| read_words(t, &key, axes, default));
-        // The words of `joints` are those of every joint.
+        // The words of `joints` apply to every joint frame.
         let frames = [distribution::BASE, distribution::TOOL, distribution::JOINTS];
         let frames = frames.map(|key| read_words(t, &key, PER_FRAME, default));
         let [links, frames] =

@@ -16,9 +16,9 @@ use crate::files::keys::parts::range;
 use crate::files::toml::tree::{Value as Toml, parse};
 use serde_json::{Map, Value, json};
 
-/// Characters that [`crate::files::shown`] escapes.
+/// Characters that [`crate::files::shown`] escapes, as ranges in a regular expression.
 ///
-/// The tags beyond U+FFFF are left out, because not every validator can name them.
+/// The Unicode tag characters beyond U+FFFF are left out, because not every validator can express them.
 const HIDDEN: &str = "\\u0000-\\u001f\\u007f-\\u009f\\u00ad\\u061c\\u180e\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff\\ufff9-\\ufffb";
 
 /// Returns the JSON Schema (draft 7) of a kind of file.
@@ -26,7 +26,7 @@ pub fn schema(kind: FileKind) -> Value {
     let mut table = of_table(kind.keys());
     let mut required = vec![json!("schema"), json!("units")];
     if kind == FileKind::Equipment {
-        // Where it stands, and what else it needs, may be said in the cell.
+        // The cell may state the placement and the other required keys.
         table[WHOLE] = json!([]);
     } else {
         required.extend(table["required"].as_array().cloned().unwrap_or_default());
@@ -59,7 +59,7 @@ fn with(mut schema: Value, more: Value) -> Value {
     schema
 }
 
-/// Returns the schema of a table, which allows no keys but those of the table.
+/// Returns the schema of a table. The schema allows only the keys of the table.
 fn of_table(table: &'static KeyTable) -> Value {
     let keys: Map<_, _> = table.keys().map(|key| (key.name.to_string(), of_key(key))).collect();
     let mut schema = json!({
@@ -89,8 +89,8 @@ fn of_table(table: &'static KeyTable) -> Value {
     schema
 }
 
-/// Returns the other key that [`Need::Unless`] names. A table without that other key must give the key with
-/// this need.
+/// Returns the other key that [`Need::Unless`] names; None for any other need. The key with this need is
+/// required if that other key is missing.
 fn other_key(need: Need) -> Option<&'static str> {
     if let Need::Unless(other) = need { Some(other) } else { None }
 }
@@ -212,8 +212,8 @@ fn printable() -> Value {
     json!({ "minLength": 1, "maxLength": MAX_NAME, "pattern": pattern })
 }
 
-/// Returns the schemas of a rule. The first is for tables that are not merged over another file, the others
-/// are for all tables.
+/// Returns the schemas of a rule. The first applies only to tables that are not merged over another file. The
+/// others apply to all tables.
 fn of_rule(rule: &Rule, table: &'static KeyTable) -> (Option<Value>, Vec<Value>) {
     match rule {
         Rule::AnyOf(keys) => {
@@ -261,7 +261,8 @@ fn without(keys: &[&str]) -> Value {
     json!({ "properties": none })
 }
 
-/// Returns the property schemas that forbid negative numbers in every list of numbers, also in nested tables.
+/// Returns the property schemas that forbid negative numbers in lists of numbers, also in nested tables. Returns
+/// None if the table has no such list.
 fn not_negative(table: &'static KeyTable) -> Option<Value> {
     let list = json!({ "items": { "minimum": 0 } });
     let rules = table.keys().filter_map(|key| {

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 /// Schema key that holds the rules for tables which are not merged over another file.
 ///
-/// It is no keyword of JSON Schema; [`separated`] removes it.
+/// This key is not a keyword of JSON Schema; [`separated`] removes it.
 pub const WHOLE: &str = "whole";
 
 /// Adds a rule to a schema, in its `allOf`.
@@ -19,7 +19,7 @@ pub fn unless(key: &str, then: Value) -> Value {
     json!({ "if": { "not": { "required": [key] } }, "then": then })
 }
 
-/// Moves the requirements of a schema into a schema of their own and returns that.
+/// Moves the requirements of a schema into a separate schema and returns that schema; None if there are none.
 ///
 /// A table that is merged over another file may lack required keys, because the other file may have them. The
 /// returned schema applies to tables that are complete by themselves.

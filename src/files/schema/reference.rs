@@ -23,13 +23,14 @@ pub fn reference(kind: FileKind) -> String {
 
 struct Document {
     text: String,
-    /// Tables that are described, each with the place of its description.
+    /// Tables that are described so far or in [`Self::next`], each with the heading of its description.
     known: Vec<(&'static KeyTable, String)>,
+    /// Tables in the order of their descriptions, with their headings.
     next: Vec<(&'static KeyTable, String)>,
 }
 
 impl Document {
-    /// Returns the place at which a table is described; a table that is new is described at `place`.
+    /// Returns the heading under which a table is described. A new table will be described under `place`.
     fn find(&mut self, table: &'static KeyTable, place: &str) -> String {
         if let Some((_, known)) = self.known.iter().find(|(known, _)| known.help == table.help) {
             return known.clone();
@@ -78,7 +79,7 @@ impl Document {
     fn kind(&mut self, kind: &ValueKind, path: &str) -> String {
         match kind {
             ValueKind::Number(range) => format!("number{}", range_in_words(*range)),
-            ValueKind::Whole(least, u64::MAX) => format!("whole number from {least} on"),
+            ValueKind::Whole(least, u64::MAX) => format!("whole number, {least} or greater"),
             ValueKind::Whole(least, most) => format!("whole number from {least} to {most}"),
             ValueKind::Boolean => "`true` or `false`".into(),
             ValueKind::Text => "text".into(),
@@ -101,7 +102,7 @@ impl Document {
                 let place = self.find(table, &format!("`[{path}.NAME]`"));
                 format!("named tables, see {place}")
             }
-            ValueKind::Named(kind, _) => format!("table of names, each a {}", self.kind(kind, path)),
+            ValueKind::Named(kind, _) => format!("table of named values, each a {}", self.kind(kind, path)),
             ValueKind::List(ValueKind::Table(table), count, noun) => {
                 let place = self.find(table, &format!("`[[{path}]]`"));
                 format!("list of {}{noun}, see {place}", count_in_words(*count))
@@ -126,7 +127,7 @@ fn range_in_words(range: NumberRange) -> String {
         NumberRange::Positive => " greater than 0".into(),
         NumberRange::NotNegative | NumberRange::PlusMinus => ", not negative".into(),
         NumberRange::UpTo(most) => format!(" from 0 to {most}"),
-        NumberRange::Below(end) => format!(" from 0 on, less than {end}"),
+        NumberRange::Below(end) => format!(", at least 0 and less than {end}"),
     }
 }
 
@@ -153,7 +154,7 @@ fn in_words(rule: &Rule) -> String {
         Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
         Rule::When { key, words, needs, never } => {
             let words = words();
-            let words = if words.len() > 12 { "such a word".into() } else { quoted(&words) };
+            let words = if words.len() > 12 { "one of these words".into() } else { quoted(&words) };
             let mut rule = format!("- If `{key}` is {words}");
             if !needs.is_empty() {
                 let _ = write!(rule, ", {} are required", list(needs));

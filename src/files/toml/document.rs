@@ -11,7 +11,7 @@ const MAX_FAULTS: usize = 500;
 /// Largest size of a TOML file, bytes.
 const MAX_TOML: usize = 4_000_000;
 
-/// Largest total size, bytes, of files named by other files. A file named twice counts twice.
+/// Largest total size, bytes, of the cell file and the files that others name. A file named twice counts twice.
 const MAX_NAMED: usize = 100_000_000;
 
 const PACKAGE: &str = "give the folder of the package: --package NAME=DIR";
@@ -37,8 +37,8 @@ impl Source {
 
 /// Function that returns the bytes of the file at a path, or says why it cannot.
 ///
-/// The path is relative to the folder of the cell and never leads out of it. It is `package://NAME/PATH` if
-/// the cell does not say where a package of a URDF is.
+/// The path is relative to the folder of the cell and never leads out of that folder. For a ROS package whose
+/// folder the robot file does not state, the path is `package://NAME/PATH`.
 pub type ReadFile<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// All files read so far and all faults found so far.
@@ -46,10 +46,11 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
-    /// Index of the source that holds the settings, and for each of its lines whether it comes from a flag.
+    /// Index of the source that holds the settings, and whether each of its lines comes from a flag other than
+    /// `--set`.
     pub flags: Option<(usize, Vec<bool>)>,
     parsed: HashMap<usize, Option<Vec<Entry>>>,
-    /// Total size, bytes, of the files named so far.
+    /// Total size, bytes, of the cell file and of the files named so far.
     named: usize,
 }
 
@@ -58,7 +59,7 @@ impl<'a> Library<'a> {
         Self { read, sources: Vec::new(), faults: Vec::new(), flags: None, parsed: HashMap::new(), named: 0 }
     }
 
-    /// Returns whether the value at a place comes from a flag of the command line.
+    /// Returns whether the value at a place comes from a flag of the command line other than `--set`.
     pub fn is_flag(&self, at: At) -> bool {
         let Some((file, flags)) = self.flags.as_ref().filter(|(file, _)| *file == at.file) else {
             return false;
@@ -93,8 +94,8 @@ impl<'a> Library<'a> {
 
     /// Reads a text file, unless it has been read, and returns its index among the sources.
     ///
-    /// A file that is not UTF-8 is a fault at the place that names it. Nothing names the cell file, so its
-    /// fault is at its first byte that is not UTF-8.
+    /// A file that is not UTF-8 is a fault at the place that names the file. Nothing names the cell file, so
+    /// its fault is at the first byte that is not UTF-8.
     pub fn text(&mut self, path: &str, at: Option<At>) -> Option<usize> {
         let file = self.file(path, at)?;
         let bytes = &self.sources[file].bytes;
@@ -174,8 +175,8 @@ impl<'a> Library<'a> {
         self.parsed.get(&file).cloned().flatten()
     }
 
-    /// Returns a path named at `at`, relative to the folder of the cell; records a fault if it leaves that
-    /// folder.
+    /// Converts a path that is written at `at` to a path relative to the folder of the cell. Records a fault
+    /// if the path leaves that folder or cannot be a file.
     pub fn relative(&mut self, name: &str, at: At) -> Option<String> {
         let naming = &self.sources[at.file].path;
         let mut parts: Vec<&str> = naming.split('/').collect();

@@ -13,7 +13,9 @@ use crate::files::fault::shown;
 /// Largest number of files in a chain, in which each file includes the next one through `from`.
 const MAX_CHAIN: usize = 16;
 
-/// Returns the tree of a file, with every `from` followed and the settings applied; None if there are faults.
+/// Returns the tree of a file, with every `from` followed and the settings applied.
+///
+/// Returns None if the file cannot be read or parsed. Other faults are only recorded.
 pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<Node> {
     let file = lib.text(path, None)?;
     let at = At { file, offset: 0 };
@@ -65,7 +67,8 @@ fn lay_part(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
 
 /// Merges a table over the file that its `from` names, then over the `from` of that file, and so on.
 ///
-/// Returns the last file of the chain. A `from` that cannot be followed stays as [`Value::Unread`].
+/// Returns the index of the last file of the chain; None if there is no `from` that can be followed. A `from`
+/// that cannot be followed stays as [`Value::Unread`].
 fn merge_over(node: &mut Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option<usize> {
     let Value::Table(entries) = &mut node.value else { return None };
     let mut lowest = None;
@@ -81,7 +84,7 @@ fn merge_over(node: &mut Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -
     lowest
 }
 
-/// Returns the file that a `from` names, and its entries.
+/// Returns the index of the file that a `from` names, and the entries of that file.
 fn follow(from: &Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option<(usize, Vec<Entry>)> {
     let Value::Text(name) = &from.value else {
         let message = format!("`from` must be the path of a file, not {}", from.value.kind());
@@ -106,7 +109,7 @@ fn follow(from: &Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option
     Some((file, entries))
 }
 
-/// Checks that a file has a `schema`, itself or through its `from`.
+/// Checks that a file or one of the files in its chain of `from` states a `schema`.
 fn has_schema(root: &Node, at: At, lib: &mut Library<'_>) {
     if root.value.get("schema").is_none() && !root.value.is_partial() {
         let help = "start it with schema = \"sweetspot/cell/1\", sweetspot/robot/1, sweetspot/tool/1 or sweetspot/equipment/1";

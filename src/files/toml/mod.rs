@@ -1,5 +1,5 @@
-//! TOML documents as located trees: parsing, `from`, settings that override a file, and readers of tables and
-//! values.
+//! TOML documents as trees of values with their places: parsing, `from`, settings that override a file, and
+//! readers of tables and values.
 
 pub mod document;
 pub mod from;

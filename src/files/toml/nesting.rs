@@ -5,14 +5,15 @@
 
 /// Returns the byte offset of the first bracket that is nested deeper than `deepest`.
 ///
-/// A closing bracket counts only for its own kind, so that faulty text is never nested deeper than it seems.
+/// A bracket closes only an opening bracket of its own kind. So the depth of faulty text is never
+/// underestimated.
 pub fn too_deep(text: &str, deepest: usize) -> Option<usize> {
     let bytes = text.as_bytes();
     let (mut open, mut at) = (Vec::new(), 0);
     while let Some(&byte) = bytes.get(at) {
         match byte {
             b'[' | b'{' if open.len() == deepest => return Some(at),
-            // The closing bracket is the second character after the opening one.
+            // In ASCII, the code of a closing bracket is that of the opening one plus 2.
             b'[' | b'{' => open.push(byte + 2),
             b']' | b'}' if open.last() == Some(&byte) => drop(open.pop()),
             b'#' => at = end_of_line(bytes, at),
@@ -31,7 +32,7 @@ fn end_of_line(bytes: &[u8], at: usize) -> usize {
 
 /// Returns the offset of the last byte of the string that begins at `start`.
 ///
-/// A string of one line that is not closed ends with its line.
+/// A single-line string that is not closed ends at the end of its line.
 fn end_of_string(bytes: &[u8], start: usize, quote: u8) -> usize {
     let is_long = bytes[start..].starts_with(&[quote; 3]);
     let mut at = start + if is_long { 3 } else { 1 };

@@ -1,7 +1,7 @@
-//! Typed reading of the located tree: every fault is recorded, and reading continues.
+//! Typed reading of the tree of values: every fault is recorded, and reading continues.
 //!
-//! A table is read through its [`KeyTable`]. The name, kind, range, unit and default of a key come from
-//! there, and no other key can be read.
+//! A table is read through its [`KeyTable`], which gives name, kind, range, unit and default of every key. No
+//! other key can be read.
 //!
 //! The result of a reader is valid only if no fault was recorded; [`crate::files::load`] checks that.
 
@@ -24,9 +24,9 @@ pub struct Table<'n, 'l, 'a> {
     entries: &'n [Entry],
     /// Keys that do not apply, such as the limits in mm of a revolute joint.
     excluded: Vec<&'static str>,
-    /// Groups of keys of which one is required and none is given, each with a remedy.
+    /// Groups of keys, each with a remedy. One key of the group is required, but none is given.
     missing: Vec<(Vec<&'static str>, String)>,
-    /// Whether keys may be missing because a file could not be read, or because reading was given up.
+    /// Whether keys may be missing because a file could not be read, or because [`Self::give_up`] was called.
     pub partial: bool,
 }
 
@@ -96,7 +96,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         self.missing.push((names.to_vec(), remedy.into()));
     }
 
-    /// Applies the rules for a key with this word: some keys become required, others do not apply.
+    /// Applies the rules for a key with this word: some keys become required, others are excluded.
     pub fn apply_rules(&mut self, chosen: &Key, word: &str) {
         for rule in self.keys.rules_of_keys() {
             let Rule::When { key, words, needs, never } = rule else { continue };
@@ -121,7 +121,8 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         }
     }
 
-    /// Stops the reading of a table whose keys cannot be checked. No further fault of it is reported.
+    /// Stops the reading of a table whose keys cannot be checked. No missing or unknown key of this table is
+    /// then reported.
     pub fn give_up(&mut self) {
         self.partial = true;
         self.entries = &[];
@@ -131,7 +132,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         self.lib.error(at, message.into(), help);
     }
 
-    /// Reads a key with `read` if it is given.
+    /// Reads a key with `read` if the key is given; returns Some(None) if not.
     pub fn if_given<T>(
         &mut self,
         key: &Key,
@@ -140,7 +141,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         if self.get(key).is_none() { Some(None) } else { read(self, key).map(Some) }
     }
 
-    /// Reads a number, in SI.
+    /// Reads a number and converts it to SI units.
     pub fn number(&mut self, key: &Key) -> Option<f64> {
         let range = if let ValueKind::Number(range) = key.kind { range } else { NumberRange::Finite };
         let value = match (self.get(key), key.need) {
@@ -151,7 +152,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         value.map(|value| key.unit().si(value))
     }
 
-    /// Reads a list of numbers, in SI. The kind of the key states how many numbers it has.
+    /// Reads a list of numbers and converts them to SI units. The kind of the key states how many there must be.
     pub fn numbers(&mut self, key: &Key) -> Option<Vec<f64>> {
         match key.kind.plain() {
             ValueKind::List(ValueKind::Number(range), (len, _), _) => self.numbers_of(key, *len, *range),
@@ -159,24 +160,25 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         }
     }
 
-    /// Reads a list of `len` numbers, in SI; zeros if it is neither given nor required.
+    /// Reads a list of `len` numbers and converts them to SI units. If the key is neither given nor required,
+    /// returns zeros.
     pub fn numbers_of(&mut self, key: &Key, len: usize, range: NumberRange) -> Option<Vec<f64>> {
         let Some(node) = self.get(key) else { return (!self.is_required(key)).then(|| vec![0.0; len]) };
         let values = value::numbers(node, &format!("`{}`", key.name), len, range, self.lib)?;
         Some(values.into_iter().map(|value| key.unit().si(value)).collect())
     }
 
-    /// Reads three numbers, in SI.
+    /// Reads a vector of three numbers and converts them to SI units.
     pub fn vector(&mut self, key: &Key) -> Option<Vector3<f64>> {
         self.numbers(key).map(Vector3::from_iterator)
     }
 
-    /// Reads two numbers, in SI.
+    /// Reads two numbers, along x and y, and converts them to SI units.
     pub fn plan(&mut self, key: &Key) -> Option<(f64, f64)> {
         self.numbers(key).map(|v| (v[0], v[1]))
     }
 
-    /// Reads a position and an orientation (roll, pitch, yaw).
+    /// Reads a pose: its position, and its orientation as roll, pitch and yaw.
     pub fn pose(&mut self, position: &Key, rpy: &Key) -> Option<Pose> {
         let (position, rpy) = (self.vector(position), self.vector(rpy));
         Some(Pose::from_translation_rpy(position?, rpy?))
@@ -256,7 +258,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         if self.get(key).is_none() { Some(default) } else { self.table(key, read) }
     }
 
-    /// Reads a list of tables and returns those that could be read.
+    /// Reads a list of tables. The entry of a table that could not be read is None.
     pub fn tables<T>(
         &mut self,
         key: &Key,
@@ -266,7 +268,8 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         Some(items.iter().map(|item| Table::read(item, keys.what, keys, self.lib, &mut read)).collect())
     }
 
-    /// Reads a table of named tables, each with its checked name. A missing table counts as empty.
+    /// Reads a table of named tables. Returns those with a valid name that could be read; none if the key is
+    /// missing.
     pub fn named<T>(
         &mut self,
         key: &Key,
@@ -295,12 +298,12 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
                 continue;
             }
             if let Some(refused) = self.keys.refused_key(key) {
-                // It stands for one of several keys.
+                // A refused key is given in place of one of several keys: their absence is no second fault.
                 missing.retain(|(names, _)| names.len() == 1);
                 self.lib.error(node.at, refused.message.into(), refused.remedy);
                 continue;
             }
-            // A key given in the same file was not meant again.
+            // A key that the same file also gives cannot be the one that was misspelt.
             let meant = known.iter().filter(|(_, file)| *file != Some(at.file));
             let near = did_you_mean(key, meant.map(|(name, _)| *name));
             missing.retain(|(names, _)| !near.is_some_and(|n| names.contains(&n)));
@@ -322,4 +325,4 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
 }
 
 const FROM_PLACES: &str =
-    "it works at the top of a file, in the robot and its tool, in an equipment and in an obstacle";
+    "`from` is allowed at the top of a file, in the robot and its tool, in equipment and in obstacles";

@@ -1,7 +1,7 @@
 //! Settings: keys of a cell stated on the command line instead of in the file, by `--set` or by another flag.
 //!
 //! The settings are read like a small file that overrides the cell file, before anything is checked. So every
-//! check of the cell applies to them, and a fault in one names the flag as its place.
+//! check of the cell applies to them. A fault in a setting names its flag as the place.
 
 use super::document::{Library, Source};
 use super::tree::{Entry, Node, Value, is_range, parse};
@@ -10,7 +10,7 @@ use crate::files::keys::cell::cell;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Path of the settings among the sources. No file can have this name.
+/// Path of the settings among the sources. A cell cannot name a file with this path, because it has a colon.
 const PLACE: &str = "--set:";
 
 /// Name that selects every entry of a table whose keys are names chosen by the user.
@@ -41,7 +41,7 @@ impl Setting {
         Self { flag: Some(flag.to_string()), ..Self::new(path, value) }
     }
 
-    /// Returns the setting by which a flag states a key of every operation.
+    /// Returns the setting of a flag that gives the key `key` of every operation; `value` is TOML.
     pub fn of_every_operation(flag: &str, key: &str, value: impl Into<String>) -> Self {
         Self::of_flag(flag, &format!("operation.\"{EVERY}\".{key}"), value)
     }
@@ -118,7 +118,7 @@ impl Choices {
     }
 }
 
-/// Returns a fault of `--set WORDS`, which has no place in a file.
+/// Returns a fault of the option `--set WORDS`, without line and column.
 pub fn of_setting(words: &str, message: String, help: &str) -> Fault {
     without_line(&format!("--set {words}"), message, help)
 }
@@ -160,7 +160,7 @@ fn parted(text: &str, mark: char, most: usize) -> Vec<&str> {
 
 /// Applies the settings to the tree of a cell.
 ///
-/// Before that, the `from` at the top of the cell must be followed; after that, every other `from`.
+/// The `from` at the top of the cell must be followed before this call, every other `from` after it.
 pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     if settings.is_empty() {
         return;
@@ -176,10 +176,10 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     merge_over(entries, under);
 }
 
-/// Removes `reading = "signed"` of the file if a flag chooses other errors or another registration, and
-/// nothing chooses a reading.
+/// Removes `reading = "signed"` of the file if a flag chooses the error set or the registration, and no setting
+/// chooses a reading.
 ///
-/// The kind of the errors then decides the reading, because a tolerance has no signed sample.
+/// The kind of the error sets then decides the reading, because a tolerance has no signed sample.
 fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     let is_set = |key: &str| settings.iter().any(|s| s.path == key);
     let chooses = |s: &Setting| s.flag.is_some() && (s.path == "errors" || s.path == "registration");
@@ -189,9 +189,9 @@ fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     }
 }
 
-/// Removes from a setting the named tables that the cell does not have, and records a fault for each.
+/// Removes the named tables that the cell does not have from a setting, and records a fault for each.
 ///
-/// A setting that gives such a table as a whole may add it to the cell.
+/// A named table that a setting gives as a whole is kept, and so added to the cell.
 fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &mut Library<'_>) -> Entry {
     let (key, at, mut node) = entry;
     if !cell::TABLE.keys().any(|k| k.name == key && k.kind.is_named()) {
@@ -217,7 +217,7 @@ fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &
     (key, at, node)
 }
 
-/// Replaces the entry named `*` by one for each known name. Settings of a single name take precedence.
+/// Replaces the entry named `*` by one entry for each known name. An entry for a single name takes precedence.
 fn spread<'n>(named: &mut Vec<Entry>, known: impl Iterator<Item = &'n str>) {
     let Some(place) = named.iter().position(|(name, ..)| name == EVERY) else { return };
     let (_, at, every) = named.remove(place);

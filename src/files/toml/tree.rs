@@ -138,8 +138,9 @@ type SyntaxFault = (usize, String, &'static str);
 fn one_each(text: &str, mut faults: Vec<SyntaxFault>) -> Vec<SyntaxFault> {
     faults.sort_by_key(|f| f.0);
     let bytes = text.as_bytes();
-    // End of the line of the last fault, and the same if that is in a table given twice.
+    // End of the line of the last kept fault.
     let mut end: Option<usize> = None;
+    // The same offset if that fault is in a table that is given twice.
     let mut repeated: Option<usize> = None;
     faults.retain(|(offset, _, help)| {
         let offset = *offset.min(&bytes.len());
@@ -170,7 +171,7 @@ impl Reader {
     fn entry(&mut self, key: &Spanned<DeString<'_>>, value: &Spanned<DeValue<'_>>, depth: usize) -> Entry {
         let at = At { file: self.file, offset: key.span().start };
         let mut node = self.node(value, depth);
-        // A table under a header has its place there; the key is the better one to show.
+        // The parser places such a table at its header or brace; messages show the place of its key.
         if matches!(node.value, Value::Table(_)) {
             node.at = at;
         }
@@ -199,8 +200,8 @@ impl Reader {
     }
 }
 
-/// Merges `own` over `under`: keys of `own` win. A table that both have is merged; a list is replaced as a
-/// whole.
+/// Merges `own` over `under`: keys of `own` override those of `under`. A table that both have is merged, but
+/// lists and ranges are replaced as a whole.
 pub fn laid_over(own: Vec<Entry>, mut under: Vec<Entry>) -> Vec<Entry> {
     let known: HashMap<String, usize> = under.iter().enumerate().map(|(i, e)| (e.0.clone(), i)).collect();
     for (key, at, node) in own {

@@ -59,7 +59,7 @@ pub fn numbers(
     values.into_iter().collect()
 }
 
-/// Returns the items of a list whose length the kind of the key allows; records a fault otherwise.
+/// Returns the items of a list. Records a fault if the value is no list, or if the key does not allow its length.
 pub fn items<'n>(node: &'n Node, key: &Key, lib: &mut Library) -> Option<&'n [Node]> {
     let (count, noun) = match key.kind.plain() {
         ValueKind::List(_, count, noun) => (*count, *noun),
@@ -112,7 +112,7 @@ pub fn word<W: Word>(node: &Node, key: &str, lib: &mut Library) -> Option<W> {
 /// Reads a whole number from `min` to `max`.
 pub fn whole(node: &Node, what: &str, (min, max): (u64, u64), lib: &mut Library) -> Option<u64> {
     let range = match max {
-        u64::MAX => format!("write a whole number from {min} on"),
+        u64::MAX => format!("write a whole number, {min} or greater"),
         _ => format!("write a whole number from {min} to {max}"),
     };
     let (wrong, help) = match &node.value {

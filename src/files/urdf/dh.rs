@@ -1,11 +1,11 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! At coordinate 0 axis k is a line. Row k leads from a frame with z along axis k to a frame with z along the
-//! next axis. The x axis of the second frame lies along the common normal of the two axes. Where this leaves
-//! a choice, the following rules hold:
+//! With all joint coordinates at 0, the joint axes are fixed lines. Row k leads from a frame with z along axis k
+//! to a frame with z along the next axis. The x axis of the second frame lies along the common normal of the
+//! two axes. If this leaves a choice, the following rules apply:
 //!
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is as near as
-//!   possible to the base x axis, or to the base y axis if axis 1 lies along x;
+//!   possible to the base x axis, or to the base y axis if axis 1 is within 26 degrees of x;
 //! - parallel axes: r = 0. Two axes on the same line: theta = 0 and l = 0, too;
 //! - direction of x: a row rotates x by less than a right angle, so that l may be negative, as in many data
 //!   sheets. If the rotation is a right angle, l > 0; if the axes also intersect, theta = +90 degrees;
@@ -47,12 +47,12 @@ pub struct Derived {
     pub frames: Vec<Pose>,
     /// Frame of joint k in frame k - 1.
     pub joint_frames: Vec<Pose>,
-    /// Largest difference between the tip pose of the rows and the tip pose of the URDF, m. A rotation of 1
-    /// rad counts as about 1 m.
+    /// Largest difference, m, between the tip poses of the rows and of the URDF over sampled postures. A
+    /// rotation counts as the Frobenius norm of the matrix difference: 1.4 m per rad if it is small.
     pub gap: f64,
 }
 
-/// Difference, m, below which the rows reproduce the URDF exactly.
+/// Difference, m, below which the rows count as an exact copy of the URDF; see [`Derived::gap`].
 pub const MAX_EXACT_GAP: f64 = 1e-12;
 
 /// Largest deviation, rad or m, at which a value is rounded to a multiple of a right angle or to 0.
@@ -64,8 +64,8 @@ const SHORTEST: f64 = 1e-13;
 /// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Least sine of the angle between the last joint axis and the z axis of the tip. If the sine is less but not
-/// 0, the last row is empty.
+/// Least sine of the angle between the last joint axis and the z axis of the tip at which the last row follows
+/// their common normal. Below it, the last row is empty, unless the axes are parallel.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.
@@ -153,8 +153,8 @@ impl ArmModel<'_> {
         derived
     }
 
-    /// Rounds values near 0 and near right angles to these, if the rows then reproduce the URDF as well as
-    /// before.
+    /// Rounds lengths near 0 to 0, and angles near a multiple of a right angle to that multiple. A value stays
+    /// unrounded if the rows would be less exact with it.
     fn rounded(&self, derived: Derived) -> Derived {
         let mut best = self.derived(tidy(derived.mount), derived.rows);
         for k in 0..best.rows.len() {
@@ -192,7 +192,7 @@ impl ArmModel<'_> {
             let turn = (urdf.rotation - rows.rotation).norm();
             (urdf.translation - rows.translation).norm().max(turn)
         });
-        // A NaN would be no gap to `max`.
+        // `f64::max` would ignore a NaN.
         gaps.fold(0.0, |most, gap| if gap > most || gap.is_nan() { gap } else { most })
     }
 }
@@ -246,7 +246,7 @@ fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
         return beside(d.z, (x, y), 0.0, (1.0, 0.0));
     }
     let normal = Vector3::new(-d.y / s, d.x / s, 0.0);
-    // Along z to the foot of the common normal.
+    // Offset along z to the foot of the common normal.
     let r = p.cross(d).dot(&normal) / s;
     in_sense(r, p.dot(&normal), s.atan2(d.z), (normal.x, normal.y))
 }
@@ -263,8 +263,8 @@ fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     in_sense(r, l, alpha, (x / l, y / l))
 }
 
-/// Returns a D-H row that rotates x by less than a right angle; reverses the new x axis if necessary. The
-/// module documentation gives the rule for right angles.
+/// Returns a D-H row that rotates x by at most a right angle; reverses the new x axis if necessary. The module
+/// documentation gives the rule for right angles.
 fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     let square = x.abs() <= MAX_ROUNDING;
     let turn_round = if !square {

@@ -1,4 +1,4 @@
-//! List of faults found while the text of a URDF is borrowed. They are moved to the [`Library`] afterwards.
+//! List of faults found while the text of a URDF is borrowed. The [`Library`] receives them afterwards.
 
 use crate::files::fault::Severity;
 use crate::files::toml::document::Library;

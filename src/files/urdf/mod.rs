@@ -1,8 +1,8 @@
 //! Reader of URDF files (the XML of ROS): converts a chain of links to standard D-H rows and solids.
 //!
-//! Only the chain from `base_link` to `tip_link` and the links fixed to it are used: their joints and
-//! collision shapes. All other elements are counted and reported once. Lengths are in m and angles in rad, as
-//! in the format.
+//! Only the chain from `base_link` to `tip_link` and the links fixed to the chain are used: their joints and
+//! collision shapes. All other elements are counted, and one warning reports them. As in the URDF format,
+//! lengths are in m and angles in rad.
 
 mod dh;
 mod fault_list;
@@ -44,9 +44,9 @@ pub struct UrdfRobot {
 /// Request for a chain of a URDF, as a robot file states it.
 pub struct UrdfChain {
     pub file: Named,
-    /// Link that stands still; None for the root of the tree.
+    /// Link that stands still; None for the root of the tree of links.
     pub base: Option<Named>,
-    /// Link that carries the tool; None for the only end of the chain.
+    /// Link that carries the tool; None for the only link below the base that has no children.
     pub tip: Option<Named>,
     pub packages: RosPackages,
 }

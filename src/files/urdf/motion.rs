@@ -12,7 +12,7 @@ use crate::files::toml::value;
 use crate::pose::Pose;
 use std::f64::consts::TAU;
 
-/// Length, m, above which a value is probably in mm: it is longer than any arm.
+/// Length, m, above which a value is probably in mm, because no arm is that long.
 pub const TOO_LONG: f64 = 20.0;
 
 /// Joint limit, rad, above which a warning says that it is probably in degrees.
@@ -20,7 +20,7 @@ const MANY_TURNS: f64 = 4.0 * TAU;
 /// Joint limit, rad, above which a URDF is refused.
 const TOO_MANY_TURNS: f64 = 1e3;
 
-/// Deviation, rad, below which axes are probably meant to be parallel or at right angles.
+/// Deviation, rad, below which two axes are probably meant to be exactly parallel or at right angles.
 const NEARLY: f64 = 1e-3;
 
 /// Moving joint: the properties that its D-H row does not hold.
@@ -142,8 +142,8 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     };
     let farthest = lower.abs().max(upper.abs());
     let (most, unit) = match joint.kind {
-        UrdfJointKind::Prismatic => (TOO_LONG, "m: are they in mm?"),
-        _ => (TOO_MANY_TURNS, "rad: are they in degrees?"),
+        UrdfJointKind::Prismatic => (TOO_LONG, "m: is this one in mm?"),
+        _ => (TOO_MANY_TURNS, "rad: is this one in degrees?"),
     };
     if lower > upper {
         let message = format!("the limits of joint `{name}` are reversed: {lower} is above {upper}");
@@ -156,7 +156,7 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
         lib.error(at, message, format!("limits of a URDF are in {unit}"));
     } else if joint.kind == UrdfJointKind::Revolute && farthest > MANY_TURNS {
         let message = format!("joint `{name}` turns by up to {farthest} rad, more than four turns");
-        lib.fault(at, Severity::Warning, message, "limits of a URDF are in rad: are these in degrees?");
+        lib.fault(at, Severity::Warning, message, "limits of a URDF are in rad: is this one in degrees?");
     }
     Some((lower, upper))
 }
@@ -235,7 +235,7 @@ pub fn warn_of_slants(
             (
                 "parallel",
                 format!(
-                    "; their rows have an offset of {away:.3} m along the axes, so row errors mean little"
+                    "; their rows have an offset of {away:.3} m along the axes, so errors of these rows mean little"
                 ),
             )
         } else {

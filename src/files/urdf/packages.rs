@@ -20,7 +20,7 @@ impl RosPackages {
             lib.sources[file.at.file].path.strip_prefix(SCHEME).and_then(|path| path.rsplit_once('/'));
         let whole = match (file.name.strip_prefix(SCHEME), naming) {
             (Some(rest), _) => rest.to_string(),
-            // Beside a URDF that lies in a package itself.
+            // The URDF itself is in a package, and the path is relative to the folder of the URDF.
             (None, Some((folder, _))) if !file.name.starts_with('/') => format!("{folder}/{}", file.name),
             _ => return lib.relative(&file.name, file.at),
         };
@@ -37,12 +37,13 @@ impl RosPackages {
     }
 }
 
-/// Returns whether a package name consists of letters, digits, `_` and `-`, and so cannot leave a folder.
+/// Returns whether a package name consists of letters, digits, `_` and `-`. Such a name cannot lead out of a
+/// folder.
 fn is_package(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
 }
 
-/// Returns a path without `.` and `..`; None if it leaves its folder or does not name a file.
+/// Returns a path with `.` and `..` resolved; None if it leaves its folder or does not name a file.
 fn normal(path: &str) -> Option<String> {
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {

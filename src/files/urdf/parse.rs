@@ -1,4 +1,4 @@
-//! Parser of URDF text: XML to links and joints. Faults of the tree of links are found elsewhere.
+//! Parser of URDF text: XML to links and joints. The module `tree` finds the faults in the tree of links.
 
 use super::fault_list::Faults;
 use super::model::*;
@@ -37,7 +37,7 @@ pub fn parse(text: &str, faults: &mut Faults) -> Option<Urdf> {
     read_robot(document.root_element(), faults)
 }
 
-/// Returns the byte offset of a row and column, which count from 1.
+/// Returns the byte offset of a position, whose row and column count from 1.
 fn offset_of(text: &str, pos: roxmltree::TextPos) -> usize {
     let row = text.split_inclusive('\n').take(pos.row.saturating_sub(1) as usize).map(str::len).sum();
     let line = text.get(row..).unwrap_or("");
@@ -136,7 +136,7 @@ fn read_geometry(e: Node<'_, '_>, faults: &mut Faults) -> Option<Geometry> {
             Some(Geometry::Mesh { file: file?, scale: Vector3::from(scale?) })
         }
         other => {
-            let message = format!("<{}> is no shape of a collision", shown(other));
+            let message = format!("<{}> is not a collision shape", shown(other));
             let help = "write a box, cylinder, sphere or mesh";
             faults.error(faults.at(e.range().start), message, help);
             None
@@ -199,7 +199,7 @@ fn read_kind(e: Node<'_, '_>, faults: &mut Faults) -> Option<UrdfJointKind> {
     if found.is_none() {
         let help = match did_you_mean(&word.name, UrdfJointKind::ALL.map(UrdfJointKind::name)) {
             Some(near) => format!("did you mean \"{near}\"?"),
-            None => format!("there is: {}", UrdfJointKind::ALL.map(UrdfJointKind::name).join(", ")),
+            None => format!("the kinds are: {}", UrdfJointKind::ALL.map(UrdfJointKind::name).join(", ")),
         };
         faults.error(word.at, format!("a joint cannot be \"{}\"", shown(&word.name)), help);
     }
@@ -218,7 +218,7 @@ fn end(e: Node<'_, '_>, tag: &str, faults: &mut Faults) -> Option<Named> {
 
 /// Returns `lower` and `upper` of `<limit>`; Some(None) if neither is given.
 ///
-/// If only one of them is missing, it is 0, as URDF defines it.
+/// If only one of the two is missing, it is 0, which is the default of URDF.
 #[allow(clippy::option_option)]
 fn read_limits(
     e: Node<'_, '_>,

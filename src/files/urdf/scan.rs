@@ -1,5 +1,5 @@
-//! Cheap checks of XML text before it is parsed. They refuse text that would make the parser slow or deep, or
-//! use much memory.
+//! Cheap checks of XML text before it is parsed. They refuse text that would make the parser slow, recurse
+//! deeply or use much memory.
 
 use super::fault_list::{Faults, UrdfFault};
 

@@ -56,7 +56,7 @@ pub fn read(
     for c in carried {
         let link = &urdf.links[c.link];
         let Some(name) = value::checked_name(&link.name.name, link.name.at, lib) else { continue };
-        // Solids of link 0 are in the base, those of the others in their D-H frame.
+        // Solids of link 0 are in the frame of the base link, other solids in the D-H frame of their link.
         let frame = if c.frame == 0 { Pose::identity() } else { derived.frames[c.frame].inverse() };
         let frame = frame * c.pose;
         for (k, collision) in link.collisions.iter().enumerate() {
@@ -115,7 +115,7 @@ fn read_mesh(
     mesh::load(&path, file.at, scale, *pose, lib)
 }
 
-/// Counts the elements that are not used, including links and joints off the chain.
+/// Counts the elements that are not used, including links and joints outside the chain.
 pub fn ignored(urdf: &Urdf, carried: &[Carried], motion: &Motion) -> Vec<(String, usize)> {
     let links = urdf.links.len() - carried.len();
     let fixed = carried.len().saturating_sub(motion.axes.len() + 1);

@@ -53,7 +53,7 @@ impl<'u> Tree<'u> {
         (lib.errors() == before).then_some(tree)
     }
 
-    /// Returns the link with a name; records a fault if there is none.
+    /// Returns the index of the link with a name; records a fault if there is none.
     pub fn link(&self, name: &Named, lib: &mut Library<'_>) -> Option<usize> {
         let found = self.links.get(&*name.name).copied();
         if found.is_none() {
@@ -90,8 +90,9 @@ impl<'u> Tree<'u> {
 
     /// Returns the chain from the base link to the tip link.
     ///
-    /// The default base is the root of the tree. The default tip is the only leaf below the base. `at` is the
-    /// place where the robot file names the URDF.
+    /// An end that the robot file does not name is None: the base is then the root of the tree, the tip the only
+    /// leaf below the base. Some(None) is a name that no link has. `at` is the place where the robot file names
+    /// the URDF.
     pub fn way(
         &self,
         base: Option<Option<usize>>,

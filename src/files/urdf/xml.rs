@@ -30,8 +30,8 @@ pub fn text(e: Node<'_, '_>, name: &str, faults: &mut Faults) -> Option<Named> {
     Some(Named { name: value.to_string(), at })
 }
 
-/// Returns the numbers of an attribute; `default` if it is missing. An attribute without a default is
-/// required.
+/// Returns the numbers of an attribute; `default` if the attribute is missing. An attribute without a default
+/// is required.
 pub fn numbers<const N: usize>(
     e: Node<'_, '_>,
     name: &str,
@@ -70,7 +70,7 @@ pub fn numbers<const N: usize>(
     Some(all)
 }
 
-/// Returns the child element with the tag `name`; records a fault if there are several.
+/// Returns the first child element with the tag `name`; records a fault if there are several.
 pub fn only<'a, 'i>(e: Node<'a, 'i>, name: &str, faults: &mut Faults) -> Option<Node<'a, 'i>> {
     let mut all = e.children().filter(|c| c.has_tag_name(name));
     let first = all.next();
@@ -93,7 +93,7 @@ pub fn refuse_unknown(e: Node<'_, '_>, known: &[&'static str], faults: &mut Faul
     }
 }
 
-/// Returns `<origin xyz rpy>` of an element (m, rad); the identity if there is none.
+/// Returns the pose in the `<origin>` of an element (m, rad); the identity if there is none.
 pub fn origin(e: Node<'_, '_>, faults: &mut Faults) -> Option<Pose> {
     let Some(origin) = only(e, "origin", faults) else { return Some(Pose::identity()) };
     refuse_unknown(origin, &["xyz", "rpy"], faults);

@@ -84,7 +84,7 @@ fn invalid_pareto_goals_are_refused() {
     let shop = Sandbox::new();
     for (wrong, said) in [
         ("--pareto=error", "2 to 6 goals"),
-        ("--pareto=error,error", "must name each goal once"),
+        ("--pareto=error,error", "must not name a goal twice"),
         ("--pareto=error,cost", "invalid value 'cost'"),
         ("--pareto=error,clearence", "'clearance'"),
         ("--keep=0", "0"),

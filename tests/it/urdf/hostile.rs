@@ -155,7 +155,7 @@ fn hostile() -> BTreeMap<&'static str, (String, &'static str)> {
         ("inside out", swap("box size=\"0.5", "box size=\"-0.5"), "greater than 0"),
         ("in mm", swap("box size=\"0.5 0.5 0.3\"", "box size=\"500 500 300\""), "larger than 20 m"),
         ("no geometry", swap("<geometry><box size=\"0.5 0.5 0.3\"/></geometry>", ""), "has no shape"),
-        ("torus", swap("<box size=\"0.5 0.5 0.3\"/>", "<torus/>"), "is no shape"),
+        ("torus", swap("<box size=\"0.5 0.5 0.3\"/>", "<torus/>"), "is not a collision shape"),
         (
             "mesh up",
             swap("<box size=\"0.5 0.5 0.3\"/>", "<mesh filename=\"../../x.stl\"/>"),
