@@ -1,9 +1,9 @@
-//! One bench per layer, on the shipped cells: a map node, a map of 99 nodes, collision of one
-//! configuration, `evaluate` on random and on plausible layouts.
+//! One benchmark per layer, on the shipped cells: a node, a map of 99 nodes, and the collision check of one
+//! posture. `evaluate` runs on random and on plausible layouts.
 //!
-//! `cargo bench` runs all; the layouts are the 2 000 of tests/data (1 000 random, 1 000 plausible).
+//! `cargo bench --bench layers` runs them. The 2000 layouts are in tests/data: 1000 random, then 1000 plausible.
 
-#![allow(clippy::expect_used)] // a bench without its data has nothing to measure
+#![allow(clippy::expect_used)] // without its data, a benchmark has nothing to measure
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::prelude::*;
@@ -33,7 +33,8 @@ fn data(name: &str) -> Vec<f64> {
     bytes.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().expect("8 bytes"))).collect()
 }
 
-/// The layouts of the reference data: table x, y, yaw, height, conveyor x, y, yaw.
+/// Reads the layouts of the reference data. A row is x, y, yaw and height of the table, then x, y and yaw of the
+/// conveyor, in mm and degrees.
 fn layouts(cell: &Cell) -> Vec<Layout> {
     let at = |x: f64, y: f64, z: f64, yaw: f64| Placement {
         x: x / 1e3,
@@ -83,8 +84,10 @@ fn node(c: &mut Criterion) {
     }
 }
 
-/// The same node, its tolerances read as a box and as random variables: exact worst case of the
-/// linear model and covariance in a sense of three rows, for every branch. Signed: the same walk.
+/// Measures the readings at the same node as the function `node`, in a sense of three rows.
+///
+/// For every branch, it computes the value of the signed sample. A second benchmark computes the exact worst case
+/// and the covariance of the linear model instead. For one posture, it computes the nonlinear worst-case and statistical figures.
 fn readings(c: &mut Criterion) {
     let mut cell = shipped("hitachi_cell.toml");
     cell.model = Model::Linear;
@@ -169,14 +172,15 @@ fn collision(c: &mut Criterion) {
     }
 }
 
-/// A thousand layouts an iteration: the mean over the set, free of its order. Without collision the
-/// same work less the solids: what is left is inverse kinematics, limits and errors. Judged: every node
-/// one by one, as robots do that are not ranked.
+/// Measures `evaluate` on 1000 layouts per iteration, so that the order of the layouts does not matter.
+///
+/// Without collision checks, inverse kinematics, limits and errors remain. The "judged" case also switches off
+/// the ranking of nodes, so that every node is judged.
 fn evaluate(c: &mut Criterion) {
     let ready = |collision: bool, times: usize| {
         let mut cell = shipped("hitachi_cell.toml");
         cell.collision = collision;
-        // 99 and 63 nodes, or ten times as many.
+        // Grids of 99 and 63 nodes, or of ten times as many.
         let grids = if times == 1 { [(10, 8), (20, 2)] } else { [(32, 29), (69, 8)] };
         for (operation, grid) in cell.operations.iter_mut().zip(grids) {
             if let Place::Grid { divisions, .. } = &mut operation.place {
@@ -203,7 +207,7 @@ fn evaluate(c: &mut Criterion) {
     }
 }
 
-/// The plausible layouts on one thread and on two, in parts that are worth a thread.
+/// Measures `evaluate` on the plausible layouts with one thread and with two, in parts of at least 50 layouts.
 fn threads(c: &mut Criterion) {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).expect("the cell");
     let layouts = &layouts(&workcell.cell)[1000..];
@@ -217,7 +221,7 @@ fn threads(c: &mut Criterion) {
     }
 }
 
-/// What every layout pays before any node: posing the solids, floor space.
+/// Measures the work per layout before any node: placing the solids, and checking the floor spaces for overlaps.
 fn layout(c: &mut Criterion) {
     let cell = shipped("hitachi_cell.toml");
     let layouts = layouts(&cell);

@@ -1,7 +1,8 @@
-//! Numeric inverse kinematics on the 1000 poses of PUMA 560 and of UR5 in tests/data: an iteration is
-//! all of them, so a thousandth of it is the mean per pose.
+//! Numeric inverse kinematics at the 1000 poses each of PUMA 560 and UR5 in tests/data.
+//!
+//! If one iteration solves several poses, the name of the benchmark states how many.
 
-#![allow(clippy::expect_used, clippy::print_stderr)] // without its data nothing can be measured
+#![allow(clippy::expect_used, clippy::print_stderr)] // without its data, a benchmark has nothing to measure
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Matrix4;

@@ -1,13 +1,14 @@
-//! sweetspot finds where in a robot workcell a precision operation has the least error, and where worktable
-//! and conveyor must stand for it.
+//! sweetspot finds where in a robot workcell a precision operation has the least error. It also finds where
+//! worktable and conveyor must stand for that least error.
 //!
 //! # The problem
 //!
 //! A robot is built with small errors `e` in its link parameters, so its end effector is not where its
-//! controller believes. This project grew from a 1990s journal paper on a *kinematic error mapping and layout
-//! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II); its author, title and year are not known to us, and
-//! the documentation calls it the seed paper. The link matrix of its eq. (1), after Denavit and Hartenberg,
-//! with the fifth parameter of Hayati (section 2.3) is
+//! controller assumes. This project grew from a 1990s journal paper on a *kinematic error mapping and layout
+//! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II). Its author, title and year are not known to us. The
+//! documentation calls it the seed paper. In the equations of the paper, `A_i` is the Denavit-Hartenberg matrix
+//! of link i. Hayati's fifth parameter `beta_i` (section 2.3) is in brackets. `T` is the pose of the end
+//! effector at the joint coordinates `q`, and `dT` its error:
 //!
 //! ```text
 //! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i) [Ry(beta_i)]             (1)
@@ -16,44 +17,44 @@
 //! ```
 //!
 //! Errors of the base, of the tool, of joint frames and of the fixture enter the product in the same way. The
-//! inverse kinematics `Q(x)` is the set of all postures that hold the tool at `x` as asked, inside the joint
-//! limits. We choose a layout `L`, which places all movable equipment. For every operation `k` we choose a
-//! node `x_k` of the grid `G_k(L)` on its surface:
+//! inverse kinematics `Q(x)` is the set of all postures within the joint limits that hold the tool at `x` with
+//! the required attitude. We choose a layout `L`, which places all movable equipment. For every operation `k`
+//! with weight `w_k` we choose a node `x` of the grid `G_k(L)` on its surface:
 //!
 //! ```text
 //! minimize over L:   sum_k w_k  min { R |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
-//! such that          equipment, robot base, obstacles and keep-out boxes share no space in plan at one height.
+//! such that          equipment, robot base, obstacles and keep-out boxes do not overlap in plan and height.
 //! ```
 //!
-//! The sense `|.|_k` is the component of the error that operation `k` cares about: x, y, z, xy (parts that
-//! mate in the plane), xyz, a direction, a plane or a rotation. It is in world, surface or tool axes, at the
-//! TCP or at a point off it. The reading `R` interprets the errors: as one signed sample, as a tolerance box
-//! (worst case), or as random variables ([`reading`]).
+//! The sense `|.|_k` is the component of the error that matters for operation `k`: x, y, z, xy (parts that mate
+//! in the plane), xyz, a direction, a plane or a rotation. The sense is in world, surface or tool axes, and
+//! measured at the TCP or at another point of the tool. The reading `R` interprets the errors: as one signed
+//! sample, as a tolerance box (worst case), or as random variables ([`reading`]).
 //!
 //! # The flow
 //!
-//! Data flows one way, and a module uses only those above it:
+//! Data flows one way, and a module uses only the modules above it:
 //!
-//! | module | question | what goes in and out |
+//! | module | purpose | from input to output |
 //! |---|---|---|
-//! | [`cell`] | what exists | the model: plain data, valid by construction |
-//! | [`robot`] | what moves | joint coordinates to frames |
-//! | [`kinematic_error`] | how wrong | frames and a sample of errors to position and rotation error |
-//! | [`reading`] | how bad | frames and a tolerance to worst case, percentiles, yield, budget |
-//! | [`reach`] | can it go | TCP target and orientation to all postures, or what is missing; working envelope |
-//! | [`clearance`] | does it hit | layout and frames to the first contact, or none |
-//! | [`motion`] | can it get there | two postures to a collision-free motion, or the first contact |
-//! | [`error_map`] | where is it best | surface to the spot of least error, or to the whole map |
-//! | [`layout`] | what is it worth | **[`layout::evaluate`]: layout to evaluation** |
-//! | [`search`] | choose | cell to the best layout found |
-//! | [`proof`] | what is possible | cell to a lower bound that no layout beats |
-//! | [`assess`] | what is known | layout to everything known of it; layouts side by side |
-//! | [`drawing`] | show it | an assessment to solids, arrows, envelope, motion |
-//! | [`raster`] | picture it | a drawing to an isometric picture: PNG and SVG |
-//! | [`files`] | what is written | TOML, URDF and mesh files to a validated [`cell::Cell`], and their schema |
-//! | [`record`] | what is written down | assessments to typed documents: JSON, CSV, Parquet, schemas |
-//! | [`report`] | say it | records to JSON, CSV, SVG, TOML, text |
-//! | [`cli`] | edge | arguments, files, progress, exit codes |
+//! | [`cell`] | model of the workcell | plain data, valid by construction |
+//! | [`robot`] | forward kinematics | joint coordinates to frames |
+//! | [`kinematic_error`] | error models | frames and a sample of errors to position and rotation error |
+//! | [`reading`] | error figures | frames and a tolerance to worst case, percentiles, yield, budget |
+//! | [`reach`] | inverse kinematics | TCP target and orientation to all postures, or the reason for none; envelope |
+//! | [`clearance`] | collision check | layout and frames to the first contact, or none |
+//! | [`motion`] | motion planning | two postures to a collision-free motion, or the first contact |
+//! | [`error_map`] | error map | surface to the spot of least error, or to the whole map |
+//! | [`layout`] | evaluation | **[`layout::evaluate`]: layout to evaluation** |
+//! | [`search`] | optimization | cell to the best layout found |
+//! | [`proof`] | lower bound | cell to a lower bound that no layout beats |
+//! | [`assess`] | assessment | layout to all its figures; comparison of layouts |
+//! | [`drawing`] | content of pictures | an assessment to solids, arrows, envelope, motion |
+//! | [`raster`] | pictures | a drawing to an isometric picture: PNG and SVG |
+//! | [`files`] | input files | TOML, URDF and mesh files to a validated [`cell::Cell`]; schemas of the files |
+//! | [`record`] | documents | assessments to typed documents: JSON, CSV, Parquet, schemas |
+//! | [`report`] | output | records to JSON, CSV, SVG, TOML, text |
+//! | [`cli`] | command line | arguments, files, progress, exit codes |
 //!
 //! All these modules may also use [`units`] for conversions, [`safe_text`], [`geometry`] for plane geometry and
 //! [`pose`] for rigid transforms.
@@ -61,28 +62,28 @@
 //! The modules up to [`raster`] compute. They are the package `sweetspot-core`, which the compiler optimises
 //! fully; this package shows them under the same names.
 //!
-//! `evaluate` takes a [`layout::Workcell`]: a cell with its chain, inverse kinematics and parry3d shapes
-//! prepared. A search prepares it once and evaluates hundreds of thousands of layouts.
+//! `evaluate` takes a [`layout::Workcell`]: a cell with its kinematic chain, inverse kinematics and parry3d
+//! shapes prepared. A search prepares the workcell once and evaluates hundreds of thousands of layouts.
 //!
 //! # What holds everywhere
 //!
-//! - SI inside: m, rad, f64. Millimetres and degrees live in files and reports, where every name carries its
-//!   unit; [`units`] alone converts.
+//! - SI units inside: m, rad, f64. Millimetres and degrees occur only in files and reports, where every name
+//!   states its unit. Only [`units`] converts.
 //! - The core does no input or output: only [`cli`] touches files, clock and terminal.
-//! - A [`cell::Cell`] is valid by construction. The reader reports all faults at once. Each names file, line
-//!   and column, what is wrong and what to do.
+//! - A [`cell::Cell`] is valid by construction. The reader reports all faults at once. Each fault states file,
+//!   line and column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
 //!   cost and a reason, never a panic, an `Err`, NaN or infinity.
-//! - Out of reach, joint limit, orientation, not converged and collision are different answers, each naming
-//!   the joint or the solids.
+//! - Out of reach, joint limit, orientation, not converged and collision are different results. A joint limit
+//!   comes with the joint, a collision with the solids.
 //! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two
 //!   types.
 //! - Errors are computed directly as small motions, never as the difference of two nearly equal numbers.
-//! - Results are deterministic: an explicit seed, a random stream per restart, results in order. One thread
-//!   or sixteen give the same bytes.
-//! - The optimizer proposes, `evaluate` decides.
+//! - Results are deterministic: the seed is explicit, every restart has its own random stream, and results keep
+//!   their order. Any number of threads gives the same bytes.
+//! - The optimizer only proposes layouts; `evaluate` alone decides which is better.
 //!
-//! CONTRIBUTING.md has a glossary and our rules for texts. It says how to add a robot, an error source, a
+//! CONTRIBUTING.md has a glossary and our rules for texts. It also says how to add a robot, an error source, a
 //! sense, a family of inverse kinematics or an exporter.
 //!
 //! # Example
@@ -90,7 +91,7 @@
 //! ```
 //! use sweetspot::{error_map, files, layout};
 //!
-//! // The core reads files through a function, which reads the shipped cells here.
+//! // `files` reads files through a function. This function reads the shipped cells.
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
 //! let mut read = |path: &str| std::fs::read(format!("{folder}{path}")).map_err(|e| e.to_string());
 //! let loaded = files::load("hitachi_paper.toml", &mut read).map_err(|faults| format!("{faults:?}"))?;

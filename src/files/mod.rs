@@ -34,7 +34,7 @@ pub struct Loaded {
     /// Every file read, the cell file first, in the order of reading.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
-    /// Whether neither the files nor the command line state the reading. The error sets in use then decide it.
+    /// Whether neither the files nor the command line states the reading. The error sets in use then decide it.
     pub follows_errors: bool,
 }
 
@@ -105,8 +105,8 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
     }
 }
 
-/// Returns whether the file at `path` is a robot file, according to its own `schema` or to one that it takes
-/// over with `from`.
+/// Returns whether the file at `path` is a robot file. Its own `schema` states that, or the `schema` of a file
+/// that it names with `from`.
 pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
     let root = from::load(path, &[], &mut Library::new(read));
     let schema = root.as_ref().and_then(|root| root.value.get("schema"));

@@ -48,8 +48,8 @@ pub struct OperationBudget {
     /// Whether the linear worst case is exact; otherwise it is an upper bound.
     pub worst_linear_exact: bool,
     pub total: TotalEntry,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit, and null without a
-    /// limit and under the quantity yield.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null without a limit,
+    /// and if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
@@ -75,7 +75,7 @@ pub struct TotalEntry {
     pub mean: f64,
     pub p95: f64,
     pub p99: f64,
-    /// Yield: share of arms, built within the tolerances, whose error does not exceed the limit.
+    /// Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit.
     pub r#yield: Option<f64>,
 }
 
@@ -87,15 +87,16 @@ pub struct ShareEntry {
     pub unit: Unit,
     pub signed: f64,
     pub plus_minus: f64,
-    /// Linear effect of the signed value on the TCP, world frame.
+    /// Linear position error of the TCP that the parameter causes, world frame. In the signed reading the
+    /// parameter has its signed value, otherwise the upper limit of its tolerance.
     pub linear_term_mm: [f64; 3],
-    /// Error in the sense of the operation if the tolerances of all other parameters were zero.
+    /// Size of the linear error in the sense of the operation if only this parameter errs, by its tolerance.
     pub alone: f64,
     pub share_of_worst: f64,
     pub share_of_variance: f64,
 }
 
-/// Change of the error when the tolerances of the parameters in `halved` are halved.
+/// Change of the minimized figure, from `of` to `to`, if the tolerances of the parameters in `halved` are halved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TightenEntry {

@@ -22,9 +22,9 @@ pub struct CheckDocument {
     pub schema: String,
     pub valid: bool,
     pub faults: Vec<Fault>,
-    /// Pairs of the robot's solids, with the reason if they may touch.
+    /// Pairs of the robot's solids. Each pair that may touch has the reason.
     pub self_collision: Vec<OwnPairEntry>,
-    /// Facts derived from a URDF; absent for a robot given by Denavit-Hartenberg rows.
+    /// Facts derived from a URDF; left out for a robot given by Denavit-Hartenberg rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub urdf: Option<UrdfEntry>,
 }
@@ -64,7 +64,7 @@ pub struct UrdfEntry {
     pub ignored: ByName<usize>,
 }
 
-/// Pose as position and angles about fixed axes.
+/// Pose: position, and roll, pitch and yaw about the fixed axes x, y and z.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PoseEntry {
@@ -117,7 +117,8 @@ impl PoseEntry {
     }
 }
 
-/// Returns roll, pitch and yaw about fixed axes, rad, as [`Pose::from_translation_rpy`] takes them.
+/// Returns roll, pitch and yaw about the fixed axes x, y and z, rad. [`Pose::from_translation_rpy`] takes the
+/// same angles.
 pub fn roll_pitch_yaw(pose: &Pose) -> Vector3<f64> {
     let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(pose.rotation).euler_angles();
     Vector3::new(roll, pitch, yaw)

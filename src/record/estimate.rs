@@ -6,7 +6,7 @@ use crate::reading::Estimate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A figure with its 95 % confidence interval.
+/// Estimated figure with its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EstimateEntry {

@@ -53,10 +53,10 @@ pub struct ExplanationDocument {
     pub tool_elevation_deg: f64,
     /// Denavit-Hartenberg convention of the rows in the robot file.
     pub convention: String,
-    /// Rows of the Denavit-Hartenberg table at the posture, always standard ones.
+    /// Rows of the Denavit-Hartenberg table at the posture, always in standard convention.
     ///
-    /// If the rows of the file are modified ones, `l_mm` and `alpha_deg` of row k are those of row k + 1 of
-    /// the file. Those of row 1 of the file are in frame 0, and the last standard row has none.
+    /// If the robot file has modified rows, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file. The
+    /// values of row 1 of the file are part of frame 0, and both are 0 in the last row.
     pub dh: Vec<DhEntry>,
     /// Link frames and the TCP in the base frame.
     pub frames: Vec<FrameEntry>,
@@ -69,10 +69,11 @@ pub struct ExplanationDocument {
     pub second_order: DisplacementEntry,
     /// Error by the nonlinear model, world frame.
     pub nonlinear: DisplacementEntry,
-    /// Error of the robot alone, before registration and equipment errors are subtracted, world frame.
+    /// Nonlinear error of the robot alone: registration, pick and equipment errors are not subtracted. World
+    /// frame.
     pub robot_alone_nonlinear: DisplacementEntry,
-    /// Displacement that registration and the errors of the equipment subtract from the nonlinear error of
-    /// the robot alone, world frame.
+    /// Displacement that registration, pick and the errors of the equipment subtract from the nonlinear error
+    /// of the robot alone, world frame.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
     /// Rows of the sense, each with its error.
@@ -80,12 +81,12 @@ pub struct ExplanationDocument {
     /// Sign of every parameter at the worst corner of the tolerance box.
     pub worst_corner: ByName<i8>,
     pub total: TotalEntry,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit, and null without a
-    /// limit and under the quantity yield.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null without a limit,
+    /// and if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
-    /// Value of the minimized figure, in `unit`.
+    /// Value of the figure that the search minimizes, in `unit`.
     pub value: f64,
     pub unit: Unit,
 }
@@ -134,21 +135,21 @@ pub struct FrameEntry {
     pub z_axis: [f64; 3],
 }
 
-/// Effect of one parameter. Motions, lever and effect are in the base frame, the linear term is in the world
+/// Effect of one parameter. Motions, lever and effect are in the base frame. The linear term is in the world
 /// frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterEntry {
     pub parameter: String,
     pub unit: Unit,
-    /// Value of the parameter in the explained sample.
+    /// Value of the parameter in the explained sample: the signed sample or the worst corner.
     pub value: f64,
     pub signed: f64,
     pub plus_minus: f64,
     pub standard_deviation: f64,
     pub motions: Vec<MotionEntry>,
     pub effect_base_mm_per_unit: [f64; 3],
-    /// Part of the effect that registration subtracts, base frame.
+    /// Part of the effect that registration and pick subtract, base frame.
     pub taken_off_base_mm_per_unit: [f64; 3],
     pub linear_term_mm: [f64; 3],
     pub linear_term_deg: [f64; 3],
@@ -190,7 +191,7 @@ pub struct DisplacementEntry {
 }
 
 /// Discrepancy of the approximate error models at a posture: length of the difference from the nonlinear
-/// error, in percent of the nonlinear error.
+/// position error, in percent of that error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PostureGuardEntry {

@@ -18,7 +18,7 @@ pub struct GoalsEntry {
     pub clearance_mm: f64,
     /// Least distance of a joint from its limits, in percent of half its range.
     pub joint_limits_percent: f64,
-    /// Least singular value of the Jacobian, with lengths in units of the arm's reach.
+    /// Least singular value of the Jacobian, with lengths divided by the arm's reach.
     pub singularity: f64,
     pub travel_deg: f64,
     pub footprint_m2: f64,
@@ -90,12 +90,12 @@ pub fn word(cell: &Cell, goal: Goal) -> &'static str {
     }
 }
 
-/// Returns the head of a column: the name and the unit of a goal.
+/// Returns the heading of a goal's column: the name and the unit of the goal.
 pub fn head(cell: &Cell, goal: Goal) -> String {
     format!("{} {}", goal.name(), word(cell, goal)).trim_end().to_string()
 }
 
-/// Returns the key of a goal in documents. The key `error` contains no unit, because the unit of the error
+/// Returns the key of a goal in documents. The key `error` names no unit, because the unit of the error
 /// depends on the cell.
 pub fn key(goal: Goal) -> &'static str {
     match goal {
@@ -112,7 +112,7 @@ pub fn key(goal: Goal) -> &'static str {
 pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
     let count = record.alternatives.len();
     match goals.is_empty() {
-        true => format!("the {count} best layouts that really differ"),
+        true => format!("the {count} best layouts that differ clearly"),
         false => {
             let names: Vec<_> = goals.iter().map(Goal::name).collect();
             format!("front of {count} layouts in {}", names.join(", "))
@@ -120,7 +120,7 @@ pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
     }
 }
 
-/// Returns the file name of an alternative layout from its rank among `count` layouts.
+/// Returns the file name of an alternative layout from its rank (from 0) among `count` layouts.
 pub fn file_name(place: usize, count: usize) -> String {
     let digits = count.to_string().len().max(2);
     format!("layout-{:0digits$}.toml", place + 1)

@@ -17,7 +17,7 @@ pub struct ManifestDocument {
     pub program: String,
     /// Version of the program.
     pub version: String,
-    /// Command line that makes the folder. It is meant for people; programs read `settings`.
+    /// Command line that makes the folder, for people. Programs read `settings` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<Vec<String>>,
     /// Name of the plan file of a sweep, whose manifest has no command.
@@ -27,8 +27,8 @@ pub struct ManifestDocument {
     pub cell: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Keys of the cell file that the command line set. The inputs with these settings give the same cell
-    /// again.
+    /// Keys of the cell file that the command line set. The inputs and these settings together reproduce the
+    /// cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<Vec<Setting>>,
     /// Settings of the run after flags, cell file and defaults were merged.
@@ -38,7 +38,7 @@ pub struct ManifestDocument {
     pub inputs: Vec<HashedFile>,
     /// Files that were written.
     pub outputs: Vec<HashedFile>,
-    /// SHA-256 of the text of the file before this key, in hexadecimal. It is in the file alone.
+    /// SHA-256 of the text of the file before this key, in hexadecimal. Only the written file has this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -47,7 +47,7 @@ pub struct ManifestDocument {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HashedFile {
-    /// Path as the cell file states it (inputs), or inside the result folder (outputs).
+    /// Path of an input relative to the folder of the cell file, or of an output inside the result folder.
     pub path: String,
     pub sha256: String,
 }

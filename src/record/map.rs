@@ -28,7 +28,7 @@ pub struct MapDocument<'a> {
     pub robot: String,
     /// Names and units of the joints, in the order of `joints_deg`.
     pub joints: Vec<JointEntry>,
-    /// Whether the layout can be used: nothing overlaps and every operation has a spot.
+    /// Whether the layout can be used: nothing overlaps, every operation has a spot and no motion is blocked.
     pub feasible: bool,
     /// Objective, if it is a length.
     pub objective_mm: Option<f64>,
@@ -45,11 +45,11 @@ pub struct MapDocument<'a> {
     pub cell_yield: Option<CellYieldEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Motions between consecutive operations; empty if a motion is blocked. Left out for a cell without
-    /// `[transfer]`.
+    /// Motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion prevents
+    /// them. Left out if the cell does not check motions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
-    /// Placement of every equipment.
+    /// Placement of every piece of equipment, without obstacles.
     pub layout: ByName<PlacementEntry>,
     pub operations: Vec<OperationMapEntry<'a>>,
 }
@@ -107,7 +107,8 @@ pub struct OperationMapEntry<'a> {
     pub monte_carlo: Option<MonteCarloEntry>,
     #[schemars(with = "Vec<MapNode>")]
     pub nodes: MapNodes<'a>,
-    /// Spot: the best usable node.
+    /// Spot: the usable node with the least value. For an operation at every node, the node with the greatest
+    /// value; null unless all nodes are usable.
     pub best: Option<MapNode>,
     /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
@@ -252,8 +253,9 @@ pub struct MonteCarloEntry {
     /// Share of samples within the limit; null if the operation has no limit.
     pub r#yield: Option<EstimateEntry>,
     pub share_above_first_order_p95: EstimateEntry,
-    /// Whether the samples confirm the first-order figures. If not, their figures replace the first-order ones
-    /// at the spot, in the value of the operation and in its margin.
+    /// Whether the samples confirm the first-order figures. If not, the figures of the samples replace them at
+    /// the spot, and in value and margin of the operation. A value that is robust or combines several nodes
+    /// stays first-order.
     pub first_order_holds: Option<bool>,
 }
 
@@ -288,14 +290,15 @@ pub struct TransferEntry {
     pub from: String,
     pub to: String,
     pub way: String,
-    /// Measure of the transfer time, degrees: the largest joint travel of each straight move, summed over the
+    /// Measure of the transfer time, degrees: the largest joint travel of each straight move, summed over all
     /// moves.
     pub travel_deg: f64,
     /// Joint vectors along the motion, with straight moves between them.
     pub joints_deg: Vec<Vec<f64>>,
 }
 
-/// Returns the motions between consecutive operations; empty if one of them is blocked.
+/// Returns the motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion
+/// prevents them.
 fn transfers(a: &Assessment<'_>) -> Vec<TransferEntry> {
     let name = |k: usize| a.cell.operations[k].name.clone();
     let entry = |t: &Transfer| TransferEntry {

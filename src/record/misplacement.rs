@@ -1,4 +1,4 @@
-//! The document of `robust --json`, and the robustness of each operation in the result of a search.
+//! The document of `robust --json`, and the effect of misplacement on each operation in other documents.
 
 use super::numbers::{degrees, in_unit, millimetres, nine_digits};
 use super::placement::{ByName, PlacementEntry, placements};
@@ -66,13 +66,14 @@ pub struct RobustnessEntry {
     pub worst: Option<CornerEntry>,
     /// Corners of the box of placement tolerances at which the operation cannot be done.
     pub lost: Vec<LostEntry>,
-    /// Gradient: change of the value per mm or degree of every coordinate.
+    /// Gradient: change of the value per mm or degree of each coordinate of the equipment and of `tolerance`.
     pub gradient: Vec<SlopeEntry>,
     /// Largest multiple of the tolerances that the operation withstands; null without tolerances.
     pub largest_times_tolerance: Option<LargestEntry>,
-    /// Largest misplacement in the plan that the operation withstands, in the worst direction.
+    /// Largest displacement of the equipment in the horizontal plane that the operation withstands in every
+    /// direction.
     pub largest_in_plan_mm: LargestEntry,
-    /// Largest yaw misplacement that the operation withstands, in the worse direction.
+    /// Largest yaw of the equipment that the operation withstands in both directions.
     pub largest_yaw_deg: LargestEntry,
     /// Whether the operation stays feasible and within its limit over the tolerances.
     pub holds: bool,
@@ -81,7 +82,7 @@ pub struct RobustnessEntry {
 /// Misplacements by the name of the equipment, or of the robot base.
 pub type MovesByName = ByName<MoveEntry>;
 
-/// Misplacement of one equipment or of the robot base, mm and degrees.
+/// Misplacement of one piece of equipment or of the robot base, mm and degrees.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MoveEntry {
@@ -120,7 +121,7 @@ pub struct SlopeEntry {
     pub of: String,
     /// Name of the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
     pub number: String,
-    /// Change of the value per unit of the coordinate; null at the end of reach.
+    /// Change of the value per unit of the coordinate; null if a small change is already out of reach.
     pub value: Option<f64>,
     /// Unit of the coordinate.
     pub per: Unit,
@@ -230,14 +231,14 @@ fn moves(cell: &Cell, moves: &[(Slot, f64)]) -> MovesByName {
                 2 => entry.z_mm = Some(millimetres(*by)),
                 _ => entry.yaw_deg = Some(degrees(*by)),
             },
-            // A tool attitude is no placement.
+            // A tool attitude is not part of a placement.
             Slot::Attitude(..) => {}
         }
     }
     all
 }
 
-/// Returns the name of an equipment, or "robot base".
+/// Returns the name of the equipment to which a coordinate belongs, or "robot base".
 fn body(cell: &Cell, slot: Slot) -> String {
     match slot {
         Slot::Equipment(k, _) => cell.equipment[k].name.clone(),

@@ -1,9 +1,9 @@
-//! Records: one serde type for every machine-readable document, which writes and reads it.
+//! Records: one serde type for every machine-readable document. This type writes and reads the document.
 //!
 //! JSON, CSV, Parquet, pages and the published JSON Schemas all come from these types. Lengths are in mm and
 //! angles in degrees, rounded to 1e-9. Vectors are in the world frame, unless the field names another frame.
 //! Joint coordinates follow the convention of the robot file. A missing value is null; only fields that the
-//! schema does not require are left out instead. Reading a document refuses unknown fields.
+//! schema does not require are left out. Reading a document refuses unknown fields.
 
 mod budget;
 mod cell_yield;

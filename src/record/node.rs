@@ -34,7 +34,7 @@ pub struct MapNode {
     pub error_sense_mm: Option<f64>,
     /// Error in the sense of the operation, if that is an angle.
     pub error_sense_deg: Option<f64>,
-    /// Value of the figure that the search minimizes, in the unit of the document.
+    /// Figure that the search minimizes, in the unit of the document.
     pub value: Option<f64>,
     /// Whether the robot touched the node to teach the surface frame. Such a node cannot be the spot.
     pub touched: Option<bool>,
@@ -58,7 +58,7 @@ pub struct MapNode {
     pub mean_deg: Option<BySense>,
     pub p95_deg: Option<BySense>,
     pub p99_deg: Option<BySense>,
-    /// Yield: share of arms, built within the tolerances, whose error does not exceed the limit of the
+    /// Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit of the
     /// operation.
     pub r#yield: Option<f64>,
 }
@@ -138,8 +138,7 @@ fn by_sense(
     (!values.is_empty()).then_some(values)
 }
 
-/// Nodes of an operation. A map can have a million nodes. They are therefore converted one by one while they
-/// are written.
+/// Nodes of an operation. A map can have a million nodes, so each is converted only when it is written.
 #[derive(Debug, Clone)]
 pub enum MapNodes<'a> {
     /// Nodes of a document that was read.

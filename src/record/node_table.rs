@@ -30,8 +30,8 @@ pub enum TableValue {
     Number(Option<f64>),
 }
 
-/// Name of a statistical or worst-case figure, and a function that returns the values of that figure at a
-/// node: those of senses in mm, then those in degrees.
+/// Name of a statistical or worst-case figure, and a function that returns its values at a node. The first values
+/// are for the senses in mm, the second for the senses in degrees.
 type FigureColumns = (&'static str, fn(&MapNode) -> [&Option<BySense>; 2]);
 
 const FIGURES: [FigureColumns; 5] = [
@@ -112,7 +112,7 @@ impl<'d> NodeTable<'d> {
         place.chain(joints).chain(errors).chain(figures.map(number)).chain([best]).chain(refined).collect()
     }
 
-    /// Iterates over the rows. They are made one by one, because a map can have a million rows.
+    /// Iterates over the rows. Each row is made when it is needed, because a map can have a million rows.
     pub fn rows(&self) -> impl Iterator<Item = Vec<TableValue>> + '_ {
         self.document
             .operations

@@ -4,7 +4,7 @@ use crate::cell::{Cell, JointKind, JointVector, Unit};
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;
 
-/// Rounds a number to 9 decimals. It must already be in the unit of the document.
+/// Rounds a number to 9 decimals. The number must already be in the unit of the document.
 pub fn nine_digits(value: f64) -> f64 {
     rounded(value, 9)
 }
@@ -39,7 +39,7 @@ pub fn rotation_deg(v: &Vector3<f64>) -> [f64; 3] {
     v.map(degrees).into()
 }
 
-/// Rounds the components of a vector without a unit, or already in the unit of the document.
+/// Rounds the components of a vector that has no unit, or that is already in the unit of the document.
 pub fn plain(v: &Vector3<f64>) -> [f64; 3] {
     v.map(nine_digits).into()
 }

@@ -4,12 +4,12 @@ use crate::assess::MotionFrame;
 use crate::cell::{Cell, Convention, JointKind, Parameter, Unit};
 use crate::files::shown;
 
-/// Returns the name of a parameter, such as dq1, dalpha3, base rx, tool z, joint2 y or worktable rz. Joints
-/// count from 1.
+/// Returns the name of a parameter, such as dq1, dalpha3, base rx, tool z, joint2 y or worktable rz. Joint
+/// numbers start at 1 and refer to the rows of the robot file.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
     let modified = cell.robot.convention == Convention::Modified;
     match parameter {
-        // The common normal at the end of a standard row begins the next modified one.
+        // The common normal at the end of a standard row begins the next modified row.
         Parameter::Dl(i) if modified => Parameter::Dl(i + 1).name(),
         Parameter::Dalpha(i) if modified => Parameter::Dalpha(i + 1).name(),
         Parameter::Dbeta(i) if modified => Parameter::Dbeta(i + 1).name(),

@@ -1,4 +1,4 @@
-//! Layouts in documents: placements, and the angles that a search may change, by name.
+//! Layouts in documents: placements by the name of the equipment, and free angles by that of the operation.
 
 use super::numbers::{degrees, millimetres};
 use crate::cell::{Cell, Layout, Placement, Role, Slot};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Values by name, in the order of the cell file.
 pub type ByName<T> = IndexMap<String, T>;
 
-/// Pose of an equipment or of the robot base in the world frame, mm and degrees.
+/// Pose of a piece of equipment or of the robot base in the world frame, mm and degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlacementEntry {

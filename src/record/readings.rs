@@ -60,7 +60,7 @@ pub struct ReadingEntry {
     pub at_unregistered_choice: Option<f64>,
     /// Value at the posture that is best for the signed sample, divided by the least value.
     pub ratio: Option<f64>,
-    /// Distance between the best node of this reading and that of the signed sample.
+    /// Distance between the best nodes of this reading and of the signed sample.
     pub moved_mm: Option<f64>,
     /// Reason why no node can be used.
     pub reason: Option<String>,
@@ -80,7 +80,7 @@ pub struct RegretEntry {
 }
 
 impl ReadingsDocument {
-    /// Makes the document with the sentences `findings`.
+    /// Makes the document; `findings` are sentences.
     pub fn new(r: &Readings<'_>, findings: Vec<String>) -> Self {
         let cell = r.cell;
         let operations = cell.operations.iter().zip(&r.operations);

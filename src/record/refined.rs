@@ -1,4 +1,4 @@
-//! Document part for the spot refined between the nodes.
+//! Part of several documents: the spot refined between the nodes of the grid.
 
 use super::numbers::{in_unit, joints, millimetres, percent, position_mm};
 use crate::assess::Assessment;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct RefinedEntry {
     /// TCP in the world frame.
     pub position_mm: [f64; 3],
-    /// Spot in the frame of the surface.
+    /// Coordinates x and y of the spot in the frame of the equipment.
     pub on_surface_mm: [f64; 2],
     pub joints_deg: Vec<f64>,
     /// Value at the spot, in the unit of the objective.
@@ -23,7 +23,7 @@ pub struct RefinedEntry {
 }
 
 impl RefinedEntry {
-    /// Makes the entry; None for an operation that may not choose its spot.
+    /// Makes the entry; None for an operation without a spot, with listed points or at every node.
     pub fn new(a: &Assessment<'_>, operation: usize) -> Option<Self> {
         let refined = a.refined[operation].as_ref()?;
         let unit = a.cell.unit();

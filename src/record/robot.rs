@@ -29,11 +29,11 @@ pub struct RobotsDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotEntry {
-    /// Name in the library, which cell files use.
+    /// Name in the library, by which cell files refer to the robot.
     pub robot: String,
     pub name: String,
     pub axes: usize,
-    /// Method that solves the inverse kinematics.
+    /// Name of the method that solves the inverse kinematics.
     pub family: String,
     pub reach_mm: f64,
     pub error_sets: usize,
@@ -66,18 +66,18 @@ pub struct RobotSheetDocument {
     pub name: String,
     /// Source of the numbers of the robot.
     pub source: String,
-    /// Method that solves the inverse kinematics.
+    /// Name of the method that solves the inverse kinematics.
     pub family: String,
     /// Denavit-Hartenberg convention of the rows.
     pub convention: String,
     pub joints: Vec<JointSheet>,
-    /// Rows of the matrix that converts actuator coordinates to joint angles.
+    /// Rows of the matrix that converts actuator coordinates to Denavit-Hartenberg coordinates.
     pub coupling: Vec<Vec<f64>>,
     pub tool: ToolSheet,
     pub reach_mm: f64,
     /// Home posture: degrees, or mm for a prismatic joint.
     pub home: Vec<f64>,
-    /// TCP in the home posture, base frame.
+    /// Position of the TCP in the home posture, base frame.
     pub home_position_mm: [f64; 3],
     /// Names of the solids of the links.
     pub solids: Vec<String>,
@@ -100,11 +100,13 @@ pub struct JointSheet {
     pub unit: Unit,
 }
 
-/// Tool of a robot in its flange frame.
+/// Tool of a robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ToolSheet {
+    /// TCP in the frame after the last Denavit-Hartenberg row.
     pub position_mm: [f64; 3],
+    /// Working direction in the frame of the TCP, unit vector.
     pub axis: [f64; 3],
 }
 
@@ -147,7 +149,7 @@ pub struct SizeEntry {
     pub radius_mm: Option<[f64; 2]>,
     /// Least and greatest height above the origin of the base; null if nothing is reached.
     pub height_mm: Option<[f64; 2]>,
-    /// Accuracy of radius and height, mm.
+    /// Largest error of radius and height: the distance between the sample points.
     pub extent_within_mm: Option<f64>,
 }
 
@@ -225,7 +227,7 @@ pub struct EnvelopeDocument {
     #[schemars(extend("const" = ENVELOPE_SCHEMA))]
     pub schema: String,
     pub robot: String,
-    /// Method that solves the inverse kinematics.
+    /// Name of the method that solves the inverse kinematics.
     pub family: String,
     /// Operation whose attitude the tool keeps; null if the attitude was given.
     pub operation: Option<String>,
@@ -308,8 +310,8 @@ impl EnvelopeDocument {
     }
 }
 
-/// Converts the outlines of a region with `make`. Arguments of `make`: whether the outline is a hole, and the
-/// coordinates of the outline along both axes, mm.
+/// Converts the outlines of a region with `make`. The arguments of `make` are whether the outline is a hole, and
+/// the coordinates of the outline along both axes, mm.
 fn outlines<O>(region: &EnvelopeSection, make: impl Fn(bool, [Vec<f64>; 2]) -> O) -> Vec<O> {
     let outlines = region.outlines.iter();
     let axes = |o: &crate::reach::Outline| {

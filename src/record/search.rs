@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 pub const SEARCH_SCHEMA: &str = "sweetspot/search/1";
 
 /// Result of a search: the best layout found, the layout as drawn and the proven bound. World frame, mm and
-/// degrees. Every number of threads gives the same document, byte for byte.
+/// degrees. The document is the same, byte for byte, for every number of threads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SearchResult {
@@ -41,7 +41,7 @@ pub struct SearchResult {
     pub evaluations: u64,
     /// Number of feasible layouts among those evaluated.
     pub feasible: u64,
-    /// Why the search ended.
+    /// Reason why the search ended.
     pub ended: SearchEnd,
     pub cell: String,
     pub robot: String,
@@ -62,9 +62,9 @@ pub struct SearchResult {
     pub budget: u64,
     /// Whether the worst case over the placement tolerances was minimized.
     pub robust: bool,
-    /// Goals of the Pareto front; null if there is one objective.
+    /// Goals of a Pareto search; null for a search that minimizes only the objective.
     pub pareto: Option<Vec<Goal>>,
-    /// Number of layouts to keep; null if only the best is kept.
+    /// Number of layouts to keep; null if the cell states none.
     pub keep: Option<usize>,
     /// Reasons why the best layout is not feasible.
     pub reasons: Vec<String>,
@@ -81,9 +81,9 @@ pub struct SearchResult {
     pub start: StartEntry,
     /// Pareto front or shortlist of layouts; null if the search was not asked to keep layouts.
     pub front: Option<Vec<AlternativeEntry>>,
-    /// Number of evaluations and objective at each improvement.
+    /// Improvements of the best layout: number of evaluations so far, and objective in `unit`.
     pub trace: Vec<(u64, f64)>,
-    /// Duration of the search; only `search --json` has it.
+    /// Duration of the search, s; left out in `search.json`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
 }
@@ -151,7 +151,7 @@ pub struct AlternativeEntry {
 }
 
 impl SearchResult {
-    /// Makes the result of a search from its two assessed layouts: `start`, the layout as drawn, and `best`.
+    /// Makes the result of a search from two assessed layouts: `start`, the layout as drawn, and `best`.
     pub fn new(
         record: &SearchRecord,
         proof: &Proof,
@@ -204,7 +204,7 @@ impl SearchResult {
         }
     }
 
-    /// Makes the result of a search from the comparison of start and best layout.
+    /// Makes the result of a search from a comparison of the layout as drawn with the best layout, in this order.
     ///
     /// Returns None unless the comparison has exactly two layouts.
     pub fn of_comparison(record: &SearchRecord, proof: &Proof, comparison: &Comparison<'_>) -> Option<Self> {
@@ -213,7 +213,7 @@ impl SearchResult {
         Some(Self::new(record, proof, start, best, gain))
     }
 
-    /// Adds the duration, rounded to milliseconds.
+    /// Adds the duration of the search, s, rounded to milliseconds.
     pub fn timed(mut self, seconds: f64) -> Self {
         self.seconds = Some(rounded(seconds, 3));
         self

@@ -1,4 +1,4 @@
-//! The resolved settings of a run, on which a result depends besides its input files.
+//! The resolved settings of a run. A result depends on these settings and on the input files.
 
 use super::numbers::in_unit;
 use crate::cell::{Cell, Goal, Model, Objective, Quantity, Reading, Registration, Solver, Unit};
@@ -13,7 +13,7 @@ pub struct ResolvedSettings {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Statistic of the random error that is minimized in the statistical reading.
+    /// Statistic that is minimized in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
     pub operations: Vec<ResolvedOperation>,
@@ -30,9 +30,9 @@ pub struct ResolvedSettings {
     pub gap: Option<f64>,
     /// Number of evaluations without a better layout after which a search ends.
     pub stagnation: Option<u64>,
-    /// Goals of the Pareto front; empty if there is one objective.
+    /// Goals of a Pareto search; empty for a search that minimizes only the objective.
     pub pareto: Vec<Goal>,
-    /// Number of layouts to keep.
+    /// Number of layouts to keep; 0 if the cell states none.
     pub keep: usize,
 }
 

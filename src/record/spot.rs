@@ -17,14 +17,14 @@ pub struct SpotEntry {
     pub name: String,
     pub equipment: String,
     pub sense: String,
-    /// Where the operation may happen, in words.
+    /// Description of the nodes at which the operation may happen.
     pub place: String,
     pub over: NodeAggregation,
     /// Value of the operation, in the unit of the objective.
     pub value: Option<f64>,
     /// Limit and margin; null without a limit or a spot.
     pub requirement: Option<RequirementEntry>,
-    /// Indices of the spot's node along x and y of the surface.
+    /// Indices of the node of the spot along x and y of the surface.
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     pub joints_deg: Option<Vec<f64>>,

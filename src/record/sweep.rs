@@ -30,7 +30,7 @@ pub struct SweepPlan {
     pub cell: PathBuf,
     /// Folders of the packages that URDF files name.
     pub packages: Vec<(String, PathBuf)>,
-    /// Whether every combination is searched; otherwise its layout as drawn is mapped.
+    /// Whether a search runs for every combination; otherwise the layout as drawn is mapped.
     pub search: bool,
     pub sets: Vec<Choices>,
     /// Seed of every combination; null means the seed of the cell.
@@ -40,7 +40,7 @@ pub struct SweepPlan {
     pub combinations: usize,
     /// Files that any combination reads; empty until they have been read.
     pub inputs: Vec<HashedFile>,
-    /// SHA-256 of the text of the file before this key, in hexadecimal. It is in the file alone.
+    /// SHA-256 of the text of the file before this key, in hexadecimal. Only the written file has this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -80,7 +80,7 @@ pub struct SweepRow {
     /// Objective in `unit`; null if no layout is feasible.
     pub objective: Option<f64>,
     pub unit: Unit,
-    /// Proven lower bound of the objective of every layout; null if no bound is known or the row is a map.
+    /// Proven lower bound of the objective of every layout; null if no bound is known or no search ran.
     pub bound: Option<f64>,
     pub gap_percent: Option<f64>,
     /// Number of layouts evaluated.
@@ -91,9 +91,9 @@ pub struct SweepRow {
     pub layout: ByName<PlacementEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Files of the combination beside its row: its cell with the layout fixed, and its settings.
+    /// Files of the combination besides this row: its settings, and its cell with the layout fixed.
     pub files: Vec<HashedFile>,
-    /// SHA-256 of the text of the file before this key, in hexadecimal. It is in the file alone.
+    /// SHA-256 of the text of the file before this key, in hexadecimal. Only the written file has this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -103,7 +103,7 @@ pub struct SweepRow {
 #[serde(deny_unknown_fields)]
 pub struct SweepSpot {
     pub name: String,
-    /// Value of the operation, in the unit of the objective; null without a spot.
+    /// Value of the operation, in the unit of the objective; null if the operation has no spot.
     pub value: Option<f64>,
     pub position_mm: Option<[f64; 3]>,
     /// Error in the sense of the operation, in `error_unit`.
@@ -116,8 +116,8 @@ pub struct SweepSpot {
 }
 
 impl SweepRow {
-    /// Makes the row of a combination from its resulting layout. `record` is the record of the search, None
-    /// for a map.
+    /// Makes the row of a combination from the assessment of its resulting layout. `record` is the record of
+    /// the search; None if no search ran.
     pub fn new(sets: &[Choices], index: usize, a: &Assessment<'_>, record: Option<&SearchRecord>) -> Self {
         let paths = sets.iter().map(|s| s.path.clone());
         let typed = combination(sets, index).into_iter();
@@ -169,7 +169,7 @@ pub struct SweepTable {
     pub mode: SweepMode,
     pub combinations: usize,
     pub feasible: usize,
-    /// Index of the row with the least objective; null if objectives differ in unit.
+    /// Index of the row with the least objective; null if no row is feasible, or if units differ.
     pub best: Option<usize>,
     /// Best row for every value of every `--set` option.
     pub best_of: Vec<SweepGroup>,
@@ -190,10 +190,10 @@ pub enum SweepMode {
 pub struct SweepGroup {
     pub path: String,
     pub value: Value,
-    /// Number of combinations that have the value.
+    /// Number of combinations with the value.
     pub combinations: usize,
     pub feasible: usize,
-    /// Index of the best row.
+    /// Index of the best row with the value; null if none is feasible, or if units differ.
     pub best: Option<usize>,
     pub objective: Option<f64>,
 }
@@ -218,8 +218,8 @@ impl SweepTable {
     }
 }
 
-/// Returns the row with the least objective, the first one among equals. Returns None if the objectives
-/// differ in unit.
+/// Returns the feasible row with the least objective, the first one among equals. Returns None if no row is
+/// feasible, or if the objectives of feasible rows differ in unit.
 fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a SweepRow> {
     let feasible = rows.filter(|r| r.feasible);
     let unit = feasible.clone().next()?.unit;

@@ -1,4 +1,4 @@
-//! The verdict of a report: the document of `report --json`, and the head of its page.
+//! The verdict of a report: the document of `report --json`, and the top of the report page.
 
 use super::cell_yield::CellYieldEntry;
 use super::words::VALUE_WORDS;
@@ -79,7 +79,7 @@ pub enum RequirementState {
 #[serde(deny_unknown_fields)]
 pub struct FactEntry {
     pub label: String,
-    /// Value of the figure in full precision.
+    /// Value of the figure, not rounded for display.
     pub value: Option<f64>,
     pub text: String,
     pub note: String,
@@ -127,6 +127,6 @@ pub struct VerdictSpot {
     pub limit: Option<f64>,
     /// Limit minus the value of the operation; negative if the value exceeds the limit.
     pub margin: Option<f64>,
-    /// Spot, value and position in one sentence.
+    /// Sentence that states spot, value and position.
     pub text: String,
 }

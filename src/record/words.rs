@@ -13,10 +13,10 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Returns the name of the objective: the figure of the only operation, or the way in which the figures of
-/// several operations combine.
+/// Returns the name of the objective: [`value_word`], or the way in which the figures of operations combine.
 ///
-/// A combination of statistical or worst-case figures is no figure of one arm, and gets a name of its own.
+/// Statistical or worst-case figures of several operations belong to different arms. So their combination has
+/// a name of its own.
 pub fn objective_word(cell: &Cell) -> String {
     let word = value_word(cell);
     if cell.operations.len() < 2 || cell.reading == Reading::Signed {
@@ -54,7 +54,7 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
         (!pick.over.needs_every_node()).then(|| {
             let [place, pick] = [&place.name, &pick.name].map(|name| shown(name));
             format!(
-                "{place} is relative to {pick}, whose spot is chosen first, for its own least error: two spots chosen together may be better, but no better than the objective with an error of 0 at {place}"
+                "{place} is relative to {pick}, whose spot is chosen first, for its own least error; choosing both spots together may lower the objective, but not below the objective with an error of 0 at {place}"
             )
         })
     }));

@@ -39,7 +39,7 @@ impl NumberRange {
                 ("must be 0 or greater", at_least_0)
             }
             Self::PlusMinus if value < 0.0 => {
-                ("must be 0 or greater", "a tolerance has no sign; for signed errors, write kind = \"signed\"")
+                ("must be 0 or greater", "a tolerance has no sign; signed errors need kind = \"signed\"")
             }
             Self::UpTo(most) if value > most => {
                 return Some((format!("must be at most {most}"), format!("write a number from 0 to {most}")));

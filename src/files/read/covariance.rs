@@ -123,8 +123,9 @@ fn spread_once(places: &[usize], items: &[Node], values: &SignedErrors, t: &mut 
     for item in places.iter().zip(items).filter(|(place, _)| values[**place] != 0.0).map(|(_, item)| item) {
         let name = name_of(item);
         let message = format!("`{name}` has both a plus-or-minus value and a covariance");
-        let help =
-            format!("write 0 as the plus-or-minus value of {name}: the diagonal of `matrix` gives its variance");
+        let help = format!(
+            "write 0 as the plus-or-minus value of {name}: the diagonal of `matrix` gives its variance"
+        );
         t.error(item.at, message, help);
     }
 }

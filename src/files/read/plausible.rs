@@ -1,8 +1,8 @@
 //! Warnings about sizes that are probably in a wrong unit.
 //!
 //! A size is suspicious if it is more than 20 times the robot's reach, or less than a twentieth of the reach.
-//! An error set is suspicious if its largest length tolerance is more than a twentieth of the reach, or less
-//! than a millionth of the reach.
+//! The largest length tolerance is suspicious if it is more than a twentieth of the reach, or less than a
+//! millionth of the reach.
 
 use crate::cell::Coordinate;
 use crate::cell::{Cell, Equipment, Role};
@@ -64,7 +64,7 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     }
 }
 
-/// Warns if the largest length tolerance is suspicious: of offsets, common normals and joint frame positions.
+/// Warns if the largest tolerance of an offset, a common normal or a joint frame position is suspicious.
 ///
 /// Angles are not checked, because an angle in a wrong unit has a plausible size, too.
 fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut Library<'_>) {

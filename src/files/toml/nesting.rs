@@ -1,7 +1,7 @@
 //! Scan of TOML text for deep nesting of brackets, before the text is parsed.
 //!
-//! The TOML parser limits its own recursion, but not while it recovers from a fault inside an inline table:
-//! one line of 130 kB then overflows the stack of a thread.
+//! The TOML parser limits its own recursion, but not while it recovers from a fault inside an inline table.
+//! One line of 130 kB can then overflow the stack of a thread.
 
 /// Returns the byte offset of the first bracket that is nested deeper than `deepest`.
 ///

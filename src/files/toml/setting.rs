@@ -249,8 +249,8 @@ fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     }
 }
 
-/// Replaces the file and line of each fault of a setting by the flag that states the setting; removes the
-/// settings from the sources.
+/// Replaces the place of each fault of a setting by the flag that states the setting. Also removes the settings
+/// from the sources.
 pub fn put_in_words(settings: &[Setting], faults: &mut [Fault], sources: &mut Vec<Source>) {
     sources.retain(|s| s.path != PLACE);
     for fault in faults.iter_mut().filter(|f| f.file == PLACE) {

@@ -1,13 +1,13 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! With all joint coordinates at 0, the joint axes are fixed lines. Row k leads from a frame with z along axis k
-//! to a frame with z along the next axis. The x axis of the second frame lies along the common normal of the
-//! two axes. If this leaves a choice, the following rules apply:
+//! If all joint coordinates are 0, the joint axes are fixed lines. Row k leads from a frame with z along axis k to
+//! a frame with z along the next axis. The x axis of the second frame lies along the common normal of the two
+//! axes. If this leaves a choice, the following rules apply:
 //!
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is as near as
-//!   possible to the base x axis, or to the base y axis if axis 1 is within 26 degrees of x;
+//!   possible to the base x axis. If axis 1 is within 26 degrees of x, the base y axis replaces the x axis;
 //! - parallel axes: r = 0. Two axes on the same line: theta = 0 and l = 0, too;
-//! - direction of x: a row rotates x by less than a right angle, so that l may be negative, as in many data
+//! - direction of x: a row rotates x by less than a right angle. So l may be negative, as in many data
 //!   sheets. If the rotation is a right angle, l > 0; if the axes also intersect, theta = +90 degrees;
 //! - the last row leads from the last joint axis to the z axis of the tip link. If the two are parallel, this
 //!   row ends at the origin of the tip link. If they are almost but not quite parallel, the row is empty, and
@@ -64,8 +64,8 @@ const SHORTEST: f64 = 1e-13;
 /// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Least sine of the angle between the last joint axis and the z axis of the tip at which the last row follows
-/// their common normal. Below it, the last row is empty, unless the axes are parallel.
+/// Least sine of the angle between last joint axis and z axis of the tip for a last row along their common
+/// normal. Below this sine, the last row is empty, unless the axes are parallel.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.
