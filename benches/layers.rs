@@ -86,8 +86,9 @@ fn node(c: &mut Criterion) {
 
 /// Measures the readings at the same node as the function `node`, in a sense of three rows.
 ///
-/// For every branch, it computes the value of the signed sample. A second benchmark computes the exact worst case
-/// and the covariance of the linear model instead. For one posture, it computes the nonlinear worst-case and statistical figures.
+/// For every branch, the first benchmark computes the value of the signed sample. The second computes the exact
+/// worst case and the covariance of the linear model. Further benchmarks compute the nonlinear worst-case and
+/// statistical figures of one posture.
 fn readings(c: &mut Criterion) {
     let mut cell = shipped("hitachi_cell.toml");
     cell.model = Model::Linear;

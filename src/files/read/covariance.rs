@@ -193,7 +193,7 @@ impl<'n> Matrix<'n> {
                 i + 1,
                 j + 1
             );
-            let help = format!("write the covariance of {of} and {and} alike in both places");
+            let help = format!("write the same covariance of {of} and {and} in both places");
             t.error(self.place(i, j), message, help);
         } else if a.abs() > deviations * (1.0 + ROUNDING) {
             let message = format!("{of} and {and} cannot have the covariance {}", plain(a));

@@ -154,7 +154,11 @@ fn in_words(rule: &Rule) -> String {
         Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
         Rule::When { key, words, needs, never } => {
             let words = words();
-            let words = if words.len() > 12 { "one of these words".into() } else { quoted(&words) };
+            let words = if words.len() > 12 {
+                "one of certain words (see the JSON Schema)".into()
+            } else {
+                quoted(&words)
+            };
             let mut rule = format!("- If `{key}` is {words}");
             if !needs.is_empty() {
                 let _ = write!(rule, ", {} are required", list(needs));

@@ -160,8 +160,8 @@ impl<'a> Library<'a> {
         }
         let text = self.sources[file].text();
         let parsed = if text.len() > MAX_TOML {
-            let message = format!("{} MB of text", text.len() / 1_000_000);
-            let help = "a file of this kind has at most 4 MB: put shapes of that size into a mesh";
+            let message = format!("the file has {} MB of text", text.len() / 1_000_000);
+            let help = "a TOML file may have at most 4 MB: put large shapes into mesh files";
             Err(vec![(0, message, help)])
         } else {
             parse(file, text)

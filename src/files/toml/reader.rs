@@ -310,7 +310,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
             let help = match near {
                 _ if key == "from" => FROM_PLACES.into(),
                 Some(near) => format!("did you mean `{near}`?"),
-                None => format!("known here: {}", listed(known.iter().map(|(name, _)| *name))),
+                None => format!("allowed here: {}", listed(known.iter().map(|(name, _)| *name))),
             };
             self.lib.error(*at, format!("unknown key `{}`", shown(key)), help);
         }

@@ -147,7 +147,7 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     };
     if lower > upper {
         let message = format!("the limits of joint `{name}` are reversed: {lower} is above {upper}");
-        lib.error(at, message, "exchange lower and upper");
+        lib.error(at, message, "swap lower and upper");
     } else if lower == upper {
         let message = format!("the limits of joint `{name}` leave no travel: both are {lower}");
         lib.error(at, message, "make it fixed, or write the limits");
@@ -247,8 +247,10 @@ pub fn warn_of_slants(
         lib.fault(moving[k + 1].origin_at, Severity::Warning, message, help);
     }
     if derived.gap >= dh::MAX_EXACT_GAP || derived.gap.is_nan() {
-        let message =
-            format!("no D-H rows reproduce this URDF exactly: they differ by up to {:.1e} m", derived.gap);
+        let message = format!(
+            "no D-H rows reproduce this URDF exactly: the best rows differ by up to {:.1e} m",
+            derived.gap
+        );
         let help = "almost parallel axes are the cause: write the angles with all digits";
         lib.fault(urdf.at, Severity::Warning, message, help);
     }

@@ -86,7 +86,7 @@ pub fn refuse_unknown(e: Node<'_, '_>, known: &[&'static str], faults: &mut Faul
     for a in e.attributes().filter(|a| a.namespace().is_none() && !known.contains(&a.name())) {
         let help = match did_you_mean(a.name(), known.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("known here: {}", listed(known.iter().copied())),
+            None => format!("allowed here: {}", listed(known.iter().copied())),
         };
         let message = format!("unknown attribute `{}` of <{}>", shown(a.name()), shown(e.tag_name().name()));
         faults.error(faults.at(a.range().start), message, help);
