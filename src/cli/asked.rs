@@ -1,4 +1,4 @@
-//! Loading of a cell with the settings of the command-line flags, which are validated together with its file.
+//! Loading of a cell with the settings of the command-line flags, which are validated together with the cell file.
 
 use super::arguments::{ErrorFlags, QuestionFlags};
 use super::loading;
@@ -20,19 +20,19 @@ pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Re
 pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFlags) -> Result<Loaded, Exit> {
     let mut settings = flags.settings();
     if let Some(sense) = &flags.sense {
-        // A yield would need a limit in the unit of this sense.
+        // The quantity `yield` would need a limit in the unit of this sense, which the cell file may not state.
         let (flag, p95) = (format!("--sense {sense}"), toml_string(Quantity::P95.name()));
         settings.push(Setting::of_flag(&flag, "quantity", p95));
     }
     let loaded = loading::load_with(file, packages, &settings)?;
-    // The table reads the errors as magnitudes, too.
+    // The table contains the worst-case reading, too, so its caveats are printed.
     let magnitudes = Interpretation { reading: Reading::WorstCase, ..loaded.cell.interpretation() };
     loaded.cell.with_interpretation_per_operation(&magnitudes).iter().for_each(say_caveats);
     Ok(loaded)
 }
 
-/// Refuses `--set` for a command that writes cell files, because those files cannot state the keys that it
-/// sets.
+/// Refuses `--set` for a command that writes layout files, because a layout file cannot state the overridden
+/// keys.
 pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
     output::error(&format!(

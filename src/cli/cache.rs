@@ -1,10 +1,11 @@
 //! Cache of results that take long to compute: the convex decompositions of link meshes.
 //!
-//! The cache is the folder that the environment variable `SWEETSPOT_CACHE` names, otherwise the cache folder
-//! of the user. The value `off` disables it. If the folder cannot be written, the results are computed again.
+//! The cache is the folder that the environment variable `SWEETSPOT_CACHE` names, otherwise the folder
+//! `sweetspot` in the user's cache folder. The value `off` disables the cache. If the folder cannot be written,
+//! the results are computed again.
 //!
-//! An entry is read only if it belongs to this user, nobody else may write to it, and its hash fits its key and
-//! content. So a cache folder that other users may write to changes no result.
+//! An entry is read only if it belongs to this user, nobody else may write to it, and its hash matches its key
+//! and content. So other users who may write to the cache folder cannot change a result.
 
 use super::loading::sha256;
 use std::io::{Read, Write};
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Largest cached file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Length of a hash in hexadecimal.
+/// Length of a SHA-256 hash in hexadecimal digits.
 const HASH: usize = 64;
 
 /// Returns the bytes cached under a key, or computes and caches them.
@@ -39,10 +40,11 @@ fn folder() -> Option<PathBuf> {
     }
 }
 
-/// Returns the content of a cached file if it is ours and matches the hash at the start of the file.
+/// Returns the content of a cached file if the file belongs to this user and the content matches the hash at
+/// its start.
 fn read(folder: &Path, name: &str) -> Option<Vec<u8>> {
     let path = folder.join(name);
-    // Opening a pipe would wait for its writer.
+    // Opening a named pipe would block until another program writes to it.
     if !path.symlink_metadata().ok()?.is_file() {
         return None;
     }
@@ -63,7 +65,7 @@ fn is_ours(about: &std::fs::Metadata) -> bool {
     about.uid() == rustix::process::geteuid().as_raw() && about.mode() & 0o022 == 0
 }
 
-/// The cache folder of a user is private there.
+/// Returns true: on these systems, the cache folder of a user is private.
 #[cfg(not(unix))]
 fn is_ours(_about: &std::fs::Metadata) -> bool {
     true

@@ -48,13 +48,13 @@ pub struct CheckpointWriter {
     request: SearchRequest,
     inputs: Vec<InputHash>,
     period: Duration,
-    /// Time of the last checkpoint, or why it could not be written.
+    /// Time of the last checkpoint, or the exit code if a checkpoint could not be written.
     last: Mutex<Result<Instant, Exit>>,
 }
 
 impl CheckpointWriter {
     pub fn new(folder: &Path, request: &SearchRequest, inputs: Vec<InputHash>, seconds: f64) -> Self {
-        // Without a period, none is due while the search runs.
+        // With a period of 0, no checkpoint is due while the search runs.
         let period = if seconds > 0.0 { Duration::from_secs_f64(seconds) } else { Duration::MAX };
         let last = Mutex::new(Ok(Instant::now()));
         Self { path: folder.join(CHECKPOINT), request: request.clone(), inputs, period, last }
@@ -98,7 +98,7 @@ impl CheckpointWriter {
                  the checkpoint is from another build or machine",
                 path_word(&self.path)
             ));
-            output::talk("  help: resume it there, or start again in another folder with --out");
+            output::talk("  help: resume it with that build on that machine, or start again in another folder with --out");
             return Err(Exit::BadInput);
         }
         Ok(())
@@ -165,9 +165,9 @@ impl StoppedSearch {
         let fit = self.content.state.check(SearchSpace::new(&workcell.cell).dimensions(), &rules);
         fit.map_err(|unfit| {
             let why = match unfit {
-                Unfit::Dimensions { has, needs } => format!("it has {has} variables, the cell {needs}"),
+                Unfit::Dimensions { has, needs } => format!("it has {has} variables, but the cell has {needs}"),
                 Unfit::Budget { used } => format!("{used} layouts are evaluated, more than --budget"),
-                Unfit::Kept => "it was searched for other goals, or kept another number of layouts".into(),
+                Unfit::Kept => "its search had other goals, or kept another number of layouts".into(),
                 Unfit::Ended(ended) => {
                     format!("these stopping rules would have ended the search earlier: {}", ended.in_words())
                 }

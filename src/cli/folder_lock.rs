@@ -1,6 +1,6 @@
-//! Advisory lock of a result folder, so that two programs never write to the same one.
+//! Advisory lock of a result folder, so that two programs never write to the same folder.
 //!
-//! The operating system frees the lock when its owner ends, however it ends.
+//! The operating system releases the lock when the process that holds it ends, even if that process crashes.
 
 use super::loading::LOCK;
 use super::output::path_word;
@@ -17,14 +17,14 @@ const MAX_OWNER: u64 = 300;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sharing {
     Alone,
-    /// Array jobs of one sweep write different files.
+    /// Several array jobs of one sweep write different files to the folder.
     WithOthers,
 }
 
 /// Lock of a folder, held until it is dropped.
 pub struct FolderLock {
     path: PathBuf,
-    /// Keeps the lock; None where the file system has no locks.
+    /// Open file that holds the lock; None if the file system does not support locks.
     file: Option<File>,
 }
 
@@ -49,7 +49,7 @@ impl FolderLock {
             match locked {
                 Ok(()) if !is_at(&file, &path) => continue,
                 Ok(()) => {
-                    // A lock without the name of its owner still locks.
+                    // A failure is ignored: the lock works even if the file does not name its owner.
                     let _ = file.set_len(0).and_then(|()| file.write_all(owner().as_bytes()));
                     return Ok(Self { path, file: Some(file) });
                 }
@@ -82,7 +82,7 @@ fn in_use(folder: &Path, file: File) -> Exit {
     let mut owner = Vec::new();
     let _ = file.take(MAX_OWNER).read_to_end(&mut owner);
     let owner = String::from_utf8_lossy(&owner);
-    // A word at a time, because a long text would be cut.
+    // `shown` truncates a long text, so each word is passed to it separately.
     let owner = owner.split_whitespace().map(shown).collect::<Vec<_>>().join(" ");
     let owner = if owner.is_empty() { "another program" } else { &owner };
     output::error(&format!("the folder {} is in use by {owner}", path_word(folder)));
@@ -95,7 +95,7 @@ fn owner() -> String {
     format!("process {}: sweetspot {}", std::process::id(), arguments::typed().join(" "))
 }
 
-/// Returns whether an open file is the one that the path names. Its last owner may have removed it.
+/// Returns whether the path still names this open file. The previous owner of the lock may have removed it.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -103,7 +103,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     file.metadata().ok().zip(path.metadata().ok()).is_some_and(|(a, b)| same(a, b))
 }
 
-/// A file in use cannot be removed here.
+/// Returns true: on these systems, an open file cannot be removed.
 #[cfg(not(unix))]
 fn is_at(_file: &File, _path: &Path) -> bool {
     true

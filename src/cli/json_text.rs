@@ -49,7 +49,7 @@ pub fn sealed(document: &dyn Serialize) -> Result<Vec<u8>, Exit> {
     Ok(bytes)
 }
 
-/// Returns the text of a sealed file without its seal; None if any byte of the file is damaged.
+/// Returns the text of a sealed file without its hash; None if the hash does not match the text.
 pub fn unsealed(bytes: &[u8]) -> Option<Vec<u8>> {
     let start = bytes.len().checked_sub(seal(b"").len())?;
     let (content, end) = bytes.split_at(start);

@@ -19,7 +19,7 @@ pub const LOCK: &str = ".sweetspot-lock";
 /// Name of the checkpoint in the folder of a search.
 pub const CHECKPOINT: &str = "checkpoint.jsonl";
 
-/// Largest size of an input file, bytes; a mesh of a million triangles has about 60 MB.
+/// Largest size of an input file, bytes; a binary STL file of a million triangles has 50 MB.
 const MAX_BYTES: u64 = 128 << 20;
 
 /// Reads a cell and everything it refers to, and prints faults and warnings.

@@ -56,7 +56,7 @@ pub fn new_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<
             ));
             return Err(Exit::BadInput);
         }
-        // Files of another array job are unfinished, too.
+        // With `WithOthers`, an unfinished file may belong to another running array job.
         if sharing == Sharing::Alone {
             sweep(path);
         }

@@ -25,7 +25,7 @@ pub struct Reporter {
     manner: ProgressForm,
     unit: Unit,
     bound: Option<f64>,
-    /// Number of evaluations before this process, if it resumes a stopped search.
+    /// Number of evaluations before this process started; 0 unless it resumes a stopped search.
     before: u64,
     clock: Instant,
     /// Time of the last line, and the progress not yet reported.
@@ -68,7 +68,7 @@ impl Reporter {
         }
     }
 
-    /// Ends the report with the last progress.
+    /// Removes the bar, or prints the last line of progress if it is still unreported.
     pub fn finish(self) {
         let last = self.last.lock().map_or(None, |last| last.1);
         if let ProgressForm::Bar(bar) = &self.manner {

@@ -147,10 +147,10 @@ pub fn portable(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
 }
 
-/// Returns the place of every input below the folder of the inputs. The first input is the cell file.
+/// Returns the path of every input relative to the folder of the inputs. The first input is the cell file.
 ///
-/// Only the cell file is renamed: it is named by no other file. Its new name differs from the place of every
-/// other input, also where the file system ignores the case of letters.
+/// Only the cell file is renamed, because no other file refers to it. Its new name differs from the path of
+/// every other input, even on a file system that ignores the case of letters.
 pub fn input_places<'p>(paths: impl IntoIterator<Item = &'p str>) -> Vec<String> {
     // Some file systems allow no colon in a name.
     let mut places: Vec<String> =
@@ -182,7 +182,7 @@ pub fn keep_inputs(folder: &Path, sources: &[Source]) -> Result<String, Exit> {
 
 /// Reads every written layout file back and compares it with the search.
 fn check_layouts(folder: &Path, record: &SearchRecord, best: &Assessment<'_>) -> Result<(), Exit> {
-    // The folder must be enough to read its layouts.
+    // Only packages inside the folder are given, because its layouts must be readable without other files.
     let packages = PackageFolders::default().with_kept(&folder.join(INPUTS));
     if best.objective().is_some() {
         written_layout::check_best(&folder.join(BEST), &packages, best)?;

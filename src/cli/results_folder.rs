@@ -28,7 +28,7 @@ struct FolderOrigin {
     manifest: Manifest,
     /// Keys of the cell file that the command line set.
     settings: Vec<Setting>,
-    /// Settings of the run; None for a search that was stopped.
+    /// All settings of the run, including defaults; None for a search that was stopped.
     resolved: Option<ResolvedSettings>,
 }
 

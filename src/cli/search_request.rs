@@ -43,7 +43,7 @@ impl SearchRequest {
         let is_rule = |s: &Setting| STOPPING_RULES.contains(&s.path.as_str());
         let (rules, others): (Vec<_>, Vec<_>) = a.settings().into_iter().partition(is_rule);
         refuse_changes(&self.settings, &others)?;
-        // The cell may be reached by another path: its content decides.
+        // The cell file may be at another path now; only its content must be unchanged.
         self.cell = a.cell.clone().unwrap_or(self.cell);
         if !a.packages.folders.is_empty() {
             self.packages = a.packages.folders.clone();

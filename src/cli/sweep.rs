@@ -160,7 +160,7 @@ pub fn open(
         }
         let folder = path_word(folder);
         output::error(&format!("{folder} belongs to another sweep; these differ: {}", changed.join(", ")));
-        output::talk("  help: take the changes back, or name a new folder with --out");
+        output::talk("  help: undo the changes, or name a new folder with --out");
         return Err(Exit::BadInput);
     }
     // All jobs of an array may write the plan at the same time: their unfinished files do not count.

@@ -1,4 +1,4 @@
-//! Check of the layout files that a search writes: a file must mean the layout and the cell that were searched.
+//! Check of the layout files that a search writes: each must describe exactly the layout and the cell of the search.
 
 use super::output::path_word;
 use super::packages::PackageFolders;

@@ -70,7 +70,7 @@ impl ErrorFlags {
             ));
         }
         if let Some(limit) = limit {
-            // The reader takes the one in the unit of the sense.
+            // Both keys are set; the reader uses the key in the unit of the sense.
             let (flag, value) = (format!("--limit {}", typed(*limit)), toml_number(*limit));
             let keys = ["limit_mm", "limit_deg"];
             settings.extend(keys.map(|key| Setting::of_every_operation(&flag, key, value.clone())));

@@ -1,7 +1,7 @@
 //! Parsers of option values (clap `value_parser`s).
 //!
-//! Values that a cell file can hold are not checked against a range here. Their flags become settings, which
-//! the reader of the file checks. Other lengths and angles have the range that files give them.
+//! A value that a cell file can hold is not checked against a range here: its flag becomes a setting, which
+//! the reader of the cell file checks. Other lengths and angles must be in the range that files allow.
 
 use crate::assess::NodeChoice;
 use crate::files::{Choices, MAX_BEND, NumberRange, Setting};
@@ -16,7 +16,7 @@ pub fn bend(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses the distance of sample points in mm.
+/// Parses the distance between sample points in mm.
 pub fn step(text: &str) -> Result<f64, String> {
     let number = measure(text)?;
     if number >= 1.0 { Ok(number) } else { Err("it must be at least 1".into()) }

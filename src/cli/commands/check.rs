@@ -39,7 +39,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     }
     let loaded = loading::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
-    // Printed even if the robot cannot be solved, because its D-H rows show why.
+    // Printed even if no inverse kinematics solves the robot, because its D-H rows show why.
     output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;

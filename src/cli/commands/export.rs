@@ -1,4 +1,4 @@
-//! `export`: a layout in the formats of other programs.
+//! `export`: writes a layout in the formats of other programs.
 
 use super::{stem, suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
@@ -13,7 +13,7 @@ use crate::report;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
-/// Size of a picture, px.
+/// Width and height of a picture, px.
 const PNG_SIZE: (usize, usize) = (1600, 1000);
 
 /// Runs `sweetspot export`.
@@ -74,7 +74,7 @@ fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     if !start {
         return Ok(best);
     }
-    // best.toml says first what it is made from.
+    // The key `from` of best.toml names the cell file of the search.
     let text = std::fs::read_to_string(&best).unwrap_or_default();
     let from = text.lines().find_map(|line| line.strip_prefix("from = \"")?.strip_suffix('"'));
     let start = from.map(|inside| of.join(inside)).filter(|path| path.starts_with(of.join(results::INPUTS)));

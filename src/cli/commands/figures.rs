@@ -1,4 +1,4 @@
-//! `figures`: the figures of the seed paper for any cell.
+//! `figures`: draws the figures of the seed paper for any cell.
 
 use super::{stem, suggest, workcell};
 use crate::assess::Assessment;

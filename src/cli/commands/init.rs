@@ -28,7 +28,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
         );
         return Err(exit);
     };
-    // Reading the cell finds every file that belongs beside it, and validates it.
+    // Reading the cell finds every file that it refers to, and validates it.
     let text = sketch.text();
     let read: &mut files::ReadFile<'_> = &mut |path: &str| match path {
         CELL => Ok(text.clone().into_bytes()),
@@ -42,7 +42,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     let sources = loaded.sources.into_iter().map(|source| (source.path, source.bytes));
     let schemas =
         schema::of_files()?.into_iter().map(|(name, text)| (format!("schemas/{name}"), text.into_bytes()));
-    // The cell file comes last: once it is there, everything it needs is there.
+    // The cell file is written last, so that every file it refers to exists before it.
     let mut all: Vec<_> = sources.chain(schemas).collect();
     all.rotate_left(1);
     for (path, bytes) in &all {

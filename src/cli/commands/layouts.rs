@@ -1,4 +1,4 @@
-//! `compare`: layouts side by side.
+//! `compare`: compares layouts side by side.
 
 use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::assess::{Assessment, Comparison};

@@ -1,4 +1,4 @@
-//! `map`: the error map of every operation.
+//! `map`: maps the error of every operation.
 
 use super::{suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;

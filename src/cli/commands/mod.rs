@@ -1,4 +1,4 @@
-//! One function per command: it reads, asks the library, prints, and suggests the next command.
+//! One function per command: it reads the input, calls the library, prints the result and suggests the next command.
 
 mod check;
 mod export;
@@ -104,7 +104,8 @@ fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
 /// Largest size of a page, bytes.
 const MAX_PAGE_BYTES: usize = 8 << 20;
 
-/// Returns the page with the most detail that fits.
+/// Returns the most detailed page that fits into [`MAX_PAGE_BYTES`]. If none fits, warns and returns the least
+/// detailed page.
 fn within_size(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Result<String, Exit> {
     let plain = Detail { nodes: 400, ..Detail::PLAIN };
     let mut html = String::new();
@@ -121,7 +122,7 @@ fn within_size(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Resul
         }
     }
     output::talk(&format!(
-        "warning: the page has {} MB; use coarser meshes to make it smaller",
+        "warning: the page is {} MB large; use coarser meshes to make it smaller",
         html.len() >> 20
     ));
     Ok(html)

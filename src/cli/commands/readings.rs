@@ -1,4 +1,4 @@
-//! `readings`: every reading and registration side by side.
+//! `readings`: compares every reading and registration side by side.
 
 use super::{suggest, unsolved, workcell};
 use crate::assess::Readings;
@@ -17,7 +17,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
     let loaded = asked::load_for_readings(&a.cell, &a.packages, &a.errors)?;
     let cell = &loaded.cell;
     workcell(cell.clone(), &a.cell)?;
-    // A folder that cannot be made must not cost the work.
+    // The folder is created first, so that a failure here wastes no computation.
     let folder = match &a.out {
         Some(folder) => Some(new_folder(Some(folder), "", Sharing::Alone)?),
         None => None,

@@ -42,7 +42,7 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     Ok(if report.verdict.answer == VerdictAnswer::Yes { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// Input of a report after reading, before the layouts are assessed.
+/// Data that a report has read from files, before its layouts are assessed.
 struct ReportSource {
     loaded: Loaded,
     file: PathBuf,

@@ -15,7 +15,7 @@ use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
 use std::path::Path;
 
-/// Largest number of sample points of one envelope. So many points take minutes with closed-form inverse
+/// Largest number of sample points of one envelope. This many points take minutes with closed-form inverse
 /// kinematics.
 const MAX_POINTS: u64 = 300_000_000;
 

@@ -46,7 +46,7 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
     } else {
         warn_of_hopeless(&workcell);
     }
-    // A folder that cannot be made must not cost a search.
+    // The folder is created first, so that a failure here wastes no search.
     let new;
     let folder = match kept {
         Some(kept) => &kept.folder,
@@ -100,8 +100,8 @@ fn exit(record: &SearchRecord, misses: bool) -> Exit {
 
 /// Proves a lower bound of the objective of every layout of the cell.
 fn proven(workcell: &Workcell) -> Proof {
-    // Its effort is bounded by its number of boxes. A bound that depends on when somebody presses Ctrl-C could
-    // not be resumed.
+    // Ctrl-C does not interrupt the proof, because a resumed search needs the same bound. The limit on its number
+    // of boxes bounds its duration.
     let proof = prove(workcell, &ProofOptions::default(), &AtomicBool::new(false));
     let settings = &workcell.cell.search;
     match settings.gap {
@@ -119,7 +119,7 @@ fn proven(workcell: &Workcell) -> Proof {
 fn compared<'a>(workcell: &'a Workcell, record: &SearchRecord) -> Comparison<'a> {
     let [start, best] = [("start", &record.start), ("best", &record.best)]
         .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));
-    // Without tolerance and limit there is nothing that misplacement could break.
+    // Without a placement tolerance and without a limit, the analysis of misplacement has nothing to report.
     let limited = workcell.cell.operations.iter().any(|o| o.limit.is_some());
     let matters = workcell.cell.has_placement_tolerance() || limited;
     let columns = [start, if matters { best.misplaced() } else { best }];

@@ -46,7 +46,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
         a.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let kept = FileSnapshot::default();
     let sources = check_all(&mut plan, &kept, jobs)?;
-    // Array jobs write different files of one folder.
+    // Array jobs write different files into one folder.
     let sharing = if a.only.is_some() { Sharing::WithOthers } else { Sharing::Alone };
     let folder = open(&plan, a.resume.as_deref().or(a.out.as_deref()), &stem(&plan.cell), sharing)?;
     let cell_name = keep_inputs(&folder, &sources)?;
@@ -64,7 +64,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
         suggest(&format!("sweep --resume {}", path_word(&sweep.folder)));
         return Ok(Exit::Done);
     }
-    // Every combination is there, so no job writes here any more: what is unfinished was killed.
+    // Every combination is complete, so no job still writes here: unfinished files come from killed jobs.
     loading::sweep(&sweep.folder);
     let whole = |k: usize| match row(&sweep.folder, k) {
         StoredRow::Whole(row) => Ok(*row),

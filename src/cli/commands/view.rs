@@ -54,7 +54,7 @@ fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell 
     }
 }
 
-/// Returns a notification of Ctrl-C or SIGTERM.
+/// Returns a `Notify` that Ctrl-C or SIGTERM triggers.
 fn end_at_signals() -> Arc<Notify> {
     let over = Arc::new(Notify::new());
     let asked = over.clone();

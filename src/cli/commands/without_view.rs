@@ -1,4 +1,4 @@
-//! `view` in a build without the feature of that name.
+//! `view` in a build without the feature `view`: prints how to get it.
 
 use crate::cli::arguments::ViewArguments;
 use crate::cli::{Exit, output};

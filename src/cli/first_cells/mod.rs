@@ -1,6 +1,6 @@
 //! First cells: the text of a commented cell file for each built-in robot.
 //!
-//! Lengths are in mm here, as in the file that is written.
+//! Lengths are in mm and angles in degrees here, as in the file that is written.
 
 mod text;
 
@@ -18,8 +18,8 @@ pub struct Sketch {
     work: SketchedEquipment,
     supply: SketchedEquipment,
     standoff: i32,
-    /// Whether fewer spins about the tool axis are tried than usual: each spin takes long for a redundant
-    /// arm.
+    /// Whether the file limits the spins about the tool axis to four, because each spin takes long for a
+    /// redundant arm.
     few_spins: bool,
 }
 

@@ -3,7 +3,8 @@
 use std::io::Write;
 use tempfile::TempPath;
 
-/// Opens a URL in the user's browser by a temporary file that leads there and that only the user can read.
+/// Opens a URL in the user's browser through a temporary file that redirects to the URL. Only the user can
+/// read this file.
 ///
 /// The file is deleted when the returned path is dropped; a slow browser needs it until then.
 ///

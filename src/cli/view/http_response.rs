@@ -1,4 +1,4 @@
-//! Responses of the local server. A content security policy keeps the page from loading anything else.
+//! Responses of the local server. A content security policy keeps the page from loading anything from other sites.
 
 use http_body_util::Full;
 use hyper::body::Bytes;

@@ -1,11 +1,11 @@
-//! Bodies of the requests that change something, as types. A body that does not fit its type does nothing.
+//! Bodies of the requests that change something, as types. A request whose body does not fit its type is refused.
 
 use crate::files::shown;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-/// Body of the request to start a search. A missing number is that of the cell file.
+/// Body of the request to start a search. A missing number is taken from the cell file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SearchBody {

@@ -12,7 +12,7 @@ use crate::report;
 use hyper::StatusCode;
 use serde_json::{Map, Value, json};
 
-/// Returns the response to an admitted request. A GET has no body.
+/// Returns the response to an admitted request. `body` is None for a GET.
 pub fn answer(view: &LiveView, inside: &str, body: Option<&[u8]>) -> HttpResponse {
     match body.map(object) {
         None => got(view, inside),
@@ -80,7 +80,7 @@ fn save(view: &LiveView, asked: &SaveBody) -> HttpResponse {
         Ok(workcell) => workcell,
         Err(why) => return bad(&why),
     };
-    // One at a time, so that a file does not appear between the check and the write.
+    // Only one save runs at a time, so that no other save creates the file between the check and the write.
     let _one = locked(&view.saving);
     match view.origin.save(&asked.name, asked.overwrite, &workcell.cell, &values) {
         Ok(path) => {

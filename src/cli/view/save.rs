@@ -9,7 +9,7 @@ use crate::files::shown;
 use crate::report;
 use std::path::{Path, PathBuf};
 
-/// Longest file name, with its extension.
+/// Longest file name with its extension, bytes.
 const MAX_NAME: usize = 100;
 /// Names that Windows reserves for devices, with any extension.
 const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
@@ -79,7 +79,7 @@ impl Origin {
     ) -> Result<PathBuf, Unsaved> {
         let name = file_name(asked).map_err(Unsaved::Refused)?;
         let path = self.folder().join(&name);
-        // Two names can be one file: links, upper and lower case.
+        // Two names can mean one file: through a link, or on a file system that ignores case.
         if let Ok(real) = path.canonicalize()
             && self.sources.iter().any(|s| s.canonicalize().is_ok_and(|s| s == real))
         {

@@ -1,7 +1,7 @@
 //! Local web server with limits on connections, headers, bodies and time.
 //!
 //! Anybody on this machine can connect, so a connection without the secret must cost little: a head of limited
-//! size and time, no body, no thread. One thread accepts and talks to all connections. Each admitted request
+//! size and time, no body, no thread. One thread accepts and serves all connections. Each admitted request
 //! computes in a thread of its own, so a long computation delays no other.
 
 use super::LiveView;
@@ -33,13 +33,13 @@ const MAX_HEAD_BYTES: usize = 16 << 10;
 const MAX_HEADERS: usize = 100;
 /// Largest body of a request, bytes; requests of the page have a few hundred bytes.
 const MAX_BODY_BYTES: usize = 64 << 10;
-/// Longest wait for the head of a request, also of the next request of a connection that idles.
+/// Longest wait for the head of a request, including the next request on an idle connection.
 const HEAD_TIME: Duration = Duration::from_secs(5);
 /// Longest wait for a body.
 const BODY_TIME: Duration = Duration::from_secs(10);
-/// Longest wait for a client that takes nothing of a response.
+/// Longest wait for a client that accepts no byte of a response.
 const SEND_TIME: Duration = Duration::from_secs(10);
-/// Pause after a connection that could not be accepted, mostly because too many files are open.
+/// Pause after a connection could not be accepted, usually because too many files are open.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// Session and access control that all connections share.
@@ -76,7 +76,7 @@ impl LocalServer {
     }
 }
 
-/// Accepts connections without end. A failure is reported once and waited out.
+/// Accepts connections without end. Pauses after each failure, and reports only the first one.
 async fn accept(listener: TcpListener, shared: Shared) {
     let slots = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let mut is_reported = false;
@@ -102,7 +102,7 @@ async fn accept(listener: TcpListener, shared: Shared) {
 
 /// Answers the requests of one connection until it ends or breaks a limit.
 async fn connection(stream: TcpStream, shared: Shared, slot: OwnedSemaphorePermit) {
-    // Without this, the last packet of a response may wait for an acknowledgement.
+    // Otherwise Nagle's algorithm may delay the last packet of a response until an acknowledgement arrives.
     let _ = stream.set_nodelay(true);
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(SEND_TIME));
@@ -129,7 +129,7 @@ async fn answer(
 
 /// Admits a request, reads its body and computes the response in a thread of its own.
 ///
-/// The thread holds the slot of the connection. A client that leaves early thus gains no further thread.
+/// The thread holds the slot of the connection, so a client cannot start more threads by disconnecting early.
 async fn computed(
     request: Request<Incoming>,
     shared: Shared,
@@ -168,9 +168,9 @@ async fn whole(mut body: Incoming) -> Result<Bytes, HttpResponse> {
     }
 }
 
-/// Returns the response to a body that is too long, and drops what still arrives of it.
+/// Returns the response to a body that is too long, and discards the rest of that body.
 fn too_long(mut body: Incoming) -> HttpResponse {
-    // A client that still sends when its connection is closed would lose the response.
+    // If the connection were closed while the client still sends, the client would lose the response.
     tokio::spawn(timeout(BODY_TIME, async move { while let Some(Ok(_)) = body.frame().await {} }));
     let why = format!("the body has more than {MAX_BODY_BYTES} bytes");
     HttpResponse::refused(StatusCode::PAYLOAD_TOO_LARGE, &why)

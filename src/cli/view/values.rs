@@ -127,7 +127,7 @@ impl LayoutValues {
     }
 }
 
-/// Returns the start of a cell with the coordinates that the body of a request changes.
+/// Returns the start layout of a cell with the changes that the body of a request states.
 ///
 /// # Errors
 /// Fails with a message for the page if the request is refused.

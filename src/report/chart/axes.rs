@@ -14,14 +14,14 @@ pub struct AxisScale {
 }
 
 impl AxisScale {
-    /// Returns a linear axis. An empty span is widened.
+    /// Returns a linear axis. An empty span is widened; a span that is not finite becomes 0 to 1.
     pub fn linear(low: f64, high: f64, px: (f64, f64)) -> Self {
         let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
         let pad = if high > low { 0.0 } else { low.abs().max(1e-9) * 0.5 };
         Self { low: low - pad, high: high + pad, px, is_log: false }
     }
 
-    /// Returns a logarithmic axis; both ends must be above 0.
+    /// Returns a logarithmic axis. A lower end of 0 or less becomes 1e-12; an empty span becomes one decade.
     pub fn log(low: f64, high: f64, px: (f64, f64)) -> Self {
         let low = if low > 0.0 && low.is_finite() { low } else { 1e-12 };
         let high = if high > low { high } else { low * 10.0 };

@@ -5,7 +5,7 @@ use crate::colours;
 use crate::svg_text::escaped;
 use std::fmt::Write;
 
-/// Margin at the left and the right, px.
+/// Margin on every side, px.
 pub const EDGE: f64 = 16.0;
 /// Font size of the heading, px.
 pub const HEAD: f64 = 16.0;
@@ -130,7 +130,7 @@ pub struct ChartCanvas {
     name: String,
     body: String,
     width: f64,
-    /// Position of the lower end of everything drawn so far, px.
+    /// Vertical position of the lower end of everything drawn so far, px.
     pub y: f64,
 }
 

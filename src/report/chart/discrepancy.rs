@@ -34,7 +34,7 @@ pub fn discrepancy(a: &Assessment<'_>) -> String {
     let under = [
         "discrepancy of the linearized model, eq. (9), at the usable nodes in the order of the grid"
             .to_string(),
-        "what is less than 0.001 % stands on the lower edge".to_string(),
+        "values below 0.001 % are drawn on the lower edge".to_string(),
     ];
     let mut canvas = ChartCanvas::new(&heading, &under);
     canvas.legend(&CURVES.map(|(name, ink, _)| LegendEntry {

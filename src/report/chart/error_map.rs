@@ -22,7 +22,7 @@ use crate::svg_text::{PathEnd, escaped, path_data};
 const MAX_NODES: usize = 4000;
 /// Longer side of the drawing area, px.
 const LONGER_SIDE: f64 = 820.0;
-/// Least width of the picture, px, at which heading and legend have room.
+/// Least width of the picture, px, into which heading and legend fit.
 const MIN_WIDTH: f64 = 740.0;
 /// Width of the strip of floor shown round all objects, m.
 const SURROUNDINGS: f64 = 0.25;
@@ -153,7 +153,7 @@ impl<'a> ErrorMapPicture<'a> {
         }
     }
 
-    /// Draws a name centred on a point. Moves it into the picture and, if there is room, off other names.
+    /// Draws a name centred on a point. Moves it into the picture and, if possible, away from other names.
     fn draw_name(&mut self, name: &str, (x, y): (f64, f64)) {
         let said = words::shortened(name, SMALL, self.width - 16.0);
         let half = words::width(&said, SMALL) / 2.0;
@@ -168,7 +168,7 @@ impl<'a> ErrorMapPicture<'a> {
     fn enlargement(&self) -> f64 {
         let errors = self.a.maps.iter().flat_map(OperationMap::usable).map(|(_, _, p)| p.error.xy().norm());
         let longest = errors.fold(0.0, f64::max);
-        // One leading digit reads better than six.
+        // A factor with one significant digit reads better than one with six.
         if longest > 0.0 { round_down(LONGEST_ARROW / (longest * self.view.scale), DIGITS) } else { 1.0 }
     }
 
@@ -217,7 +217,7 @@ impl<'a> ErrorMapPicture<'a> {
         let value = format!(": {:.3} {}", unit.from_si(p.value), unit.word());
         let room = self.width - 40.0 - words::width(&value, SMALL);
         let said = words::shortened(name, SMALL, room) + &value;
-        // Beside the spot, on the side where it fits.
+        // The label stands beside the spot, on the side where it fits.
         let half = words::width(&said, SMALL) / 2.0 + 13.0;
         let side = if x + 2.0 * half < self.width { half } else { -half };
         self.draw_name(&said, (x + side, y - 9.0));

@@ -10,8 +10,8 @@ use crate::cell::Cell;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 250.0;
-/// Largest value on the axis, in multiples of the greatest sample. Figures beyond the axis are named at its
-/// edge.
+/// Largest value on the axis, in multiples of the upper end of the histogram. Figures beyond the axis are named
+/// below the plot.
 const AXIS_LIMIT: f64 = 1.7;
 
 /// Marked figure of the histogram: name, value in the unit of the chart, ink.
@@ -101,7 +101,7 @@ pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let pairs = || (0..marks.len()).flat_map(|k| (0..marks.len()).map(move |other| (k, other)));
     for _ in 0..marks.len() * marks.len() {
         for (k, other) in pairs().filter(|(k, other)| k != other) {
-            // If two lines each cross the name of the other, the left one gives way.
+            // If each line crosses the name of the other, the left name moves up.
             let is_below = crosses(other, k) && (k < other || !crosses(k, other));
             if is_below && rows[k] <= rows[other] || rows[k] == rows[other] && k < other && touches(k, other)
             {
@@ -126,7 +126,7 @@ fn bars(
         let fill = if is_beyond { Ink::Vermilion } else { Ink::Blue }.fill();
         let [left, right] = [from, to].map(|v| x.at(d.unit.from_si(v)));
         let top = y.at(share(*count));
-        // A spread of zero has a visible bar.
+        // Even a spread of zero gets a visible bar.
         let wide = (right - left).max(1.5);
         canvas.put(&format!(
             "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{wide:.2}\" height=\"{:.2}\" {fill} \

@@ -66,7 +66,7 @@ pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usiz
         drawing,
         operation,
         eye: [right, up, right.cross(&up)],
-        // Heights are those of the world.
+        // The vertical axis of the picture shows heights in the world frame.
         origin: Vector3::new(origin.x, origin.y, 0.0),
         envelope: section.outlines.iter().map(|o| ring(&o.points)).collect(),
         heading: format!("{}: the layout from the side ({})", of.name, drawing.name),
@@ -115,7 +115,7 @@ impl LayoutView<'_> {
         let (left, right, height) = PLOT;
         let mut view =
             PlaneView::fitted(self.bounds(&parts), (right - left, height), (left, canvas.y + 26.0));
-        // In the middle of the picture.
+        // The plot is centred horizontally.
         view.left += (right - left - view.width()) / 2.0;
         let (x, y) = view.scales();
         axes::draw(&mut canvas, &x, &y, self.names);
@@ -172,7 +172,7 @@ impl LayoutView<'_> {
     }
 
     fn bounds(&self, parts: &[VisiblePart<'_>]) -> (PlanePoint, PlanePoint) {
-        // From the side a fence is a line on the floor, or a wall that has no end.
+        // Seen from the side, a fence is a line on the floor or an endless wall, so it does not count.
         let counts = |p: &&VisiblePart<'_>| self.levels.is_empty() || p.part.kind != PartKind::Fence;
         let standing = parts.iter().filter(counts).flat_map(|p| self.outlines(p)).flatten();
         let points = standing.chain(self.envelope.iter().flatten().copied());
@@ -223,7 +223,7 @@ impl LayoutView<'_> {
                 None => owners.push((name, points.collect())),
             }
         }
-        // The smallest first: it has the least choice.
+        // Small objects are named first, because they have the fewest free places.
         let ends = |(name, points): (&'_ str, Vec<PlanePoint>)| {
             let (low, high) = bounding_box(points.into_iter()).unwrap_or_default();
             (name.to_string(), (low.0, low.1, high.0, high.1))
