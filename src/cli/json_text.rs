@@ -7,7 +7,7 @@ use erased_serde::Serialize;
 use std::io::{BufWriter, Write};
 
 /// Description of a sealed file that [`unsealed`] refuses.
-pub const DAMAGED: &str = "it is damaged: its text has not the hash of its last line";
+pub const DAMAGED: &str = "it is damaged: its text does not match the hash in its last line";
 
 /// End of the text of a JSON object.
 const END: &[u8] = b"\n}\n";

@@ -44,12 +44,13 @@ pub fn or_empty(value: Option<f64>) -> String {
 
 /// Writes one row of a CSV file.
 ///
-/// # Errors Fails if the csv writer fails.
+/// # Errors
+/// Fails if the csv writer fails.
 pub fn put(writer: &mut ::csv::Writer<Vec<u8>>, row: &[String]) -> Result<(), String> {
     writer.write_record(row).map_err(|e| e.to_string())
 }
 
-/// Writes the layouts that a search kept as CSV with a header. The goals come first, then the free
+/// Writes one CSV row for each layout that a search kept, after a header. The goals come first, then the free
 /// coordinates (mm, degrees).
 ///
 /// # Errors

@@ -24,7 +24,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
         let names = SKETCHES.iter().flat_map(|s| [s.name, s.robot]);
         let exit = lookup::unknown(&format!("unknown first cell `{}`", shown(name)), name, names);
         output::talk(
-            "  help: list them with sweetspot init; for a robot of your own, write a cell and change its robot",
+            "  help: list them with sweetspot init; for your own robot, write one of these cells and change its robot",
         );
         return Err(exit);
     };
@@ -57,7 +57,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
 fn tell(folder: &Path, sketch: &Sketch, count: usize) {
     let cell = path_word(&folder.join(CELL));
     output::talk(&format!("wrote {cell}: {}", sketch.about));
-    output::talk(&format!("robot, equipment and schemas are beside it: {count} files in all, to be edited"));
+    output::talk(&format!("robot, equipment and schemas are beside it, {count} files in all: edit them as you need"));
     suggest(&format!("map {cell} --svg map.svg"));
 }
 

@@ -13,7 +13,7 @@ impl Sketch {
         let what = match *errors {
             "placeholder" => {
                 "# PLACEHOLDER values: manufacturers do not publish tolerances of these parameters. Add those of your robot\n\
-                 # to its file, under [errors.NAME], and name the set here. Until then compare errors, do not rely on them."
+                 # to its file, under [errors.NAME], and name the set here. Until then, use the errors only to compare."
             }
             _ => {
                 "# The magnitudes of Table 3 of the seed paper as tolerances. Add those of your robot to its file, under\n\

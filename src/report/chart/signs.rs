@@ -1,4 +1,4 @@
-//! Symbols on a chart: of nodes that cannot be used, and of the spots.
+//! Symbols on a chart, for unusable nodes and for spots.
 
 use super::canvas::{Ink, LegendEntry};
 use crate::drawing::{GlyphRing, GlyphTone, NodeGlyph, node_glyph};

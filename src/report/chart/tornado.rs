@@ -83,7 +83,7 @@ fn row(a: &BudgetReport<'_>, share: &Share, part: f64) -> (String, f64, String) 
     let tolerance = rounded(unit.from_si(share.plus_minus), 4);
     let name = format!("{} \u{b1}{tolerance} {}", names::parameter(cell, share.parameter), unit.word());
     let alone = a.tighter.iter().find(|t| t.parameters[..] == [share.parameter]);
-    let gain = alone.map(|t| format!("half of it: \u{2212}{}", percent(a.cut(t)))).unwrap_or_default();
+    let gain = alone.map(|t| format!("if halved: \u{2212}{}", percent(a.cut(t)))).unwrap_or_default();
     (name, part, gain)
 }
 

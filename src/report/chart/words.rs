@@ -85,7 +85,7 @@ pub fn number(value: f64, step: f64) -> String {
     format!("{:.*}", digits as usize, crate::units::rounded(value, digits as i32))
 }
 
-/// Returns a number with four significant digits.
+/// Returns a number with four significant digits, or "0" for infinity and NaN.
 pub fn figure(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() {

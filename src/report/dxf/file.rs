@@ -284,7 +284,7 @@ impl DxfFile {
         out.put(3, "ANSI_1252");
         name(out, "$HANDSEED");
         out.handle(5, self.next);
-        // Millimetres, and decimal.
+        // $INSUNITS 4 means millimetres, $MEASUREMENT 1 metric, and $LUNITS 2 decimal numbers.
         for (what, value) in [("$INSUNITS", 4), ("$MEASUREMENT", 1), ("$LUNITS", 2), ("$LUPREC", 1)] {
             name(out, what);
             out.put(70, value);

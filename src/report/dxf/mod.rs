@@ -49,7 +49,7 @@ const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
 const AXIS: f64 = 0.1;
 
 /// Returns the drawing with the robot at the spot of an operation, or at home. The drawing shows the errors
-/// under the model and the reading of the cell. Empty layers are left out.
+/// under the model and the reading of the cell.
 pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     let (low, high) = drawing.extent();
     let side = (high - low).x.max((high - low).y);
@@ -71,7 +71,7 @@ pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     file.bytes(&used(drawing))
 }
 
-/// Returns the layers that are not empty.
+/// Returns all layers except those of obstacles, fence and keep-out spaces that the cell does not have.
 fn used(drawing: &Drawing<'_>) -> Vec<Layer> {
     let has = |kind: PartKind| drawing.parts.iter().any(|p| p.kind == kind);
     let idle = |name: &str| match name {

@@ -14,7 +14,7 @@ pub fn safe(text: &str) -> String {
             '%' if safe.ends_with('%') => safe.push_str(" %"),
             ' '..='~' => safe.push(c),
             '\u{80}'..='\u{ffff}' => safe.push_str(&format!("\\U+{:04X}", c as u32)),
-            // The code has room for four digits alone.
+            // A `\U+` code has only four hexadecimal digits.
             _ => safe.push('?'),
         }
     }

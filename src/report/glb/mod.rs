@@ -91,7 +91,8 @@ impl GlbBuilder {
 /// Returns the scene with the robot at the spot of an operation, or at home. An animation goes from home to
 /// every spot and back. Arrows show the resultant errors under the model and the reading of the cell.
 ///
-/// # Errors Fails if the glTF writer fails.
+/// # Errors
+/// Fails if the glTF writer fails.
 pub fn glb(drawing: &Drawing<'_>, operation: Option<usize>) -> Result<Vec<u8>, String> {
     let animation = GlbFile::animation("home - spots - home");
     let mut scene = GlbBuilder { file: GlbFile::new(), materials: BTreeMap::new(), animation };

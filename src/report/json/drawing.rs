@@ -38,7 +38,7 @@ pub fn drawings(drawings: &[Drawing<'_>]) -> Value {
         meshes: meshes.written,
         drawings,
     };
-    // Plain numbers and texts always make a value.
+    // Serialization of plain numbers and texts cannot fail.
     serde_json::to_value(&document).unwrap_or_default()
 }
 
@@ -222,14 +222,14 @@ fn movement<'a>(m: &Movement, cell: &'a Cell) -> MovementRecord<'a> {
     }
 }
 
-/// Returns the indices of the frames that are sent: every stop, the last frame, and frames at least [`TICK`]
-/// apart.
+/// Returns the indices of the frames that are sent: every stop and the frame after it, the last frame, and
+/// frames more than [`TICK`] apart.
 fn kept(m: &Movement) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for (k, t) in m.times.iter().enumerate() {
         let is_stop = m.stops.iter().any(|s| s.time == *t) || k + 1 == m.times.len();
         let far = kept.last().is_none_or(|&last| t - m.times[last] > TICK);
-        // A rest begins and ends with the picture of its stop.
+        // The robot rests at a stop until the next frame, so that frame is sent, too.
         let rests = k > 0 && m.stops.iter().any(|s| s.time == m.times[k - 1]);
         if is_stop || far || rests {
             kept.push(k);

@@ -58,8 +58,8 @@ pub fn form(cell: &Cell) -> Value {
     })
 }
 
-/// Returns the coordinates that the page can change, by owner. For equipment, the coordinates that the file
-/// fixes are included.
+/// Returns the coordinates that the page can change, by owner. For equipment and the robot base, the coordinates
+/// that the file fixes are included.
 fn groups(cell: &Cell) -> Vec<FormGroup<'_>> {
     let four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
         c.iter().enumerate().map(|(axis, c)| form_number(slot(axis), c)).collect::<Vec<_>>()
@@ -99,7 +99,7 @@ fn form_number(slot: Slot, c: &Coordinate) -> FormNumber {
 /// Returns the coordinates of a layout, with the owners and keys that [`form`] gives them.
 pub fn numbers(cell: &Cell, layout: &Layout) -> Value {
     let mut all = NumbersRecord::default();
-    // To make a layout visits every number of the cell.
+    // Making a layout visits every coordinate of the cell.
     cell.layout(|slot, coordinate| {
         let owner = match slot {
             Slot::Base(_) => &mut all.robot_base,

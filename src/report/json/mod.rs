@@ -1,6 +1,6 @@
 //! Documents that only our own pages read: the drawings of the 3-D viewer and the state of the live page.
 //!
-//! Every other document is a record, see [`crate::record`].
+//! Every other document is a record; see [`crate::record`].
 
 mod drawing;
 mod live;

@@ -1,4 +1,4 @@
-//! Placements for setting out with a tape measure, and the joints at each spot.
+//! Placements for setting out the cell with a tape measure, and the joints at each spot.
 
 use super::content::{NOTHING, PageTable, Section};
 use super::subject::Subject;

@@ -16,7 +16,7 @@ pub fn told(unit: Unit, value: f64) -> String {
     }
 }
 
-/// Returns a bound with its unit, rounded down, so that the printed number is proven, too.
+/// Returns a bound with its unit, rounded down, so that the printed number is a proven bound, too.
 pub fn down(unit: Unit, bound: f64) -> String {
     match unit {
         Unit::Share => format!("{:.4} %", (percent_from_share(bound) * 1e4).floor() / 1e4),

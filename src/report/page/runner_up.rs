@@ -56,7 +56,7 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })
 }
 
-/// Returns the usable node with the least value among the nodes that are not the spot.
+/// Returns the usable node with the least value, other than the spot and the points touched to teach a frame.
 fn second<'m>(a: &'m Assessment<'_>, k: usize) -> Option<Posed<'m>> {
     let map = &a.maps[k];
     let others = map.usable().filter(|(at, _, p)| Some(*at) != map.best && !p.touched);

@@ -155,7 +155,8 @@ fn summed(cell: &Cell) -> String {
 
 /// Describes the meaning of a figure under the reading.
 ///
-/// A figure over arms is one of a single spot: where several spots combine, no such share of arms is known.
+/// A figure over the arms, such as p95, holds for a single spot. If the objective combines several spots, the
+/// corresponding share of the arms is not known.
 pub fn reading_in_words(cell: &Cell) -> String {
     let set = shown(cell.error_set().name());
     let every_node = cell.operations.iter().any(|o| o.over.needs_every_node());
@@ -241,7 +242,7 @@ fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     };
     let (text, note) = match (found.gap_percent, found.bound) {
         (Some(gap), Some(bound)) => (
-            // Rounded up, for the same reason.
+            // Rounded up, so that the printed gap is never too small.
             if gap <= 0.0 { "0 %".into() } else { format!("{} %", up(gap)) },
             format!(
                 "it is proven that no layout within the ranges has less than {}{covers}",

@@ -80,7 +80,7 @@ pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
 }
 
 /// Draws a dimension line with arrow heads. The number is above the line, or left of a vertical line. A short
-/// line has its arrow heads outside and its number behind its end.
+/// line has its arrow heads outside and its number beyond its end.
 fn ruled(out: &mut String, (from, to): (f64, f64), across: f64, upright: bool, number: &str) {
     let (low, high) = (from.min(to), from.max(to));
     let wide = 1.6 * number.len() as f64;

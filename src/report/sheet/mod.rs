@@ -1,7 +1,7 @@
 //! Drawing of the cell on paper: plan and front view to scale, with dimensions and a title block.
 //!
-//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216), with a scale of ISO 5455. Lines are
-//! 0.35 and 0.18 mm wide (ISO 128). Print it at 100 %.
+//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216), with a scale of ISO 5455. Outlines are
+//! 0.35 mm wide and inner edges 0.18 mm (ISO 128). Print the sheet at 100 %.
 
 mod dimensions;
 mod title;
@@ -102,7 +102,7 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
         escaped(&drawing.cell.name)
     );
     heading(&mut out, (plan.left, plan.bottom - plan.size().1), "plan");
-    heading(&mut out, (front.left, front.bottom - front.size().1), "front, seen against y");
+    heading(&mut out, (front.left, front.bottom - front.size().1), "front, seen along y");
     let [above, before] = views;
     draw(&mut out, &plan, above);
     draw(&mut out, &front, before);

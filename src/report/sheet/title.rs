@@ -28,8 +28,8 @@ fn mm(m: f64) -> f64 {
     rounded(mm_from_m(m), 1)
 }
 
-/// Draws the list: corners and frames of the equipment relative to the robot base, and spots in the world
-/// frame.
+/// Draws the list: corners and frames of the equipment, and spots in the world frame. Corners and frames are
+/// given along the world axes from the robot base, heights from the floor.
 pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
     let base = &drawing.layout.base;
     let mut y = top;
@@ -128,7 +128,7 @@ pub fn block(
     bar(out, (column - 66.0, top + TITLE / 2.0), ratio);
 }
 
-/// Draws a scale bar of 20 to 50 mm on paper, with the axes of the plan.
+/// Draws a scale bar of 20 to 40 mm on paper, with the axes of the plan.
 fn bar(out: &mut String, (x, y): (f64, f64), ratio: f64) {
     let length = round_down(40.0 * ratio, ONE_TWO_FIVE);
     let wide = length / ratio;

@@ -40,10 +40,10 @@ pub fn yield_lines(a: &Assessment<'_>) -> String {
     })
 }
 
-/// Describes what the joint yield is the share of, with its confidence interval, and the yield of each operation
-/// alone.
+/// Describes the joint yield, which is the share of the sampled arms that keep all limits, and the yield of each
+/// operation alone.
 ///
-/// Returns None without a joint yield.
+/// Each share has its 95 % confidence interval. Returns None without a joint yield.
 pub fn yield_in_words(a: &Assessment<'_>) -> Option<String> {
     let (together, samples) = (a.cell_yield?, a.samples.iter().flatten().map(|s| s.samples).max()?);
     let alone = a.cell.operations.iter().zip(&a.samples).filter_map(|(operation, samples)| {

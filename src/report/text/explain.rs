@@ -60,8 +60,9 @@ fn dh_table(e: &Explanation<'_>) -> String {
     let cut = match e.context.cell.robot.convention {
         Convention::Standard => "",
         Convention::Modified => {
-            "   The file has modified rows, Tx(l) Rx(alpha) Rz(theta) Tz(r). Here l and alpha of its row k + 1 end row k;\n   \
-             those of its row 1 are in frame 0. dl, dalpha and dbeta keep the numbers of the file.\n"
+            "   The file has modified rows, Tx(l) Rx(alpha) Rz(theta) Tz(r); this table has standard rows.\n   \
+             Row k has l and alpha of row k + 1 of the file, and frame 0 has those of row 1.\n   \
+             dl, dalpha and dbeta are numbered as in the file.\n"
         }
     };
     format!("\n1. Links: A = Rz(theta) Tz(r) Tx(l) Rx(alpha)\n{cut}{}", table.render())
@@ -223,7 +224,7 @@ fn sense(e: &Explanation<'_>) -> String {
         false => format!("the point {} mm from the TCP", triple(&sense.point, 3, mm_from_m)),
     };
     let mut out =
-        format!("\n6. Sense {}: of {point}, {axes}, {} model\n", sense.name, evaluator.model.name());
+        format!("\n6. Sense {}, at {point}, in {axes}, {} model\n", sense.name, evaluator.model.name());
     for (row, given) in e.sense.iter().zip(sense.rows()) {
         let how = if row.turns { "about" } else { "along" };
         let axis = triple(&given.direction, 4, |v| v);

@@ -90,7 +90,7 @@ fn fixed(value: f64, digits: usize) -> String {
     format!("{:.digits$}", rounded(value, digits as i32))
 }
 
-/// Returns a value with its unit, a share in percent.
+/// Returns a value with its unit; a share is in percent.
 fn amount(unit: Unit, si: f64) -> String {
     match unit {
         Unit::Share => format!("{} %", fixed(percent_from_share(si), 4)),

@@ -76,7 +76,7 @@ pub fn findings(r: &Readings<'_>) -> Vec<String> {
 }
 
 /// Describes the regret of choosing the spot by the signed sample. The regret is the value of that spot under
-/// another reading, divided by the least value under it.
+/// another reading, divided by the least value under that reading.
 fn regret(r: &Readings<'_>) -> Vec<String> {
     if matches!(r.cell.error_set(), ErrorSet::Tolerance(_)) {
         return vec![format!(
