@@ -2,7 +2,7 @@
 
 const SVG_NAMESPACE = "http://www.w3.org/2000/svg";
 
-/** Viridis (M. Bigot, S. van der Walt and N. Smith; CC0) at equal steps. */
+/** Viridis (N. Smith, S. van der Walt and E. Firing; CC0) at equal steps. */
 const VIRIDIS = [
   [68, 1, 84],
   [65, 68, 135],

@@ -23,7 +23,7 @@ class Page {
      */
     this.waiting = null;
     this.isTrying = false;
-    /** Number of the last change: answers to earlier ones are dropped. */
+    /** Number of the last change; answers to earlier changes are dropped. */
     this.serial = 0;
     this.pauseTimer = 0;
     this.connect();
@@ -58,13 +58,13 @@ class Page {
     this.change(isUndo ? "undo" : "redo", {});
   }
 
-  /** Returns whether something is dragged or tried. */
+  /** Returns whether a drag or the evaluation of a dragged layout is under way. */
   isBusy() {
     return Boolean(this.plan.held || this.waiting || this.isTrying);
   }
 
   /**
-   * Shows the map of a layout while it is dragged: one request at a time, then the last that waits.
+   * Shows the map of a layout during a drag. Sends one request at a time, and next only the newest layout.
    * @param {object} numbers
    */
   async attempt(numbers) {
@@ -75,9 +75,9 @@ class Page {
       const [asked, serial] = [this.waiting, this.serial];
       this.waiting = null;
       try {
-        // Only a drag in the 3-D view has its map drawn there.
+        // Only during a drag in the 3-D view does that view show the new map.
         const answer = await ask(this.view3d?.held ? "try-drawing" : "try", asked);
-        // The answer to a drop in the meantime takes precedence.
+        // If the equipment was dropped in the meantime, the answer to the drop takes precedence.
         if (serial === this.serial) this.showAttempt(answer);
       } catch (error) {
         if (serial === this.serial) showFault(messageOf(error));
@@ -100,7 +100,7 @@ class Page {
   }
 
   /**
-   * Changes the layout or the question, and shows the answer.
+   * Changes the layout or the evaluation settings (sense, reading, model), and shows the answer.
    * @param {ChangeRequest} request
    * @param {object} body
    * @param {FormRow} [row] where the change was typed
@@ -186,7 +186,7 @@ class Page {
   }
 
   /**
-   * Moves an equipment; returns where it may stand.
+   * Moves an equipment; returns the allowed placement that is nearest to the wanted one.
    * @param {number} index
    * @param {Placement} world
    * @param {boolean} isSettled whether the drag has ended
@@ -225,7 +225,7 @@ class Page {
     return { numbers: { equipment: { [name]: changed } }, allowed: placementFrom(allowed, under), moves };
   }
 
-  /** Shows the 3-D view if the browser can. */
+  /** Shows the 3-D view if the browser supports WebGL. */
   async addView3d() {
     if (!sweetspotViewer.supported()) return;
     byId("solid").hidden = false;
@@ -235,8 +235,8 @@ class Page {
 }
 
 /**
- * Returns whether a drag may change x, y, z or yaw. A number that the file fixes stays, unless it fixes both
- * x and y.
+ * Returns whether a drag may change number `k` of x, y, z and yaw. It may always change yaw and never z. It may
+ * change x or y unless the file fixes only that one of the two.
  * @param {NumberGroup} group
  * @param {number} k
  */

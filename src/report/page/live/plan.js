@@ -7,7 +7,7 @@
  * @property {Placement} at
  * @property {SVGGElement} group
  * @property {SVGTextElement} text
- * @property {{ arm: SVGLineElement, knob: SVGCircleElement } | null} handle what turns it
+ * @property {{ arm: SVGLineElement, knob: SVGCircleElement } | null} handle turns the piece; `null` for an obstacle
  *
  * A drag of a piece that is under way.
  * @typedef {object} Drag
@@ -167,7 +167,7 @@ class Plan {
     const step = KEY_STEPS[event.key];
     if (!step || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
-    // The shift key, which turns brackets into braces, makes a step a tenth.
+    // With the shift key, which turns brackets into braces, a step is a tenth as large.
     const share = event.shiftKey || "{}".includes(event.key) ? 0.1 : 1;
     const [x, y, z, yaw] = this.answer.placements[index];
     const moved = [x + share * step[0], y + share * step[1], z, yaw + share * step[2]];
@@ -176,7 +176,7 @@ class Plan {
   }
 
   /**
-   * Draws an answer: where things stand, and the map.
+   * Draws an evaluated layout: the placements and the error map.
    * @param {AnswerRecord} answer
    */
   draw(answer) {
@@ -191,7 +191,7 @@ class Plan {
   }
 
   /**
-   * Returns whether a piece is another one or stands on it.
+   * Returns whether a piece is the piece `under` or stands on it, directly or on other pieces.
    * @param {number} index
    * @param {number} under
    * @returns {boolean}
@@ -202,7 +202,7 @@ class Plan {
   }
 
   /**
-   * Shows a piece at a placement, and what stands on it.
+   * Shows a piece at a placement, and moves everything that stands on it along.
    * @param {number} index
    * @param {Placement} at
    */
@@ -226,7 +226,8 @@ class Plan {
   }
 
   /**
-   * Puts the name beside a work surface, which is full of nodes, away from the robot and the handle.
+   * Puts the name beside a work surface, because nodes would cover it there. The name is on the side farthest
+   * from the robot that has no handle.
    * @param {Piece} piece
    */
   placeName({ equipment, at, text }) {
@@ -271,7 +272,7 @@ class Plan {
 }
 
 /**
- * Moves a group from the frame of the world into the picture, whose y points down.
+ * Places a group at a placement in the world. The y axis of the picture points down.
  * @param {Element} group
  * @param {Placement} at
  */
@@ -289,7 +290,7 @@ function setAttributes(element, attributes) {
 }
 
 /**
- * Says what is under the pointer.
+ * Shows a description of what is under the pointer.
  * @param {string} text
  */
 function showHover(text) {

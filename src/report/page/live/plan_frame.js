@@ -23,7 +23,7 @@ class PlanFrame {
   }
 
   /**
-   * Shows all equipment and obstacles, with room to move them.
+   * Shows all equipment and obstacles, with space to move them.
    * @param {AnswerRecord} answer
    */
   fit(answer) {

@@ -6,7 +6,7 @@ const LONGEST_ARROW = 34;
 /** Distance from the pointer within which a node is described, px. */
 const HOVER_RADIUS = 9;
 
-/** Opening angle of an arrow head from its shaft, rad. */
+/** Angle from the direction of an arrow to the two sides of its head, rad. */
 const HEAD_ANGLE = 2.7;
 
 class PlanMap {
@@ -94,7 +94,7 @@ function nodeWords(nodes, k, unit) {
 }
 
 /**
- * Returns by how much the error arrows are magnified: a number of one digit.
+ * Returns the magnification of the error arrows, a number with one significant digit.
  * @param {OperationAnswer[]} operations
  * @param {number} unit mm
  */
@@ -118,7 +118,7 @@ function magnificationOf(operations, unit) {
  */
 function nodeMarks(operation, { low, high }, magnification, unit) {
   const { nodes } = operation;
-  // Marks have a fixed size, but are no larger than the nodes are apart.
+  // Marks have a fixed size, limited by the distance between the nodes.
   const size = Math.min(unit, nodeSpacing(operation) / 11);
   return nodes.at.flatMap(([x, y], k) => {
     const [value, error] = [nodes.value[k], nodes.error[k]];

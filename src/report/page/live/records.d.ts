@@ -12,7 +12,7 @@ interface NumberRecord {
   free: boolean;
   min: number | null;
   max: number | null;
-  /** The only values allowed; null where a range is allowed. */
+  /** The only allowed values; null if a range is allowed. */
   list: number[] | null;
 }
 
@@ -63,7 +63,7 @@ interface LayoutNumbers {
   attitude: Record<string, Numbers>;
 }
 
-/** Error map of an operation: one list for each quantity. */
+/** Error map of an operation: one list for each property of the nodes. */
 interface NodesRecord {
   ij: number[][];
   at: number[][];
@@ -117,7 +117,7 @@ interface QuestionRecord {
 /** The step of the session that is shown. */
 interface StepRecord {
   revision: number;
-  /** Number of steps that can be undone, and done again. */
+  /** Number of steps that can be undone and, in `redo`, redone. */
   undo: number;
   redo: number;
   /** Description of the change. */
@@ -196,6 +196,6 @@ interface Refusal {
 interface Window {
   /** Durations from a change to the drawn map, ms; tests/browser/view.mjs reads them. */
   sweetspotDrawn: number[];
-  /** Returns where the middle of an equipment is in the 3-D view, px; for tests/browser/view.mjs. */
+  /** Returns where the origin of an equipment is in the 3-D view, px; for tests/browser/view.mjs. */
   sweetspotSpot(name: string): number[] | null;
 }

@@ -1,4 +1,4 @@
-// The panels: a search from the layout shown, and the layout as a file.
+// Two panels: one searches from the layout shown, the other saves the layout as a file.
 
 /** Intervals between two requests to the server, ms: while a search runs, and otherwise. */
 const SEARCH_INTERVAL = 250;

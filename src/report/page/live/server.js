@@ -72,7 +72,7 @@ class Refused extends Error {
 }
 
 /**
- * Asks the server; without a body it is a GET request.
+ * Sends a request to the server: POST with a body, GET without.
  * @template {keyof Answers} Name
  * @param {Name} name
  * @param {unknown} [body]
@@ -93,7 +93,7 @@ async function ask(name, body) {
 }
 
 /**
- * Calls back after the next frame is shown.
+ * Calls `then` after the browser has shown the next frame.
  * @param {() => void} then
  */
 const afterPaint = (then) => {
@@ -101,14 +101,14 @@ const afterPaint = (then) => {
 };
 
 /**
- * Writes mm or degrees without needless digits.
+ * Formats a number of mm or degrees without needless digits.
  * @param {number} value
  * @param {number} [digits]
  */
 const shortNumber = (value, digits = 3) => String(Number(value.toFixed(digits)));
 
 /**
- * Writes an error with about four significant digits.
+ * Formats an error with about four significant digits.
  * @param {number} value
  */
 function errorFigure(value) {

@@ -1,6 +1,6 @@
-// The 3-D view beside the plan. Equipment is dragged there as well.
+// The 3-D view beside the plan. The user can drag equipment in it, too.
 
-/** Longest time for a picture at which the view follows a drag in the plan, ms. */
+/** Longest drawing time of a picture with which the view follows a drag in the plan, ms. */
 const QUICK = 40;
 
 /**
@@ -62,7 +62,7 @@ class View3d {
     const hit = this.viewer.pickEquipment(x, y);
     const start = hit && this.viewer.pickFloor(x, y, hit.at[2]);
     if (!hit || !start) return;
-    // The viewer ignores a drag that is taken.
+    // The viewer ignores a drag whose event is marked like this.
     event.preventDefault();
     const { plan } = this.page;
     const [index, pointer] = [hit.equipment, event.pointerId];
@@ -96,7 +96,7 @@ class View3d {
   }
 
   /**
-   * Moves equipment before the map of its new place is there.
+   * Moves equipment before the map at its new placement has arrived.
    * @param {number} index
    * @param {Placement} placement
    */
@@ -105,7 +105,7 @@ class View3d {
   }
 
   /**
-   * Returns where the middle of an equipment is in the picture, px.
+   * Returns where the origin of an equipment is in the picture, px.
    * @param {number} index
    */
   spot(index) {
@@ -115,7 +115,7 @@ class View3d {
   }
 
   /**
-   * Measures whether pictures come fast enough to follow a drag in the plan.
+   * Measures whether pictures are drawn fast enough to follow a drag in the plan.
    * @param {DrawingDocument} written
    */
   measure(written) {
@@ -123,7 +123,7 @@ class View3d {
     this.replace(written);
     afterPaint(() => {
       const gl = this.viewer.canvas?.getContext("webgl2");
-      // Waits until the picture is there.
+      // Reading a pixel waits until the picture is drawn.
       gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
       this.isQuick = performance.now() - began < QUICK;
       if (!this.isLookedAt) this.rest();

@@ -30,7 +30,7 @@ function uploadMesh(graphics, mesh) {
 }
 
 /**
- * Fills a batch of instances anew.
+ * Fills a batch of instances with new data; makes the batch if there is no old one.
  * @param {Graphics} graphics
  * @param {Batch | undefined} old
  * @param {Float32Array<ArrayBuffer>} data

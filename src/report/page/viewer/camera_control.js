@@ -71,7 +71,7 @@ class CameraControl {
   }
 
   /**
-   * Changes the distance; the point of the cell at a place in the picture stays there.
+   * Changes the distance of the camera; what the picture shows at the position `at` stays there.
    * @param {number} factor
    * @param {number[]} [at] px
    */
@@ -98,7 +98,7 @@ class CameraControl {
       this.set(goal);
       return;
     }
-    // The shorter way round.
+    // The camera turns the shorter way round.
     const round = 2 * Math.PI;
     const difference = camera.azimuth - goal.azimuth;
     const azimuth = goal.azimuth + difference - round * Math.round(difference / round);
@@ -107,7 +107,7 @@ class CameraControl {
   }
 
   /**
-   * Goes on with a flight.
+   * Continues a flight.
    * @param {number} now ms
    */
   advance(now) {

@@ -69,7 +69,7 @@ function makeButton(text, press, properties = {}) {
 }
 
 /**
- * Returns the index of a lens of the drawing shown; the reading counts more than the model.
+ * Returns the index of the lens with a model and a reading or, if there is none, of a lens with that reading.
  * @param {View} view
  * @param {string} model
  * @param {string} reading
@@ -119,7 +119,7 @@ function makeControls(view, host, show, look) {
 }
 
 /**
- * Returns the choice of an index.
+ * Returns an index as the value of a choice; empty for null.
  * @param {number | null} index
  */
 const indexChoice = (index) => (index === null ? "" : String(index));
@@ -163,7 +163,7 @@ function showControls({ choosers, envelope, envelopeLabel }, view) {
 }
 
 /**
- * Shows the senses; the one that all operations ask for is not listed twice.
+ * Shows the senses. If all operations state the same sense, the list has it only as the default.
  * @param {ReturnType<typeof makeChooser>} chooser
  * @param {View} view
  */

@@ -7,7 +7,7 @@
  */
 const colourOf = (text) => [1, 3, 5].map((k) => Number.parseInt(text.slice(k, k + 2), 16) / 255);
 
-/** Viridis at equal steps, as in src/report/colours.rs. */
+/** Viridis at equal steps, as in src/core/colours.rs. */
 const VIRIDIS = [
   [68, 1, 84],
   [65, 68, 135],
@@ -17,7 +17,7 @@ const VIRIDIS = [
   [253, 231, 37],
 ];
 
-/** Better, equal, worse: from blue to the vermilion of Okabe and Ito. */
+/** Colours from better (blue) over equal (grey) to worse (vermilion). */
 const DIVERGING = [
   [0, 94, 158],
   [86, 160, 214],
@@ -56,7 +56,7 @@ function roundDown(value) {
 }
 
 /**
- * Writes a value with four significant digits and without an exponent.
+ * Formats a value with four significant digits, but at most four decimals, and without an exponent.
  * @param {number} value
  */
 function figure(value) {
@@ -66,7 +66,7 @@ function figure(value) {
 }
 
 /**
- * Writes a value with two significant digits.
+ * Formats a value with two significant digits.
  * @param {number} value
  */
 const roundFigure = (value) => String(Number(value.toPrecision(2)));

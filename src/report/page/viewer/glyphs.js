@@ -1,7 +1,7 @@
 // Marks and arrows of the error map as instances for the graphics card.
 
 /**
- * Moves a point of a field with the equipment that carries it while that is dragged.
+ * Returns a point of an error map, moved along with its equipment while the equipment is dragged.
  * @param {View} view
  * @param {Field} field
  * @param {Vector} point
@@ -99,7 +99,7 @@ const refinedSpotOf = (view, field) =>
   isOwnLens(view) && field.refined_mm ? displaced(view, field, field.refined_mm) : null;
 
 /**
- * Axes of the arrows that are drawn one by one.
+ * Axes of the component arrows for each choice of arrows.
  * @type {Partial<Record<ArrowChoice, number[]>>}
  */
 const ARROW_AXES = { x: [0], y: [1], z: [2], components: [0, 1, 2] };
@@ -128,7 +128,8 @@ function arrowInstances(view) {
 }
 
 /**
- * Returns the error arrows of a node: the resultant, or one for each axis, to both sides without a sign.
+ * Returns the error arrows of a node: the resultant, or one arrow for each axis. Components without a sign get
+ * two opposite arrows.
  * @param {Field} field
  * @param {number} lens
  * @param {number} k

@@ -18,7 +18,7 @@
  * @typedef {{ x: number, y: number, width: number, height: number }} Rectangle
  */
 
-/** Cost of covering another label; a label that cannot avoid it is not shown. */
+/** Cost of covering another label, and the cost from which a label is not shown unless it is required. */
 const COST_OF_OVERLAP = 30;
 const GREATEST_COST = 28;
 
@@ -31,7 +31,7 @@ const overlaps = (a, b) =>
   a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 
 /**
- * Places labels one after another where they cover the fewest points and no label before them.
+ * Places labels one after another where they cover the fewest points and no earlier label.
  * @param {Labels} labels
  * @param {LabelBox[]} boxes
  * @param {{ x: number, y: number, cost: number }[]} points
@@ -98,7 +98,7 @@ const isNear = (at, { x, y }) =>
   x > at.x - 5 && x < at.x + at.width + 5 && y > at.y - 5 && y < at.y + at.height + 5;
 
 /**
- * Returns a line from the edge of a label to its nearest anchor, unless that is close by.
+ * Returns the path of a line from the edge of a label to its nearest anchor; empty if that anchor is close.
  * @param {Rectangle} at
  * @param {number[][]} anchors
  */
@@ -152,8 +152,8 @@ function placesRound(at, width) {
 const isWithin = ({ left, right, top, bottom }, x, y) => x > left && x < right && y > top && y < bottom;
 
 /**
- * Returns the outline of parts on the screen, places round it for a name, and anchors; null where it is not
- * seen.
+ * Returns the outline of parts on the screen, places round it for a name, and anchors. Returns null if an anchor
+ * is behind the camera.
  * @param {View} view
  * @param {Part[]} parts
  */

@@ -133,7 +133,7 @@ function equipmentLabels(view) {
 }
 
 /**
- * Writes the value of a field at its spot.
+ * Formats the value of an error map at its spot.
  * @param {View} view
  * @param {Field} field
  */

@@ -62,7 +62,7 @@ const paragraph = (text) => element("p", { textContent: text });
 const span = (text) => element("span", { textContent: text });
 
 /**
- * Returns the name of the sense shown, or the names of those of the operations.
+ * Returns the name of the sense shown or, if none is chosen, the names of the operations' own senses.
  * @param {View} view
  */
 function senseWords(view) {
@@ -110,7 +110,7 @@ function colourBar(scale, low, high) {
 }
 
 /**
- * Returns the scales of the arrows and of the cell: lengths at the distance of the target.
+ * Returns the scale bars of the arrows and of the cell. Their lengths hold at the distance of the camera's target.
  * @param {View} view
  */
 function arrowKey(view) {
@@ -185,7 +185,7 @@ function signItem(shape, text) {
 }
 
 /**
- * Returns a mark in the middle of a square of 20.
+ * Returns a mark in the middle of a square of 20 units.
  * @param {Mark} mark
  */
 function markShape(mark) {

@@ -135,7 +135,7 @@ const projected = (m, point) =>
   [0, 1, 2, 3].map((row) => m[row] * point[0] + m[4 + row] * point[1] + m[8 + row] * point[2] + m[12 + row]);
 
 /**
- * Returns the pose of something that stands upright.
+ * Returns the pose of an upright frame.
  * @param {Vector} origin
  * @param {number} yaw rad
  */

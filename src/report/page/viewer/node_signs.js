@@ -55,7 +55,7 @@ const MARKS = /** @type {any} */ ({
 const MARK_NAMES = /** @type {Mark[]} */ (Object.keys(MARKS));
 
 /**
- * Code of a mark in the shader.
+ * Returns the code of a mark in the shader.
  * @param {Mark} mark
  */
 const markCode = (mark) => MARK_NAMES.indexOf(mark);
@@ -64,7 +64,7 @@ const markCode = (mark) => MARK_NAMES.indexOf(mark);
 const glslNumber = (value) => value.toFixed(4);
 
 /**
- * Branch of the shader that measures how far (px) a pixel is from the lines of a glyph.
+ * Returns the branch of the shader that measures how far (px) a pixel is from the lines of a glyph.
  * @param {NodeStatus} status
  * @param {GlyphRecord} glyph
  */
@@ -82,7 +82,7 @@ function glyphBranch(status, { ring, dashed, strokes }) {
   return `if (sign_ == ${markCode(status)}) { ${lines.join(" ")} }`;
 }
 
-/** Branches of the shader for all statuses but that of a usable node, which is a dot. */
+/** Branches of the shader for all statuses except "ok": a usable node is a dot. */
 const GLYPH_BRANCHES = TABLE_ENTRIES.map(([status, { glyph }]) => (glyph ? glyphBranch(status, glyph) : ""))
   .filter((branch) => branch !== "")
   .join("\n    ");
@@ -97,7 +97,7 @@ const TONES = {
 };
 
 /**
- * Class of a mark in the style sheet: its tone, and whether its line is dashed.
+ * Returns the style sheet classes of a mark: its tone, and whether its line is dashed.
  * @param {Mark} mark
  */
 const markClass = (mark) => `ss-${MARKS[mark].tone}${MARKS[mark].dashed ? " ss-dashed" : ""}`;

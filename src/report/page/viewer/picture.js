@@ -14,7 +14,7 @@ class Picture {
   /**
    * @param {View} view
    * @param {HTMLCanvasElement} canvas
-   * @param {(now: number) => boolean} advance moves what moves; returns whether it goes on
+   * @param {(now: number) => boolean} advance advances all motions; returns whether one of them continues
    * @param {(data: boolean) => void} shown called after every picture
    */
   constructor(view, canvas, advance, shown) {
@@ -33,7 +33,7 @@ class Picture {
     this.dirty = { data: true, queued: false };
     /** Time of the last picture, count of slow ones, and resolution. */
     this.pace = { last: 0, slow: 0, coarse: 1, timer: 0 };
-    /** Scale that the legend shows. */
+    /** Scale that the legend shows, px per mm. */
     this.legendScale = 0;
   }
 
@@ -52,7 +52,7 @@ class Picture {
 
   /**
    * Asks for a picture.
-   * @param {boolean} data whether what the buffers show has changed
+   * @param {boolean} data whether the buffers must be filled with changed data
    */
   request(data) {
     this.dirty.data ||= data;
@@ -71,7 +71,7 @@ class Picture {
   }
 
   /**
-   * Draws at low resolution while things move, if drawing is slow (no graphics card), and finely at rest.
+   * Lowers the resolution during motion if drawing is slow (no graphics card). At rest, restores it.
    * @param {number} now ms
    */
   keepPace(now) {
@@ -128,7 +128,7 @@ class Picture {
     this.canvas.setAttribute("aria-label", `${what} Arrow keys turn it.`);
   }
 
-  /** Draws anew at once: the canvas lost its content or its colours. */
+  /** Draws again at once, after the canvas has lost its content or the colours have changed. */
   redraw() {
     this.dirty.data = true;
     this.render();
@@ -144,14 +144,14 @@ class Picture {
     view.height = height;
     this.fitCanvas(1);
     if (!this.isSized) view.camera = fittedCamera(view, "iso");
-    // A narrower picture keeps the width of the cell.
+    // If the picture becomes narrower, the camera moves back, so that the whole width of the cell stays visible.
     else if (width / height < before && before < 1.2) view.camera.distance *= before / (width / height);
     this.isSized = true;
     this.redraw();
   }
 
   /**
-   * Takes the colours of the page.
+   * Adopts the light or dark theme of the page.
    * @param {boolean} printing
    */
   setTheme(printing) {
@@ -160,7 +160,7 @@ class Picture {
     this.redraw();
   }
 
-  /** Makes everything on the graphics card anew after the loss of the context. */
+  /** Creates everything on the graphics card again after a loss of the WebGL context. */
   restoreGraphics() {
     const { view } = this;
     view.graphics = makeGraphics(view.graphics.gl);

@@ -36,7 +36,7 @@ function listenToPointer(target, canvas, options) {
   listenToDrags(target, canvas, () => {
     taken = true;
   });
-  // A touch leaves with every tap: its tip stays.
+  // A touch pointer leaves the canvas after every tap, but the tip must stay.
   canvas.addEventListener("pointerleave", (event) => {
     if (event.pointerType !== "touch") target.hover(null, 0);
   });
@@ -84,7 +84,7 @@ function listenToDrags(target, canvas, begin) {
   const down = new Map();
   let travelled = 0;
   canvas.addEventListener("pointerdown", (event) => {
-    // A page may take the drag for itself.
+    // A page may handle the drag itself.
     if (event.defaultPrevented) return;
     down.set(event.pointerId, placeOf(canvas, event));
     travelled = 0;
@@ -118,7 +118,7 @@ function listenToDrags(target, canvas, begin) {
 }
 
 /**
- * Zooms and shifts by two fingers.
+ * Zooms and shifts with two fingers.
  * @param {PointerTarget} target
  * @param {number[]} before
  * @param {number[]} at

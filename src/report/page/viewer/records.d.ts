@@ -156,7 +156,7 @@ interface Extent {
 }
 
 interface Mesh extends Extent {
-  /** Content of the mesh, which finds it again in the next document. */
+  /** Content of the mesh as a key. It identifies the same mesh in the next document. */
   key: string;
   positions: Float32Array<ArrayBuffer>;
   normals: Float32Array<ArrayBuffer>;
@@ -237,7 +237,7 @@ interface GlyphRecord {
   tone: Tone;
 }
 
-/** Label and glyph of a status, from the program (src/drawing/node_glyph.rs). A usable node has no glyph. */
+/** Label and glyph of a status, from src/core/drawing/node_glyph.rs. A usable node has no glyph. */
 interface NodeSignRecord {
   label: string;
   glyph: GlyphRecord | null;
@@ -303,7 +303,7 @@ interface Optics {
   camera: Matrix;
   /** Pixels per mm at the distance of the target. */
   pixelsPerMm: number;
-  /** Pixels per mm and unit of the fourth homogeneous coordinate. */
+  /** Pixels per mm at a point, multiplied by the fourth homogeneous coordinate of the point. */
   scalePerMm: number;
   /** Position of the eye, or the direction to it in an orthographic projection. */
   viewpoint: Vector;
@@ -326,7 +326,7 @@ interface NodeReference {
   index: number;
 }
 
-/** Everything that the functions of the viewer draw from. */
+/** State from which the functions of the viewer draw. */
 interface View {
   model: Model;
   drawing: Drawing;

@@ -89,7 +89,7 @@ function drawPicture(view, width, height) {
   drawErrorMap(view, shared);
   drawGhost(view, shared);
   drawGlyphs(view, shared);
-  // Transparent parts come last: marks behind them stay bright.
+  // Transparent parts are drawn last, so that marks behind them stay bright.
   for (const part of parts) {
     const visibility = visibilityOf(view, part);
     if (visibility === "clear") drawGlass(view, part, shared, 0.22);
@@ -154,7 +154,7 @@ function drawSolid(view, part, shared, alpha) {
 }
 
 /**
- * Draws the outline of a round solid: the back of a slightly larger one.
+ * Draws the silhouette of a part: the back faces of a slightly enlarged copy.
  * @param {View} view
  * @param {Part} part
  * @param {Uniforms} shared
