@@ -98,7 +98,9 @@ impl CheckpointWriter {
                  the checkpoint is from another build or machine",
                 path_word(&self.path)
             ));
-            output::talk("  help: resume it with that build on that machine, or start again in another folder with --out");
+            output::talk(
+                "  help: resume it with that build on that machine, or start again in another folder with --out",
+            );
             return Err(Exit::BadInput);
         }
         Ok(())

@@ -56,7 +56,9 @@ impl FolderLock {
                 Err(TryLockError::WouldBlock) => return Err(in_use(folder, file)),
                 Err(TryLockError::Error(e)) => {
                     let folder = path_word(folder);
-                    output::talk(&format!("note: {folder} is not locked, because its file system refuses: {e}"));
+                    output::talk(&format!(
+                        "note: {folder} is not locked, because its file system refuses: {e}"
+                    ));
                     return Ok(Self { path, file: None });
                 }
             }

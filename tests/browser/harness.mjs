@@ -40,7 +40,7 @@ export function check(holds, what) {
 }
 
 /**
- * Waits until something holds, and records whether it came to that.
+ * Waits until something holds, and records whether it did in time.
  * @param {() => Promise<boolean>} holds
  * @param {string} what
  */
@@ -49,7 +49,7 @@ export async function checkSoon(holds, what) {
 }
 
 /**
- * Waits until something holds; returns whether it came to that.
+ * Waits until something holds; returns whether it did in time.
  * @param {() => Promise<boolean>} holds
  * @param {number} [patience] ms
  */
@@ -89,7 +89,7 @@ export async function run(name, parts, cleanUp = () => undefined) {
 }
 
 /**
- * Writes the time since a moment.
+ * Formats the time since a moment.
  * @param {number} since ms
  */
 const seconds = (since) => `${((performance.now() - since) / 1000).toFixed(1)} s`;

@@ -100,7 +100,7 @@ function hasControlCode(text, bidirectional) {
 }
 
 /**
- * Writes a text as a TOML string in ASCII.
+ * Returns a text as a TOML string in ASCII.
  * @param {string} text
  */
 const quoted = (text) =>
@@ -216,9 +216,9 @@ async function testPage(browser, file) {
     await soon(async () => (await text()).includes("<script>window.")),
     `${file}: names are shown as they are`,
   );
-  // The viewer draws, and whatever waits for the end of loading has run.
+  // After this time, the viewer has drawn, and every script that waits for the end of loading has run.
   await page.waitForTimeout(1000);
-  // Unescaped attributes wait for the pointer.
+  // Event handlers in unescaped attributes would run when the pointer moves over their elements.
   for (let k = 0; k < 30; k++) await page.mouse.move(40 + 41 * (k % 20), 60 + 23 * k);
   const found = await page.evaluate(
     (selector) => ({

@@ -1,4 +1,4 @@
-// The live page of `sweetspot view` in Chromium: types, drags, undoes, saves and searches, and tells how long
+// Tests the live page of `sweetspot view` in Chromium: types, drags, undoes, saves and searches. Prints how long
 // a drop takes until the map is drawn. See README.md.
 
 import { spawn, spawnSync } from "node:child_process";
@@ -148,7 +148,7 @@ async function takePicture(page, name) {
 }
 
 /**
- * Drags the middle of something by so many pixels.
+ * Drags a point of the page by a number of pixels.
  * @param {Page} page
  * @param {{ x: number, y: number }} middle
  * @param {number} dx
@@ -327,7 +327,7 @@ async function testSession() {
   await page.close();
 }
 
-/** Tells the time from the drop to the drawn map of the table with 99 nodes. */
+/** Measures the time from the drop to the drawn map of the table with 99 nodes. */
 async function testDrops() {
   const { page, faults } = await openCell("cells/hitachi_paper.toml");
   await page.waitForTimeout(1000);

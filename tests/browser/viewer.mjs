@@ -1,4 +1,5 @@
-// The 3-D view of a report in Chromium: every switch, view, key and drag shows, and the page stays quiet.
+// Tests the 3-D view of a report in Chromium. Every switch, view, key and drag must change the picture, and the
+// page must report no error.
 // See README.md.
 
 import { mkdirSync } from "node:fs";
@@ -61,7 +62,7 @@ const frames = (page, time) =>
   }, time);
 
 /**
- * Waits until two pictures after one another are the same; returns the last.
+ * Waits until two successive pictures are the same; returns the last.
  * @param {Page} page
  */
 async function still(page) {
@@ -198,7 +199,7 @@ async function testMovement(page) {
   await slider.fill("0");
   const home = await still(page);
   await play.click();
-  // The rest at home must be over.
+  // Wait until the rest at home is over.
   const time = async () => Number(await slider.inputValue());
   await checkSoon(async () => (await time()) > 1.5, "the time runs");
   await play.click();
@@ -208,13 +209,13 @@ async function testMovement(page) {
 }
 
 /**
- * Tries what a page needs that drags equipment, on a viewer of its own.
+ * Tests the functions that a page needs to drag equipment, on a separate viewer.
  * @param {Page} page
  */
 async function testDragging(page) {
   await page.evaluate(() => {
     const host = document.createElement("div");
-    // The first viewer of the page is the one that is looked at.
+    // The checks look at the first viewer of the page.
     document.body.prepend(host);
     const written = JSON.parse(document.getElementById("drawings")?.textContent ?? "");
     Object.assign(globalThis, { written, viewer: sweetspotViewer(host, written, { controls: false }) });

@@ -57,7 +57,9 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
 fn tell(folder: &Path, sketch: &Sketch, count: usize) {
     let cell = path_word(&folder.join(CELL));
     output::talk(&format!("wrote {cell}: {}", sketch.about));
-    output::talk(&format!("robot, equipment and schemas are beside it, {count} files in all: edit them as you need"));
+    output::talk(&format!(
+        "robot, equipment and schemas are beside it, {count} files in all: edit them as you need"
+    ));
     suggest(&format!("map {cell} --svg map.svg"));
 }
 

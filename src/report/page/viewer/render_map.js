@@ -18,7 +18,7 @@ function fillBatches(view) {
   const { envelope, operation } = view.state;
   const shown = view.drawing.envelopes.filter((_, k) => envelope && (operation === null || k === operation));
   fillLines("atWork", ringInstances(shown.flatMap((one) => one.atWork)));
-  // The outlines elsewhere differ little between operations: the first stands for all.
+  // The outlines at other heights differ little between operations, so only those of the first are drawn.
   fillLines("around", ringInstances(shown.slice(0, 1).flatMap((one) => one.around)));
 }
 
@@ -64,7 +64,7 @@ function drawGhost(view, shared) {
   }
 }
 
-/** Elevation below which glyphs rise from the surface, rad. */
+/** Elevation of the camera below which glyphs tilt up from the surface, rad. */
 const RISE_BELOW = 0.61;
 
 /**
@@ -93,7 +93,7 @@ function drawGlyphs(view, shared) {
   drawInstances(graphics, "glyph", batches.glyphs, values);
   const pins = { colour: [...TONES.pink[view.theme], 0.9], width: 1.6 * ratio, pull: 0.0006 };
   drawInstances(graphics, "line", batches.pins, { ...shared, ...pins });
-  // A solid in front of a mark dims it; a spot is always seen.
+  // A mark behind a solid is dimmed; a spot is always drawn in full.
   gl.depthFunc(gl.GREATER);
   drawInstances(graphics, "glyph", batches.glyphs, { ...values, fade: 0.16 });
   gl.depthFunc(gl.ALWAYS);

@@ -49,13 +49,13 @@ function colourScale(view) {
 }
 
 /**
- * Returns by how much the error arrows are magnified: the longest spans about two nodes.
+ * Returns the magnification of the error arrows. The longest arrow spans about one to two and a half node distances.
  * @param {View} view
  * @param {number} extent mm
  */
 function magnificationOf({ model, state, drawing, lens: index, spacing }, extent) {
   const lens = drawing.lenses[index];
-  // Arrows to both sides need more room.
+  // Span of the longest arrow in node distances. Unsigned components at one node need shorter arrows.
   let nodes = 2;
   if (lens.signed || state.arrows.length === 1) nodes = 2.4;
   else if (state.arrows === "components") nodes = 1.2;
@@ -64,7 +64,7 @@ function magnificationOf({ model, state, drawing, lens: index, spacing }, extent
 }
 
 /**
- * Returns the bounds of the floor: the cell with a margin, in whole half metres.
+ * Returns the bounds of the floor: the cell with a margin, rounded outwards to multiples of 500 mm.
  * @param {Extent} box
  * @param {number} extent mm
  */

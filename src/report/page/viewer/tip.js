@@ -77,7 +77,7 @@ function errorLines(view, field, index) {
 }
 
 /**
- * Writes the value of a joint.
+ * Formats the name and the value of a joint.
  * @param {JointRecord} joint
  * @param {number} value
  */

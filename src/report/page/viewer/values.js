@@ -1,7 +1,7 @@
 // Look-ups in a document: values and errors of nodes, and the pose of the robot at a time.
 
 /**
- * Returns the fields shown: all, or the one of an operation.
+ * Returns the error maps shown: all, or that of one operation.
  * @param {View} view
  * @returns {Field[]}
  */
@@ -46,7 +46,7 @@ function valueAt(field, lens, sense, k) {
 }
 
 /**
- * Visits every field of every drawing that has an answer under a lens.
+ * Visits the error maps of every drawing that has the model and the reading of a lens.
  * @param {Model} model
  * @param {LensRecord} lens
  * @param {(field: Field, lens: number) => void} visit
@@ -82,7 +82,7 @@ function rangeOf(model, lens, sense, unit) {
 }
 
 /**
- * Returns the length of the longest arrow wanted over all drawings, mm of error.
+ * Returns the length of the longest arrow of the chosen kind over all drawings, mm of error.
  * @param {Model} model
  * @param {LensRecord} lens
  * @param {ArrowChoice} arrows
@@ -112,8 +112,8 @@ function errorAt(field, lens, k) {
 }
 
 /**
- * Returns the resultant error. An unsigned reading has the direction of its worst corner and the length of
- * its value in xyz.
+ * Returns the resultant error. Under an unsigned reading, it has the direction of the worst corner and the
+ * length of the value in xyz.
  * @param {Field} field
  * @param {number} lens
  * @param {number} k

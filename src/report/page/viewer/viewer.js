@@ -3,7 +3,7 @@
 /** Time that the hint is shown, ms. */
 const HINT = 1600;
 
-/** Time after a stop during which the robot rests there, s. */
+/** Time after the start of a stop during which the robot counts as resting there, s. */
 const STOP = 0.65;
 
 /**
@@ -270,7 +270,7 @@ class Viewer {
   }
 
   /**
-   * Moves robot and camera before a picture; returns whether they go on.
+   * Moves robot and camera before a picture; returns whether one of these motions continues.
    * @param {number} now ms
    */
   advance(now) {
@@ -291,9 +291,9 @@ class Viewer {
 }
 
 /**
- * Returns the time to show in a new movement. A robot that rests at a stop rests there still.
+ * Returns the time to show in a new movement. A robot that rested at a stop still rests there.
  * @param {Movement} movement
- * @param {StopRecord | undefined} halt stop of the movement before
+ * @param {StopRecord | undefined} halt stop of the previous movement at which the robot rested
  * @param {number} time s
  */
 function timeAfter(movement, halt, time) {

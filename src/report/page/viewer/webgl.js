@@ -1,4 +1,4 @@
-// WebGL: programs, buffers, and one function for each kind of thing that is drawn.
+// WebGL: context, programs, fixed buffers, shadow map and vertex arrays.
 
 const SHADOW_SIZE = 2048;
 
@@ -57,7 +57,7 @@ function compiled(gl, vertex, fragment) {
  */
 function compiledShader(gl, kind, text) {
   const shader = gl.createShader(kind);
-  // A lost context makes no shader; the program is made anew when the context comes back.
+  // A lost context creates no shader; the programs are compiled again when the context is restored.
   if (!shader) throw new Error("shader: the graphics card is not available");
   gl.shaderSource(shader, text);
   gl.compileShader(shader);
@@ -68,7 +68,7 @@ function compiledShader(gl, kind, text) {
 }
 
 /**
- * Makes everything that lives on the graphics card. It is made anew after a loss of the context.
+ * Makes everything that lives on the graphics card, at the start and again after a loss of the context.
  * @param {WebGL2RenderingContext} gl
  * @returns {Graphics}
  */
@@ -96,7 +96,7 @@ function makeGraphics(gl) {
 }
 
 /**
- * Makes a buffer whose content stays.
+ * Makes a buffer whose content never changes.
  * @param {WebGL2RenderingContext} gl
  * @param {ArrayLike<number>} data
  */
@@ -130,8 +130,8 @@ function shadowTarget(gl) {
 }
 
 /**
- * Makes the rings of an arrow: two on its shaft, then the base and the point of its head. A ring has four
- * numbers: end of the shaft (0 or 1), whether it belongs to the head, its width, whether it is the point.
+ * Makes the rings of an arrow: centre and rim of its tail, end of its shaft, base and point of its head. A ring
+ * has four numbers: end of the shaft (0 or 1), whether it belongs to the head, its width, whether it is the point.
  * @param {WebGL2RenderingContext} gl
  */
 function arrowForm(gl) {
@@ -200,7 +200,7 @@ function setUniform(gl, { location, type }, value) {
 }
 
 /**
- * Binds buffers to the attributes of a program. Stride and offset count floats.
+ * Makes a vertex array that binds buffers to the attributes of a program. Stride and offset count floats.
  * @typedef {{ buffer: WebGLBuffer, count: number, stride?: number, offset?: number }} AttributeSource
  * @param {WebGL2RenderingContext} gl
  * @param {Program} program
