@@ -4,7 +4,7 @@
 //! `sweetspot` in the user's cache folder. The value `off` disables the cache. If the folder cannot be written,
 //! the results are computed again.
 //!
-//! An entry is read only if it belongs to this user, nobody else may write to it, and its hash matches its key
+//! An entry is read only if it belongs to this user and nobody else may write to it. Its hash must match its key
 //! and content. So other users who may write to the cache folder cannot change a result.
 
 use super::loading::sha256;
@@ -40,8 +40,8 @@ fn folder() -> Option<PathBuf> {
     }
 }
 
-/// Returns the content of a cached file if the file belongs to this user and the content matches the hash at
-/// its start.
+/// Returns the content of a cached file of this user. Returns None if the content does not match the hash at the
+/// start of the file.
 fn read(folder: &Path, name: &str) -> Option<Vec<u8>> {
     let path = folder.join(name);
     // Opening a named pipe would block until another program writes to it.

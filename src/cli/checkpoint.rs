@@ -78,8 +78,8 @@ impl CheckpointWriter {
         loading::write_whole(&self.path, (super::json_text::line(&header)? + &content).as_bytes())
     }
 
-    /// Fails, and prints the reason, if a checkpoint could not be written, or if the resumed search did not
-    /// repeat the steps of the stopped one.
+    /// Fails if a checkpoint could not be written, or if the resumed search did not repeat the steps of the
+    /// stopped one. Prints the reason.
     pub fn verdict(&self, record: &SearchRecord) -> Result<(), Exit> {
         let last = *self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let folder = path_word(self.path.parent().unwrap_or(Path::new(".")));
@@ -219,11 +219,14 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
     let header: CheckpointHeader = serde_json::from_slice(first)
         .map_err(|_| (1, "this is not a checkpoint, or it is damaged".to_string()))?;
     if header.schema != SCHEMA {
-        return Err((1, format!("the schema is {}, this program reads {SCHEMA}", shown(&header.schema))));
+        return Err((1, format!("the schema is {}, but this program reads {SCHEMA}", shown(&header.schema))));
     }
     if header.version != env!("CARGO_PKG_VERSION") {
         let (theirs, ours) = (shown(&header.version), env!("CARGO_PKG_VERSION"));
-        return Err((1, format!("it was written by sweetspot {theirs}, this is {ours}: steps may differ")));
+        return Err((
+            1,
+            format!("it was written by sweetspot {theirs}, but this is {ours}: its steps may differ"),
+        ));
     }
     if loading::sha256(second) != header.sha256 {
         return Err((2, "the checkpoint is damaged: its hash is not the one in line 1".into()));

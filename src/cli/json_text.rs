@@ -38,9 +38,9 @@ fn not_json(e: serde_json::Error) -> Exit {
     Exit::Io
 }
 
-/// Returns a document as the text of a JSON file whose last key, `sha256`, is the hash of the text before it.
+/// Returns a document as the text of a JSON file. Its last key, `sha256`, is the hash of the text before it.
 ///
-/// The SHA-256 is that of all bytes before the key and the comma in front of it.
+/// The SHA-256 hash covers all bytes before the comma in front of the key.
 pub fn sealed(document: &dyn Serialize) -> Result<Vec<u8>, Exit> {
     let mut bytes = pretty(document)?;
     bytes.truncate(bytes.len().saturating_sub(END.len()));

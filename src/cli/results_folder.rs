@@ -23,7 +23,7 @@ pub struct SearchFolder {
     pub manifest: Manifest,
 }
 
-/// Origin of the files of a folder.
+/// Manifest of a result folder, and the settings of its run.
 struct FolderOrigin {
     manifest: Manifest,
     /// Keys of the cell file that the command line set.
@@ -41,14 +41,13 @@ pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Ex
     let packages = packages.clone().with_kept(&folder.join(INPUTS));
     let loaded = asked::load_for_search(&file, &packages, &settings)?;
     if resolved.is_some_and(|resolved| resolved != ResolvedSettings::new(&loaded.cell)) {
-        let why =
-            "this program reads other settings from inputs/ than the manifest names: its defaults differ";
+        let why = "this program reads other settings from inputs/ than the manifest states: its defaults have changed";
         return Err(refused(folder, "manifest.json", why));
     }
     let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)
         .map_err(|e| refused(folder, "search.json", &format!("it is not the result of a search: {e}")))?;
     if manifest.is_complete && found.seed != manifest.seed {
-        return Err(refused(folder, "search.json", "its seed is not that of the manifest"));
+        return Err(refused(folder, "search.json", "its seed differs from that in the manifest"));
     }
     let best = match found.objective_value {
         Some(_) => Some(loading::load(&folder.join("best.toml"), &packages)?.cell.start()),

@@ -79,7 +79,7 @@ fn refuse_changes(then: &[Setting], now: &[Setting]) -> Result<(), Exit> {
     if said.is_empty() {
         return Ok(());
     }
-    output::talk("  help: omit it to resume, or start another search in a new folder");
+    output::talk("  help: omit the changed options to resume, or start another search in a new folder");
     Err(Exit::BadInput)
 }
 

@@ -144,7 +144,7 @@ fn read_plan(folder: &Path) -> Result<Option<SweepPlan>, Exit> {
     })
 }
 
-/// Opens the folder that an earlier run of this plan made, or makes a new one and writes the plan to it.
+/// Opens the folder of an earlier run of this plan, or makes a new folder and writes the plan to it.
 pub fn open(
     plan: &SweepPlan,
     asked: Option<&Path>,

@@ -5,8 +5,8 @@ use crate::cell::{Cell, Layout, Slot, Unit};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Returns the text of a cell file that includes the file `from`. The text fixes the free coordinates, the
-/// error set, the model, the reading, and the chosen senses and limits. `comment` is one line.
+/// Returns the text of a cell file that includes the file `from`. The text fixes the free coordinates, error
+/// set, model, reading, quantity, registration, senses and limits. `comment` is one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.

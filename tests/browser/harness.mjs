@@ -1,6 +1,6 @@
 // Common part of the browser tests: Chromium, watched pages, checks and their summary.
 //
-// A test ends with exit code 0 if every check holds, 1 if one does not, and 2 if it was called wrongly.
+// Exit codes of a test: 0 if every check holds, 1 if one does not, 2 if it was called wrongly.
 
 import { setTimeout as sleep } from "node:timers/promises";
 import { chromium } from "playwright-core";

@@ -1,5 +1,5 @@
 // Checks the records that Rust hands to the scripts against their types (records.d.ts): tsc compares real
-// documents with the types, so that a field that is renamed on one side only does not go unnoticed.
+// documents with the types. So a field that is renamed on one side only does not go unnoticed.
 
 import { spawn, spawnSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";

@@ -65,7 +65,7 @@ fn refuse_other_ending(out: &Path, format: ExportFormat) -> Result<(), Exit> {
 fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     if !of.is_dir() {
         if start {
-            output::error(&format!("--start needs a result folder, and {} is a file", path_word(of)));
+            output::error(&format!("--start needs a result folder, but {} is a file", path_word(of)));
             return Err(Exit::BadInput);
         }
         return Ok(of.to_path_buf());

@@ -1,4 +1,4 @@
-//! `report`: one HTML page about a layout or a search result.
+//! `report`: writes one HTML page about a layout or a search result.
 
 use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;
@@ -126,7 +126,8 @@ fn refuse_other_limits(
         if says != is {
             let word = |v: Option<f64>| v.map_or("none".into(), |v| v.to_string());
             let name = &operation.name;
-            let why = format!("it gives the limit of {name} as {}, the inputs say {}", word(says), word(is));
+            let why =
+                format!("it gives the limit of {name} as {}, but the inputs say {}", word(says), word(is));
             return Err(results_folder::refused(folder, "search.json", &why));
         }
     }

@@ -119,7 +119,7 @@ fn proven(workcell: &Workcell) -> Proof {
 fn compared<'a>(workcell: &'a Workcell, record: &SearchRecord) -> Comparison<'a> {
     let [start, best] = [("start", &record.start), ("best", &record.best)]
         .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));
-    // Without a placement tolerance and without a limit, the analysis of misplacement has nothing to report.
+    // Misplacement is analysed only if the cell has a placement tolerance or a limit.
     let limited = workcell.cell.operations.iter().any(|o| o.limit.is_some());
     let matters = workcell.cell.has_placement_tolerance() || limited;
     let columns = [start, if matters { best.misplaced() } else { best }];

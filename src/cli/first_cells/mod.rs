@@ -18,8 +18,7 @@ pub struct Sketch {
     work: SketchedEquipment,
     supply: SketchedEquipment,
     standoff: i32,
-    /// Whether the file limits the spins about the tool axis to four, because each spin takes long for a
-    /// redundant arm.
+    /// Whether the file allows only four spins about the tool axis: each spin takes long for a redundant arm.
     few_spins: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Access control of the local server: secret URL, checks of Host (DNS rebinding) and Origin (CSRF).
 //!
 //! The URL contains 128 random bits; a request without these bits gets status 404. A page of another site may
-//! make its own domain name resolve to 127.0.0.1 (DNS rebinding), so the Host header must name this server.
+//! make its own domain name resolve to 127.0.0.1 (DNS rebinding). The Host header must therefore name this server.
 //! Such a page may also post to this server from the user's browser (cross-site request forgery, CSRF). The
 //! Origin header of every POST must therefore be that of our page. All checks precede the reading of a body.
 

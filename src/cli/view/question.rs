@@ -30,7 +30,7 @@ impl EvaluationSettings {
         let named = |word: &String| cell.sense(word).ok_or_else(|| format!("unknown sense `{word}`"));
         let sense = self.sense.as_ref().map(named).transpose()?;
         let (model, reading) = (self.model, self.reading);
-        // Without a statistical reading, the cell file may state no quantity: the page shows the 95th percentile.
+        // If the cell file does not choose the statistical reading, this reading shows the 95th percentile.
         let becomes_random = reading == Reading::Statistical && cell.reading != Reading::Statistical;
         let quantity = if becomes_random { Quantity::P95 } else { cell.quantity };
         Ok(Interpretation { model, reading, quantity, sense, ..cell.interpretation() })

@@ -80,7 +80,7 @@ fn save(view: &LiveView, asked: &SaveBody) -> HttpResponse {
         Ok(workcell) => workcell,
         Err(why) => return bad(&why),
     };
-    // Only one save runs at a time, so that no other save creates the file between the check and the write.
+    // Only one save runs at a time, so that no other save creates the file after the check.
     let _one = locked(&view.saving);
     match view.origin.save(&asked.name, asked.overwrite, &workcell.cell, &values) {
         Ok(path) => {

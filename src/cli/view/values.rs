@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 /// Largest magnitude that the page may give to a coordinate that the file fixes, m and rad.
 const MAX_FREE: (f64, f64) = (100.0, std::f64::consts::TAU);
-/// Number of decimals (mm and degrees) to which a number is compared with the ends of its range.
+/// Number of decimals (mm and degrees) to which a number is compared with its allowed values.
 const DIGITS: i32 = 9;
 
 /// Every coordinate of a layout, in the order of [`Cell::layout`].

@@ -59,7 +59,7 @@ impl AxisScale {
     }
 }
 
-/// Returns a round step, 1, 2 or 5 times a power of ten, that divides a span into about `about` steps.
+/// Returns a step that divides a span into about `about` steps: 1, 2 or 5 times a power of ten.
 pub fn step(span: f64, about: f64) -> f64 {
     let apart = (span / about).max(f64::MIN_POSITIVE);
     let decade = 10f64.powf(apart.log10().floor());

@@ -64,7 +64,7 @@ impl ColourScale {
         let upper = bands.iter().skip(1).map(|b| b.0).chain([high]);
         for ((edge, colour), upper) in bands.iter().zip(upper) {
             let (from, to) = (bar.at(*edge), bar.at(upper));
-            // Each band is a little taller, so that no gap shows.
+            // Each band is drawn a little taller, so that no gap shows.
             let tall = from - to + 0.4;
             canvas.put(&format!("<path d=\"M{left:.1} {from:.1}h16v{:.1}h-16z\" fill=\"{colour}\"/>", -tall));
         }

@@ -136,7 +136,7 @@ fn legend(d: &OperationDifference, names: (&str, &str)) -> Vec<LegendEntry> {
     there.map(|(kind, said)| LegendEntry { mark: mark(&kind, 1.0, (0.0, 0.0), 8.0), said }).collect()
 }
 
-/// Returns the distance between neighbouring nodes, mm.
+/// Returns the least distance between neighbouring nodes, mm; 100 mm if there is only one node.
 fn apart(pairs: &[NodePair]) -> f64 {
     let steps = pairs.windows(2).map(|w| (w[0].at.0 - w[1].at.0).hypot(w[0].at.1 - w[1].at.1));
     let least = steps.filter(|d| *d > 0.0).fold(f64::MAX, f64::min);

@@ -10,7 +10,7 @@ use crate::kinematic_error::{Discrepancy, discrepancy as between};
 use crate::svg_text::{PathEnd, path_data};
 
 const PANEL: f64 = 260.0;
-/// Span of the axis, percent. Smaller values are drawn on the lower edge.
+/// Span of the axis, percent. Values beyond the span are drawn on its edge.
 const AXIS_PERCENT: (f64, f64) = (1e-3, 1e2);
 /// Largest number of nodes in a panel.
 const MAX_NODES: usize = 2000;

@@ -119,9 +119,9 @@ impl IsoSurface {
     /// Returns the lines along which the field has a value; a closed line repeats its first point.
     pub fn lines(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let is_in = |k: usize| self.values[k] >= level;
-        // A level crosses two edges of a triangle or none. All triangles have the same orientation. Each segment
-        // runs from the edge that leaves the area above the level to the edge that enters it, so that
-        // neighbouring segments join head to tail.
+        // A level crosses two edges of a triangle or none. Each segment runs from the edge that leaves the area
+        // above the level to the edge that enters it. All triangles have the same orientation, so neighbouring
+        // segments join head to tail.
         let segment = |t: [usize; 3]| {
             let edges = [0, 1, 2].map(|k| (t[k], t[(k + 1) % 3]));
             let cut = |leaves: bool| {

@@ -172,7 +172,7 @@ impl LayoutView<'_> {
     }
 
     fn bounds(&self, parts: &[VisiblePart<'_>]) -> (PlanePoint, PlanePoint) {
-        // Seen from the side, a fence is a line on the floor or an endless wall, so it does not count.
+        // From the side, a fence looks like a line on the floor or an endless wall, so it does not count.
         let counts = |p: &&VisiblePart<'_>| self.levels.is_empty() || p.part.kind != PartKind::Fence;
         let standing = parts.iter().filter(counts).flat_map(|p| self.outlines(p)).flatten();
         let points = standing.chain(self.envelope.iter().flatten().copied());

@@ -43,7 +43,7 @@ pub fn misplacement(cell: &Cell, operation: usize, r: &Robustness) -> String {
     canvas.finish()
 }
 
-/// Returns a label such as "worktable yaw +1 deg", and the change of the value for 1 mm or 1 degree, SI.
+/// Returns a label such as "worktable yaw +1 deg", and the change of the value (SI) for this step.
 fn row(cell: &Cell, slot: Slot, slope: Option<f64>) -> (String, Option<f64>) {
     let (whose, axis) = match slot {
         Slot::Equipment(k, axis) => (cell.equipment[k].name.as_str(), axis),
@@ -106,7 +106,7 @@ fn told(cell: &Cell, operation: usize, r: &Robustness) -> Vec<String> {
 
 fn most(largest: &Largest, said: &dyn Fn(f64) -> String) -> String {
     let ended = match &largest.ended {
-        None => " and more",
+        None => " (the largest value tried)",
         Some(MisplacementEnd::Limit(_)) => " (then it exceeds its limit)",
         Some(MisplacementEnd::Lost(_)) => " (then lost)",
     };

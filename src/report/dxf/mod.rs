@@ -20,8 +20,8 @@ const SPOT: &str = "SPOT";
 const DIMENSIONS: &str = "DIMENSIONS";
 const TEXT: &str = "TEXT";
 
-/// Layers with their colours. Every colour has a contrast of at least 3 on white and on AutoCAD's black;
-/// colour 7 is black on white and white on black.
+/// Layers with their colours. Every colour has a contrast ratio of at least 3 on a white background and on
+/// AutoCAD's black one. Colour 7 is black on white and white on black.
 const LAYERS: [Layer; 15] = [
     (ROBOT, 32),
     (ENVELOPE, 134),
@@ -175,8 +175,8 @@ fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field) {
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// Writes the dimensions from the robot base to the frame of every equipment along x and y, below and left of
-/// all objects.
+/// Writes the dimensions from the robot base to the frame of every equipment along x and y. They stand below
+/// and left of all objects.
 fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>) {
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);

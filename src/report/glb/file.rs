@@ -204,7 +204,7 @@ impl GlbFile {
         }
     }
 
-    /// Returns the bytes of the file: header, JSON and buffer, each padded to whole 4-byte words.
+    /// Returns the bytes of the file: header, JSON and buffer. The length of each is a multiple of 4 bytes.
     ///
     /// # Errors
     /// Fails if the JSON writer fails, or if the file exceeds 4 GB.
@@ -221,9 +221,7 @@ impl GlbFile {
         });
         let mut json = serialize::to_vec(&self.root).map_err(|e| e.to_string())?;
         json.resize(json.len().next_multiple_of(4), b' ');
-        let word = |n: usize| {
-            u32::try_from(n).map(u32::to_le_bytes).map_err(|_| "the file is larger than 4 GB".to_string())
-        };
+        let word = |n: usize| u32::try_from(n).map(u32::to_le_bytes).map_err(|_| "exceeds 4 GB".to_string());
         let mut bytes = Vec::from(*b"glTF\x02\0\0\0");
         bytes.extend(word(12 + 8 + json.len() + 8 + self.numbers.len())?);
         for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &self.numbers)] {

@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Least time between two frames of the movement, s. The viewer interpolates between them.
+/// Least time between two sent frames of a motion, s. The viewer interpolates between the frames.
 const TICK: f64 = 0.099;
 /// Tolerance of the simplified outlines of the envelope, m.
 const STRAIGHT: f64 = 1e-3;

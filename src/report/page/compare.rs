@@ -162,7 +162,7 @@ fn side_by_side(comparison: &Comparison<'_>, told: &[SearchFacts]) -> Section {
     section
 }
 
-/// Returns the least clearance of the robot, mm.
+/// Returns the clearance of a layout as a search measures it, mm; None if the layout is not feasible.
 fn clearance(a: &Assessment<'_>) -> Option<f64> {
     let all = a.workcell.goals(&a.layout, &a.evaluation, &Goals::of(&[Goal::Clearance])?)?;
     Some(goals::value(a.cell, Goal::Clearance, *all.first()?))

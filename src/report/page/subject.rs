@@ -24,7 +24,7 @@ pub struct Subject<'a> {
     /// Result of the search, from search.json.
     pub found: Option<SearchResult>,
     pub manifest: Manifest,
-    /// Notes from loading the files.
+    /// Warnings from loading the files.
     pub warnings: Vec<String>,
 }
 

@@ -16,8 +16,7 @@ const LINE_SPACING: f64 = 6.0;
 /// Length of the head of an arrow, mm on paper.
 const HEAD: f64 = 2.2;
 
-/// Returns for each equipment a letter, the index of the equipment, and its corner nearest to the robot base
-/// (world frame, m).
+/// Returns a letter for each equipment, its index, and its corner nearest to the robot base (world frame, m).
 pub fn marks(drawing: &Drawing<'_>) -> Vec<(String, usize, Vector2<f64>)> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let base = Vector2::new(layout.base.x, layout.base.y);

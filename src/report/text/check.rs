@@ -40,8 +40,8 @@ pub fn yield_lines(a: &Assessment<'_>) -> String {
     })
 }
 
-/// Describes the joint yield, which is the share of the sampled arms that keep all limits, and the yield of each
-/// operation alone.
+/// Describes the joint yield and the yield of each operation alone. The joint yield is the share of the sampled
+/// arms that keep all limits.
 ///
 /// Each share has its 95 % confidence interval. Returns None without a joint yield.
 pub fn yield_in_words(a: &Assessment<'_>) -> Option<String> {

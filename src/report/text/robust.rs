@@ -74,7 +74,7 @@ pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
 }
 
 fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
-    let more = if largest.ended.is_none() { " and more" } else { "" };
+    let more = if largest.ended.is_none() { " (the largest value tried)" } else { "" };
     said(largest.most) + more
 }
 
@@ -121,8 +121,7 @@ fn axis(slot: Slot) -> &'static str {
     }
 }
 
-/// Returns the gradient of the value with respect to misplacement, in the unit of the objective per mm and
-/// per degree.
+/// Returns the gradient of the value with respect to misplacement: unit of the objective per mm or degree.
 fn slopes(cell: &Cell, r: &Robustness) -> String {
     let unit = cell.unit();
     let one = |(slot, slope): &(Slot, Option<f64>)| {

@@ -69,7 +69,7 @@ impl DxfFile {
         out
     }
 
-    /// Writes the active view: from above, showing the whole drawing.
+    /// Returns the record of the active view: from above, showing the whole drawing.
     fn view_port(&mut self, owner: u64) -> Codes {
         let (middle, size) = ((self.low + self.high) / 2.0, self.high - self.low);
         let mut out = self.record("VPORT", owner, "AcDbViewportTableRecord", "*Active");
@@ -119,7 +119,7 @@ impl DxfFile {
         out
     }
 
-    /// Writes the dimension style: numbers in mm with one decimal, above the dimension lines.
+    /// Returns the record of the dimension style: numbers in mm with one decimal, above the dimension lines.
     fn dimension_style(&mut self, owner: u64) -> Codes {
         let handle = self.handle();
         let mut out = begun("DIMSTYLE", (105, handle), owner, "AcDbDimStyleTableRecord", STYLE);
