@@ -37,7 +37,7 @@ pub fn file_name(asked: &str) -> Result<String, String> {
     }
     if !stem.chars().all(is_plain) || stem.starts_with(['.', '-', ' ']) || stem.ends_with(['.', ' ']) {
         return Err(
-            "a file name has letters, digits, - and _, and begins with a letter or digit; it cannot name a folder"
+            "a file name has only letters, digits, spaces, -, _ and .; it cannot begin with - or ., or name a folder"
                 .into(),
         );
     }
@@ -49,7 +49,7 @@ pub fn file_name(asked: &str) -> Result<String, String> {
     }
     let name = format!("{stem}.toml");
     if name.len() > MAX_NAME {
-        return Err(format!("a file name has at most {MAX_NAME} characters"));
+        return Err(format!("a file name has at most {MAX_NAME} bytes"));
     }
     Ok(name)
 }
