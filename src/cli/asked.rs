@@ -1,4 +1,5 @@
-//! Loading of a cell with the settings of the command-line flags, which are validated together with the cell file.
+//! Loading of a cell with the settings of the command-line flags, which are validated together with the cell
+//! file.
 
 use super::arguments::{ErrorFlags, QuestionFlags};
 use super::loading;
@@ -8,7 +9,7 @@ use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
 use std::path::Path;
 
-/// Loads a cell with the settings of the flags. Prints notes on the chosen errors and limits.
+/// Loads a cell with the settings from the flags. Prints notes on the chosen errors and limits.
 pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Result<Loaded, Exit> {
     let settings = flags.settings();
     let loaded = loading::load_with(file, packages, &settings)?;
@@ -20,7 +21,8 @@ pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Re
 pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFlags) -> Result<Loaded, Exit> {
     let mut settings = flags.settings();
     if let Some(sense) = &flags.sense {
-        // The quantity `yield` would need a limit in the unit of this sense, which the cell file may not state.
+        // The quantity `yield` would need a limit in the unit of this sense, which the cell file may not
+        // state.
         let (flag, p95) = (format!("--sense {sense}"), toml_string(Quantity::P95.name()));
         settings.push(Setting::of_flag(&flag, "quantity", p95));
     }
@@ -45,8 +47,8 @@ pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Loads a cell for a search: refuses `--set`, prints notes, and refuses a sense to which a limit of the cell
-/// file does not apply.
+/// Loads a cell for a search, and prints notes. Refuses `--set`. Refuses `--sense` if a limit in the cell
+/// file has another unit than that sense. That limit must then be replaced with `--limit`.
 pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
     refuse_sets(settings, "search")?;
     let loaded = loading::load_with(file, packages, settings)?;
@@ -58,8 +60,8 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
     Ok(loaded)
 }
 
-/// Refuses a sense whose unit does not suit a limit of the cell file `drawn`. The file best.toml inherits
-/// these limits, and a limit in another unit would be a fault there.
+/// Refuses the sense of `cell` if a limit in the cell file `drawn` has another unit. The file best.toml
+/// inherits the limit, and would be invalid with it.
 fn refuse_lost_limits(cell: &Cell, drawn: &Cell) -> Result<(), Exit> {
     let pairs = cell.operations.iter().zip(&drawn.operations);
     let Some((lost, _)) = pairs.into_iter().find(|(now, drawn)| now.limit.is_none() && drawn.limit.is_some())

@@ -1,11 +1,12 @@
 //! Cache of results that take long to compute: the convex decompositions of link meshes.
 //!
 //! The cache is the folder that the environment variable `SWEETSPOT_CACHE` names, otherwise the folder
-//! `sweetspot` in the user's cache folder. The value `off` disables the cache. If the folder cannot be written,
-//! the results are computed again.
+//! `sweetspot` in the user's cache folder. The value `off` disables the cache. If the folder cannot be
+//! written, the results are computed again.
 //!
-//! An entry is read only if it belongs to this user and nobody else may write to it. Its hash must match its key
-//! and content. So other users who may write to the cache folder cannot change a result.
+//! An entry is read only if it belongs to this user and nobody else may write to it. The hash stored in the
+//! entry must match the key and the content. Other users who may write to the cache folder therefore cannot
+//! change a result.
 
 use super::loading::sha256;
 use std::io::{Read, Write};
@@ -40,8 +41,8 @@ fn folder() -> Option<PathBuf> {
     }
 }
 
-/// Returns the content of a cached file of this user. Returns None if the content does not match the hash at the
-/// start of the file.
+/// Returns the content of a cached file of this user. Returns None if the content does not match the hash at
+/// the start of the file.
 fn read(folder: &Path, name: &str) -> Option<Vec<u8>> {
     let path = folder.join(name);
     // Opening a named pipe would block until another program writes to it.
@@ -71,7 +72,8 @@ fn is_ours(_about: &std::fs::Metadata) -> bool {
     true
 }
 
-/// Returns the hash of an entry. It depends on the name, so that one entry cannot replace another.
+/// Returns the hash of the name and content of an entry. The name is included so that one entry cannot
+/// replace another.
 fn seal(name: &str, content: &[u8]) -> String {
     sha256(&[name.as_bytes(), b"\n", content].concat())
 }

@@ -28,7 +28,7 @@ struct CheckpointHeader {
     sha256: String,
 }
 
-/// Path of an input as the cell names it, and its hash.
+/// Path of an input file, as the cell names it, and the hash of the file.
 pub type InputHash = (String, String);
 
 pub fn inputs(sources: &[Source]) -> Vec<InputHash> {
@@ -204,7 +204,7 @@ fn refused(path: &Path, line: usize, why: &str) -> Exit {
     Exit::BadInput
 }
 
-/// Returns how many layouts the search of a checkpoint had evaluated, from the bytes of the file.
+/// Returns the number of layouts evaluated before a checkpoint, given the bytes of the checkpoint file.
 ///
 /// # Errors
 /// Returns the line of the file and why it cannot be used.
@@ -234,7 +234,7 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
     serde_json::from_slice(second).map_err(|e| (2, format!("the checkpoint cannot be read: {e}")))
 }
 
-/// Returns the differences between the inputs at the start of the search and the current ones.
+/// Returns how the current inputs differ from those at the start of the search, one message per input.
 fn changes(then: &[InputHash], now: &[InputHash]) -> Vec<String> {
     let mut said = Vec::new();
     for (path, hash) in then {

@@ -10,7 +10,7 @@ use std::fs::{File, TryLockError};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Largest length of the text about an owner, bytes.
+/// Largest number of bytes read from a lock file, which describes the program that holds the lock.
 const MAX_OWNER: u64 = 300;
 
 /// Whether one program or several may write to a folder.
@@ -67,7 +67,7 @@ impl FolderLock {
 }
 
 impl Drop for FolderLock {
-    /// Unlocks the folder. The last owner removes the file.
+    /// Unlocks the folder. The last program that holds the lock removes the lock file.
     fn drop(&mut self) {
         drop(self.file.take());
         if let Ok(file) = File::options().read(true).write(true).open(&self.path)
@@ -97,7 +97,8 @@ fn owner() -> String {
     format!("process {}: sweetspot {}", std::process::id(), arguments::typed().join(" "))
 }
 
-/// Returns whether the path still names this open file. The previous owner of the lock may have removed it.
+/// Returns whether the path still names this open file. The previous owner of the lock may have deleted the
+/// file.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -1,4 +1,4 @@
-//! Look-up of names on the command line, with the list of known names if one is unknown.
+//! Look-up of names on the command line. An unknown name is reported with the list of known names.
 
 use super::{Exit, output};
 use crate::cell::Cell;

@@ -12,7 +12,7 @@ pub fn data(text: &str) -> Result<(), Exit> {
     written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
-/// Prints why stdout could not be written. A closed pipe is no error.
+/// Prints the error of a failed write to stdout. A closed pipe (`| head`) is no error.
 pub fn written(result: std::io::Result<()>) -> Result<(), Exit> {
     match result {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -72,7 +72,7 @@ pub fn combinations_bar() -> ProgressBar {
     bar
 }
 
-/// Advances a bar of length `of` by `count`.
+/// Advances a bar of length `of` by `count`, and shows the bar after one second.
 pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
     if bar.is_hidden() && bar.elapsed().as_secs() >= 1 {
         bar.set_draw_target(ProgressDrawTarget::stderr());

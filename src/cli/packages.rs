@@ -12,7 +12,8 @@ pub struct PackageFolders {
 }
 
 impl PackageFolders {
-    /// Adds the packages of a result folder, which are kept among its inputs.
+    /// Adds the packages that a result folder keeps in its folder `inputs`. A package that is already listed
+    /// keeps its folder.
     pub fn with_kept(mut self, inputs: &Path) -> Self {
         for entry in inputs.join("packages").read_dir().into_iter().flatten().flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();

@@ -68,7 +68,7 @@ impl Reporter {
         }
     }
 
-    /// Removes the bar, or prints the last line of progress if it is still unreported.
+    /// Removes the bar, or prints the last progress if no line has reported it.
     pub fn finish(self) {
         let last = self.last.lock().map_or(None, |last| last.1);
         if let ProgressForm::Bar(bar) = &self.manner {

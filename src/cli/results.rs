@@ -102,7 +102,7 @@ pub fn write_search(
     }
 }
 
-/// Description of a run: its command line, and the keys of the cell file that its flags set.
+/// Description of a run: its command line, and the settings from its flags, which override the cell file.
 pub struct RunDescription {
     command: Vec<String>,
     settings: Vec<Setting>,
@@ -218,7 +218,7 @@ fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Resu
     Ok(WrittenFolder { folder: folder.to_path_buf(), names })
 }
 
-/// Writes the nodes of a map as CSV.
+/// Returns the nodes of a map as CSV.
 pub fn csv(document: &MapDocument<'_>) -> Result<Vec<u8>, Exit> {
     report::csv::map(document).map_err(|why| {
         output::error(&format!("cannot write map.csv: {why}"));

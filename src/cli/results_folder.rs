@@ -26,7 +26,7 @@ pub struct SearchFolder {
 /// Manifest of a result folder, and the settings of its run.
 struct FolderOrigin {
     manifest: Manifest,
-    /// Keys of the cell file that the command line set.
+    /// Settings from the flags of the command line, which override the cell file.
     settings: Vec<Setting>,
     /// All settings of the run, including defaults; None for a search that was stopped.
     resolved: Option<ResolvedSettings>,

@@ -17,9 +17,9 @@ pub struct SearchRequest {
     pub cell: PathBuf,
     /// Folders of ROS packages, by name.
     packages: Vec<(String, PathBuf)>,
-    /// Keys of the cell file that the flags set.
+    /// Settings from the flags, which override the cell file.
     pub settings: Vec<Setting>,
-    /// Command line that gives the same result in one run.
+    /// Command line that gives the same result in one uninterrupted run.
     pub command: Vec<String>,
 }
 
@@ -94,7 +94,7 @@ fn typed(setting: &Setting) -> (String, String) {
     }
 }
 
-/// Appends a setting to a command line as an option, and removes the same flag with its old value.
+/// Replaces the value of a flag in a command line; a `--set` option is only appended.
 fn restate(command: &mut Vec<String>, setting: &Setting) {
     if setting.flag.is_none() {
         command.extend(["--set".to_string(), setting.words()]);

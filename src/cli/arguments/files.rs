@@ -33,7 +33,7 @@ pub struct SchemaArguments {
 pub struct InitArguments {
     /// Name of a first cell or of a built-in robot [default: list them]
     pub name: Option<String>,
-    /// Write to this folder, which must be new or empty [default: a folder of that name]
+    /// Write to this folder, which must be new or empty [default: the folder NAME]
     #[arg(long, value_name = "DIR", requires = "name")]
     pub out: Option<PathBuf>,
 }

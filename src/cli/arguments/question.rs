@@ -100,7 +100,7 @@ impl QuestionFlags {
 }
 
 impl QuestionFlags {
-    /// Returns the given flags as shell words, with a space before each.
+    /// Returns the flags that were given, quoted for a shell, each with a space before it.
     pub fn words(&self) -> String {
         let Self {
             errors: ErrorFlags { errors, model, sense, limit, sets },

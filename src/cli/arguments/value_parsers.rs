@@ -1,7 +1,7 @@
 //! Parsers of option values (clap `value_parser`s).
 //!
-//! A value that a cell file can hold is not checked against a range here: its flag becomes a setting, which
-//! the reader of the cell file checks. Other lengths and angles must be in the range that files allow.
+//! An option that sets a key of the cell file is not checked against a range here. The reader of the cell
+//! file checks the value. Every other length or angle must be in the range [`NumberRange::Finite`].
 
 use crate::assess::NodeChoice;
 use crate::files::{Choices, MAX_BEND, NumberRange, Setting};

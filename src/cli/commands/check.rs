@@ -64,7 +64,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Returns the number of error sets, and the kind of the chosen one.
+/// Describes the error sets: their number, and name, kind and reading of the chosen set.
 fn error_sets(cell: &Cell) -> String {
     let kind = match cell.error_set() {
         ErrorSet::Signed(_) => "a signed sample",
@@ -74,7 +74,7 @@ fn error_sets(cell: &Cell) -> String {
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
 }
 
-/// Returns a count with its noun.
+/// Returns a count with its noun in singular or plural.
 fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }

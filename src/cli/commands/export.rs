@@ -84,7 +84,7 @@ fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     })
 }
 
-/// Returns the operation at whose spot the robot is shown; None shows it at home.
+/// Returns the operation at whose spot the robot is drawn; None means the home position.
 fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exit> {
     match asked {
         None => Ok((0..a.maps.len()).find(|k| a.spot(*k).is_some())),

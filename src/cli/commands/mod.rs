@@ -1,4 +1,5 @@
-//! One function per command: it reads the input, calls the library, prints the result and suggests the next command.
+//! One function per command: it reads the input, calls the library, prints the result and suggests the next
+//! command.
 
 mod check;
 mod export;
@@ -90,7 +91,7 @@ fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {
     Exit::BadInput
 }
 
-/// Refuses a file name without .html, so that a mistyped name does not overwrite a cell file.
+/// Refuses a file name without .html or .htm, so that a mistyped name does not overwrite a cell file.
 fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
     let is_page =
         out.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
@@ -104,8 +105,8 @@ fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
 /// Largest size of a page, bytes.
 const MAX_PAGE_BYTES: usize = 8 << 20;
 
-/// Returns the most detailed page that fits into [`MAX_PAGE_BYTES`]. If none fits, warns and returns the least
-/// detailed page.
+/// Returns the most detailed page that fits into [`MAX_PAGE_BYTES`]. If none fits, warns and returns the
+/// least detailed page.
 fn within_size(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Result<String, Exit> {
     let plain = Detail { nodes: 400, ..Detail::PLAIN };
     let mut html = String::new();

@@ -86,7 +86,8 @@ fn warning(fault: &Fault) -> String {
     format!("{}:{}: {}", fault.file, fault.line, fault.message)
 }
 
-/// Refuses a search.json whose numbers differ from those of its reassessed layouts.
+/// Refuses a search.json whose objectives or limits differ from those that this program computes for its
+/// layouts.
 fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit> {
     let Some(found) = &subject.found else { return Ok(()) };
     let best = subject.best.as_ref().and_then(Assessment::objective);

@@ -88,7 +88,7 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
     Ok(exit(&record, misses))
 }
 
-/// Returns the exit code. `misses` states that an operation of the best layout exceeds its limit.
+/// Returns the exit code of a search. `misses` states that an operation of the best layout exceeds its limit.
 fn exit(record: &SearchRecord, misses: bool) -> Exit {
     match (record.ended, record.found()) {
         (SearchEnd::Interrupted, _) => Exit::Interrupted,
@@ -100,8 +100,8 @@ fn exit(record: &SearchRecord, misses: bool) -> Exit {
 
 /// Proves a lower bound of the objective of every layout of the cell.
 fn proven(workcell: &Workcell) -> Proof {
-    // Ctrl-C does not interrupt the proof, because a resumed search needs the same bound. The limit on its number
-    // of boxes bounds its duration.
+    // Ctrl-C does not interrupt the proof, because a resumed search needs the same bound. The limit on its
+    // number of boxes bounds its duration.
     let proof = prove(workcell, &ProofOptions::default(), &AtomicBool::new(false));
     let settings = &workcell.cell.search;
     match settings.gap {

@@ -27,7 +27,7 @@ struct CheckedSweep {
     plan: SweepPlan,
     kept: FileSnapshot,
     folder: OutputFolder,
-    /// Name of the cell file among the inputs.
+    /// Name of the copy of the cell file in the folder of the inputs.
     cell_name: String,
     stop: Arc<AtomicBool>,
 }
@@ -120,9 +120,9 @@ fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Result<V
     if faults.iter().any(Fault::is_error) { Err(loading::exit_of(&faults)) } else { Ok(all) }
 }
 
-/// Appends the combinations that have a fault to its help text. Appends nothing if every combination has the
-/// fault. Appends nothing either if the fault lies in a `--set` value and every combination with that value
-/// has the fault.
+/// Adds to the help text of a fault how many combinations have the fault, and the settings of the first of
+/// them. Adds nothing if every combination has the fault. Adds nothing either if the fault lies in a `--set`
+/// value and every combination with that value has the fault.
 fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Fault {
     let settings = plan.settings(first);
     let own = settings.iter().position(|s| fault.file == format!("--set {}", s.words()));

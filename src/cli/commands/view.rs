@@ -44,7 +44,8 @@ fn failed(why: String) -> Exit {
     Exit::Io
 }
 
-/// Returns the cell of a search result with the ranges of that search, in which the page can search again.
+/// Returns the cell of a search result with the search ranges of the original cell file. The page can thus
+/// search again.
 fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell {
     // The first source is best.toml, the second the cell file that it is made from.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
@@ -62,7 +63,7 @@ fn end_at_signals() -> Arc<Notify> {
     over
 }
 
-/// Opens the page in a browser. Returns the file that must last as long as the session.
+/// Opens the page in a browser. Returns the temporary file, which must exist until the session ends.
 fn opened(url: &str) -> Option<TempPath> {
     let opened = open_in_browser(url);
     if let Err(why) = &opened {

@@ -6,7 +6,7 @@ mod text;
 
 use super::library::ROBOTS;
 
-/// First cell of a robot: its name, errors and equipment.
+/// Content of the first cell file for a robot: name, errors and equipment.
 pub struct Sketch {
     /// Short name, or the name of the robot.
     pub name: &'static str,
@@ -57,7 +57,7 @@ const fn sketch(
     Sketch { name, robot, about, errors, pedestal, work, supply, standoff: 100, few_spins: false }
 }
 
-/// Returns the first cell of the arm of the seed paper. Three robot files describe this arm.
+/// Returns a first cell for the arm of the seed paper. Three robot files describe this arm.
 const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -> Sketch {
     let table = stand("worktable", (300, 1000, 600), 10, 1800).ranging(300, 900);
     sketch(
@@ -68,13 +68,13 @@ const fn hitachi(name: &'static str, about: &'static str, robot: &'static str) -
     )
 }
 
-/// Returns the first cell of a large arm of Universal Robots.
+/// Returns a first cell for a large arm of Universal Robots.
 const fn large_ur(name: &'static str, about: &'static str) -> Sketch {
     let table = stand("worktable", (0, 850, 750), 0, 1300).ranging(500, 1000);
     sketch([name, about, name, "placeholder"], 700, table, stand("conveyor", (950, -650, 700), 90, 1500))
 }
 
-/// Returns the first cell of an arm with about one metre of reach. The bench starts at (0, `far`) and the
+/// Returns a first cell for an arm with about one metre of reach. The bench starts at (0, `far`) and the
 /// feeder at (`far`, -100), mm in the world frame.
 const fn small(
     [name, about, robot]: [&'static str; 3],
@@ -190,7 +190,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     ),
 ];
 
-/// Finds the first cell that has this short name or is for the robot of this name.
+/// Returns the [`Sketch`] with this short name, or for the robot with this name.
 pub fn find(name: &str) -> Option<&'static Sketch> {
     SKETCHES.iter().find(|s| s.name == name || s.robot == name)
 }

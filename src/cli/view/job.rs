@@ -71,7 +71,7 @@ impl SearchThread {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Returns the best layout, once the search has ended with a feasible one.
+    /// Returns the best layout; None while the search runs, or if no feasible layout was found.
     pub fn best(&self) -> Option<Layout> {
         locked(&self.board).found.clone()?.ok()?.layout
     }

@@ -83,7 +83,7 @@ impl LiveView {
         Ok(state)
     }
 
-    /// Returns the current step with its value and the value of the previous step.
+    /// Returns the current step with its assessment, and the objective of the previous step.
     fn now(&self) -> Result<Value, String> {
         let (question, values, before, mut document) = {
             let session = locked(&self.session);
@@ -231,6 +231,8 @@ fn drawn(a: &Assessment<'_>) -> Result<Value, String> {
 }
 
 /// Assesses a layout for the page: spots at nodes only, without Monte Carlo samples and misplacement.
+///
+/// If `is_settled` is true and equipment overlaps, also finds the nearest layout without overlaps.
 fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Assessment<'a> {
     let evaluation = evaluate(workcell, &layout);
     let maps = workcell.maps(&layout);

@@ -1,8 +1,8 @@
 //! Local web server with limits on connections, headers, bodies and time.
 //!
-//! Anybody on this machine can connect, so a connection without the secret must cost little: a head of limited
-//! size and time, no body, no thread. One thread accepts and serves all connections. Each admitted request
-//! computes in a thread of its own, so a long computation delays no other.
+//! Anybody on this machine can connect, so a connection without the secret must cost little: a head of
+//! limited size and time, no body, no thread. One thread accepts and serves all connections. Each admitted
+//! request computes in a thread of its own, so a long computation delays no other.
 
 use super::LiveView;
 use super::access_control::AccessControl;
@@ -33,7 +33,7 @@ const MAX_HEAD_BYTES: usize = 16 << 10;
 const MAX_HEADERS: usize = 100;
 /// Largest body of a request, bytes; requests of the page have a few hundred bytes.
 const MAX_BODY_BYTES: usize = 64 << 10;
-/// Longest wait for the head of a request, including the next request on an idle connection.
+/// Longest wait for the head of the first or the next request of a connection.
 const HEAD_TIME: Duration = Duration::from_secs(5);
 /// Longest wait for a body.
 const BODY_TIME: Duration = Duration::from_secs(10);

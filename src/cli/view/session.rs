@@ -9,7 +9,7 @@ const MAX_STEPS: usize = 1000;
 /// One state of the layout in the undo history.
 pub struct Step {
     pub values: LayoutValues,
-    /// Change that led here, in words.
+    /// Change that led to this step, in words.
     pub what: String,
 }
 

@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 /// Largest magnitude that the page may give to a coordinate that the file fixes, m and rad.
 const MAX_FREE: (f64, f64) = (100.0, std::f64::consts::TAU);
-/// Number of decimals (mm and degrees) to which a number is compared with its allowed values.
+/// Number of decimals (mm or degrees) to which a requested and an allowed value are rounded for comparison.
 const DIGITS: i32 = 9;
 
 /// Every coordinate of a layout, in the order of [`Cell::layout`].
@@ -144,8 +144,9 @@ fn owner(cell: &Cell, slot: Slot) -> String {
     }
 }
 
-/// Returns a function from the index of an axis or angle to its coordinate. The request names the equipment
-/// or, for a tool orientation, the operation.
+/// Returns a function from the index of an axis or angle to the [`Slot`] of that coordinate.
+///
+/// In the group `equipment`, `name` is a piece of equipment; in the group `attitude`, it is an operation.
 fn slot_of(cell: &Cell, group: &str, name: &str) -> Result<Box<dyn Fn(usize) -> Slot>, String> {
     let unknown = |what: &str| format!("the cell has no {what} `{}`", shown(name));
     match group {

@@ -5,15 +5,15 @@ use super::posture_context::PostureContext;
 use crate::cell::{Parameter, Reading, Unit};
 use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
 
-/// Number of trial parameters: the tolerances with the largest shares of the budget are halved one by one.
+/// Number of parameters whose tolerances are halved in trials: those with the largest shares of the budget.
 const TIGHTENED: usize = 3;
 
 /// Result of a trial: the worst case or statistical quantity after the tolerances of `parameters` are halved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tighter {
     pub parameters: Vec<Parameter>,
-    /// Worst case or statistical quantity with the halved tolerances, m, rad or a share
-    /// ([`BudgetReport::unit`]).
+    /// Worst case or statistical quantity with the tolerances of [`Self::parameters`] halved, m, rad or a
+    /// share ([`BudgetReport::unit`]).
     pub figure: f64,
 }
 
@@ -28,8 +28,8 @@ pub struct BudgetReport<'a> {
     /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, or the
     /// worst case in any other reading.
     pub figure: f64,
-    /// Trials on the parameters with the largest shares of the budget. Each trial halves the tolerance of one
-    /// parameter; the last halves the tolerances of all these parameters.
+    /// Trials on the parameters with the largest shares of the budget. Each trial halves one tolerance. If
+    /// there are several parameters, a last trial halves the tolerances of all of them.
     pub tighter: Vec<Tighter>,
 }
 
@@ -65,7 +65,7 @@ impl<'a> BudgetReport<'a> {
         }
     }
 
-    /// Returns the relative reduction of [`Self::figure`] by the halved tolerances of a trial, 0 to 1.
+    /// Returns the share (0 to 1) by which a trial reduces [`Self::figure`].
     pub fn cut(&self, tighter: &Tighter) -> f64 {
         if self.figure > 0.0 { 1.0 - tighter.figure / self.figure } else { 0.0 }
     }

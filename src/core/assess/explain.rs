@@ -31,9 +31,10 @@ pub struct ParameterEffect {
     pub motions: Vec<ParameterMotion>,
     /// Value of the parameter in the explained sample (the signed sample or the worst corner), m or rad.
     pub value: f64,
-    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP, without registration and pick.
+    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP; registration and pick are ignored.
     pub alone: Displacement,
-    /// Effect of one unit of the parameter on the TCP that remains after registration and pick.
+    /// Effect of one unit of the parameter on the TCP after registration, and relative to the pick of the
+    /// part, if any.
     pub left: Displacement,
 }
 
@@ -58,7 +59,7 @@ impl ParameterEffect {
     }
 }
 
-/// Row of a sense, with the component of the error that the row measures, m or rad.
+/// Row of a sense ([`crate::cell::Row`]) at the explained posture, and the error component that it measures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SenseRow {
     pub turns: bool,
@@ -76,7 +77,7 @@ pub struct Explanation<'a> {
     /// Monte Carlo check of the posture; None unless the reading is statistical.
     pub check: Option<PostureCheck>,
     pub worst: WorstCase,
-    /// Nonlinear error of the robot alone, before registration and pick remove part of it.
+    /// Nonlinear error of the robot alone; registration, pick and errors of the equipment are ignored.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
     /// Deviation of the linear model from the nonlinear model, as a share of the nonlinear error.

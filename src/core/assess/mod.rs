@@ -49,20 +49,22 @@ pub struct Assessment<'a> {
     pub maps: Vec<OperationMap>,
     /// Spots refined between the nodes of the grid, one per operation.
     ///
-    /// An entry is None if the operation has no spot, lists its points, or happens at all of its nodes.
+    /// An entry is None if the operation has no spot, has a list of points instead of a grid, or happens at
+    /// every node.
     pub refined: Vec<Option<Refined>>,
     /// Effect of the placement tolerances on every operation; empty unless [`Self::misplaced`] was called.
     pub robustness: Vec<Option<Robustness>>,
     /// Monte Carlo estimates at the spot of each operation; None without a spot, or if the reading is not
     /// statistical.
     pub samples: Vec<Option<MonteCarlo>>,
-    /// Yield of the whole cell: share of arms that keep the limits of all operations at their spots.
+    /// Yield of the whole cell: share of Monte Carlo samples that keep the limits of all operations at their
+    /// spots.
     ///
     /// None unless the reading is statistical, every operation has a spot and at least one has a limit.
     pub cell_yield: Option<Estimate>,
     /// Whether the samples confirm the first-order figures of each operation; None without samples.
     ///
-    /// If the samples refute them, the map holds the figures of the samples at the spot.
+    /// If the samples refute these figures, the map holds the figures of the samples at the spot.
     pub confirmed: Vec<Option<bool>>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
     pub apart: Option<Layout>,
@@ -71,8 +73,8 @@ pub struct Assessment<'a> {
 impl<'a> Assessment<'a> {
     /// Evaluates one layout, maps its operations and refines their spots.
     ///
-    /// A layout that does not belong to the cell cannot be shown: the evaluation says why, and the layout in
-    /// the cell file replaces it.
+    /// If the layout does not belong to the cell, the evaluation says why. The layout of the cell file is
+    /// then stored in [`Self::layout`].
     pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
         let mut evaluation = evaluate(workcell, &layout);
         let mut maps = workcell.maps(&layout);
@@ -114,8 +116,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns coarse outlines of the region that the arm reaches at the height of an operation's TCP.
     ///
-    /// Points are (x, y) in the world frame, m. The tool has the attitude of the operation. There are none if
-    /// the layout does not belong to the cell.
+    /// Points are (x, y) in the world frame, m. The tool has the attitude of the operation. The list is empty
+    /// if the layout does not belong to the cell.
     pub fn reachable(&self, operation: usize) -> Vec<Vec<(f64, f64)>> {
         if self.evaluation.misfit.is_some() {
             return Vec::new();
@@ -159,16 +161,16 @@ impl<'a> Assessment<'a> {
 
     /// Returns whether the Monte Carlo samples confirm the first-order figures at the spot of an operation.
     ///
-    /// If they do not, the figures of the samples replace the first-order ones. Returns None if the operation
-    /// has no samples.
+    /// If they do not, the figures of the samples replace the first-order figures. Returns None if the
+    /// operation has no samples.
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
         self.confirmed[operation]
     }
 
-    /// Returns the part of a proof that holds for the values of this layout, and the gap of its objective:
-    /// `objective / bound - 1`.
+    /// Returns the part of a proof that holds for this layout, and the gap `objective / bound - 1` of the
+    /// layout.
     ///
-    /// A bound for first-order figures is left out if samples refute these figures.
+    /// The bound of an operation is left out if samples refute the first-order figures of that operation.
     pub fn proven(&self, proof: &Proof) -> (Proof, Option<f64>) {
         let proof = proof.without(self.workcell, |k| self.confirmed[k] == Some(false));
         let bound = proof.bound.filter(|bound| *bound > 0.0);
@@ -195,8 +197,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns the limit of an operation and the margin that is left.
     ///
-    /// Returns None if the operation has no spot or no limit. Under the quantity yield it is None as well,
-    /// because the yield already contains the limit.
+    /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the yield,
+    /// which already contains the limit.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit() != Unit::Share)?;
         let value = self.maps[operation].value?;
@@ -251,7 +253,7 @@ impl<'a> Comparison<'a> {
 
     /// Returns the relative change of an error from the first column to `column`, in percent.
     ///
-    /// Returns None for the first column itself, and if either error is missing or the first one is zero.
+    /// Returns None for the first column itself, if either error is missing, or if the first error is zero.
     pub fn change_percent(
         &self,
         column: usize,
@@ -261,7 +263,7 @@ impl<'a> Comparison<'a> {
         (column > 0 && first > 0.0).then(|| (this - first) / first * 100.0)
     }
 
-    /// Returns the names of all equipment of the compared layouts, each name once and without obstacles.
+    /// Returns the names of all equipment of the compared layouts, each name once. Obstacles are left out.
     pub fn equipment(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         let all = self.columns.iter().flat_map(|c| &c.cell.equipment);

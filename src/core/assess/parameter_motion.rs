@@ -29,7 +29,7 @@ pub struct ParameterMotion {
     /// Size of the motion per unit of the parameter; always 1 unless the joints are coupled.
     pub factor: f64,
     pub direction: Vector3<f64>,
-    /// Vector from the origin of the frame to the TCP, m.
+    /// Vector from the origin of the frame `place` to the TCP, m.
     pub lever: Vector3<f64>,
 }
 
@@ -49,7 +49,7 @@ impl ParameterMotion {
 
 /// Returns the small motions that one unit of a parameter causes at a posture (given by `frames`).
 ///
-/// If the parameter belongs to equipment, the moved frame is `work`.
+/// If the parameter belongs to equipment, the frame that moves is `work`.
 pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter) -> Vec<ParameterMotion> {
     let one = |place: MotionFrame, axis: usize, turns: bool, factor: f64| {
         let frame = match place {

@@ -1,4 +1,4 @@
-//! Monte Carlo check of one posture, with the same result as the check of a map at its spot.
+//! Monte Carlo check of one posture. At the spot of a map, the result equals that of the check of the map.
 
 use super::SAMPLES;
 use super::posture_context::PostureContext;
@@ -9,14 +9,15 @@ use crate::reading::{EvaluatorScratch, MonteCarlo, PostureErrors, SampleSpace, S
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureCheck {
     pub samples: MonteCarlo,
-    /// Whether the samples confirm the first-order figures. If not, the figures of the samples replace them.
+    /// Whether the samples confirm the first-order figures. If not, the figures of the samples replace the
+    /// first-order figures.
     pub confirmed: bool,
 }
 
 impl PostureCheck {
     /// Returns the figures of a posture, checked by samples in the statistical reading.
     ///
-    /// The samples are the same as in the check of a map at its spot.
+    /// At the spot of a map, the samples equal those of the check of the map.
     pub fn judged(
         context: &PostureContext<'_>,
         memory: &mut EvaluatorScratch,

@@ -91,8 +91,8 @@ impl<'a> PostureContext<'a> {
 
     /// Returns the posture with given joint coordinates, with its context in the layout of the cell file.
     ///
-    /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. It is needed only for a
-    /// taught frame or a pick, which depend on the inverse kinematics.
+    /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. The workcell is needed
+    /// only for a taught frame or a pick, which depend on the inverse kinematics.
     ///
     /// # Errors
     /// Returns the reason if the taught frame or the pick of the operation cannot be computed.
@@ -125,15 +125,16 @@ impl<'a> PostureContext<'a> {
 impl PostureContext<'_> {
     /// Returns the limit of the operation and the margin that a value of the reading leaves.
     ///
-    /// Returns None without a limit. Under the quantity yield it is None as well, because the yield already
-    /// contains the limit.
+    /// Returns None without a limit. Also returns None if the quantity is the yield, which already contains
+    /// the limit.
     pub fn requirement(&self, value: f64) -> Option<Requirement> {
         let limit = self.evaluator.limit.filter(|_| self.cell.unit() != Unit::Share)?;
         Some(Requirement { limit, margin: limit - value })
     }
 }
 
-/// Returns the context of the errors of an operation whose taught frame or pick depends on other postures.
+/// Returns the context of the errors of an operation that has a taught frame or a pick. Both are computed
+/// from postures other than that of the operation.
 fn situation_elsewhere(
     cell: &Cell,
     workcell: Result<&Workcell, &str>,

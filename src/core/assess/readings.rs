@@ -1,8 +1,8 @@
 //! Comparison of readings: the layout of the cell file under every reading and registration.
 //!
 //! For each reading the comparison gives the spot that this reading would choose, and the regret of the
-//! signed spot. The regret is the value of the signed spot under that reading, divided by the least value
-//! under the same reading.
+//! signed spot. The regret is the value at the signed spot divided by the least value, both under that
+//! reading.
 
 use super::posture_context::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
@@ -31,9 +31,11 @@ pub struct ReadingRow {
     pub registration: Registration,
     /// Best node, or the reason why no node can be used.
     pub choice: Result<ReadingChoice, String>,
-    /// Value under this reading of the posture that the signed reading chooses with the same registration.
+    /// Value, by the reading of this row, at the posture that the signed reading chooses under the same
+    /// registration.
     pub at_signed: Option<f64>,
-    /// Value under this registration of the posture that the same reading chooses without registration.
+    /// Value, under the registration of this row, at the posture that this reading chooses without
+    /// registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,
 }
@@ -174,8 +176,7 @@ fn row(
     }
 }
 
-/// Returns the value, under the reading of the workcell, of the posture at the best node of the maps
-/// `chosen`.
+/// Returns the value of the posture at the best node of the maps `chosen`, by the reading of the workcell.
 fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) -> Option<f64> {
     let place = chosen[k].best?;
     let posture = chosen[k].nodes[place].posture.as_ref()?;

@@ -52,8 +52,10 @@ impl SampledSpots {
 
 /// Replaces the figures of each spot by the figures of its samples if the samples do not confirm them.
 ///
-/// Returns whether they are confirmed, for each operation. Values over several nodes and robust values stay
-/// first order, because samples are drawn only at the shown node, without placement tolerances.
+/// Returns for each operation whether the samples confirm the figures; None without samples.
+///
+/// A value over several nodes stays first order, because samples are drawn at one node only. A robust value
+/// stays first order, too, because the samples ignore placement tolerances.
 pub fn take_over(
     workcell: &Workcell,
     samples: &[Option<MonteCarlo>],

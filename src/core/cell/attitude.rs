@@ -10,8 +10,8 @@
 //! ```
 //!
 //! The reference axis is the first of the axes x, y and z of the TCP that is perpendicular to the tool axis.
-//! If none is, it is the part of x perpendicular to the tool axis. If the tool points down with spin 0, the
-//! reference axis lies along the azimuth.
+//! If no axis is perpendicular, the reference axis is the component of x perpendicular to the tool axis. If
+//! the tool points down with spin 0, the reference axis lies along the azimuth.
 
 use crate::pose::exact_sin_cos;
 use nalgebra::{Matrix3, Vector3};

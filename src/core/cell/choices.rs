@@ -79,7 +79,8 @@ impl Quantity {
     }
 }
 
-/// Registration: frame that is measured with the robot itself; this removes a part of the robot's errors.
+/// Registration: frame that is measured with the robot itself. The measurement removes a part of the robot's
+/// errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Registration {

@@ -30,8 +30,8 @@ pub enum Parameter {
     Base(usize),
     /// Component of the error of the tool frame (TCP), in the axes of that frame.
     Tool(usize),
-    /// Index of a joint, and component of the error of the joint frame ([`super::Robot::joint_frames`]) in
-    /// its axes.
+    /// Index of a joint, and component of the error of its joint frame ([`super::Robot::joint_frames`]), in
+    /// the axes of that frame.
     ///
     /// The error moves this joint and everything after it in the chain.
     Joint(usize, usize),
@@ -156,7 +156,7 @@ impl Distribution {
         }
     }
 
-    /// Returns the excess kurtosis of the distribution: its fourth cumulant when scaled to unit variance.
+    /// Returns the excess kurtosis of the distribution: the fourth cumulant divided by the squared variance.
     pub fn excess_kurtosis(self) -> f64 {
         match self {
             Distribution::Normal => 0.0,

@@ -12,7 +12,8 @@ pub const MAX_KEPT: usize = 100;
 pub enum Goal {
     /// Objective (combined error of the operations), minimized: m, rad or a share.
     Error,
-    /// Least distance of the robot at its spots from other objects, and between floor spaces, m, maximized.
+    /// Clearance, m, maximized: least distance between the robot and other objects at the operations, or
+    /// between floor spaces.
     Clearance,
     /// Least distance of a joint from its nearer limit, as a share of half the joint's range, maximized.
     JointLimits,
