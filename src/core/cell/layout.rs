@@ -1,19 +1,19 @@
-//! Layout: one value for each number that the search may change.
+//! Layout of a cell: placements of robot base and equipment, and attitudes of the tool.
 
 use super::attitude::{Attitude, Azimuth, Spin};
 use super::coordinate::Coordinate;
 use super::model::{Cell, Placement, PlacementTolerance};
 
-/// Address of a coordinate in a layout.
+/// Address of a coordinate or an angle in a layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slot {
-    /// Coordinate of the robot base by its index: x, y, z, yaw.
+    /// Coordinate of the robot base: 0 to 3 stand for x, y, z and yaw.
     Base(usize),
-    /// Index of the equipment, and index of its coordinate: x, y, z, yaw.
+    /// Index of the equipment, then its coordinate: 0 to 3 stand for x, y, z and yaw.
     ///
     /// The coordinate is in the world frame, or in the frame of the equipment that carries this one.
     Equipment(usize, usize),
-    /// Index of the operation, and index of the angle of its attitude: elevation, azimuth, spin.
+    /// Index of the operation, then the angle of its attitude: 0 to 2 stand for elevation, azimuth and spin.
     Attitude(usize, usize),
 }
 
@@ -38,8 +38,8 @@ pub struct Layout {
 impl Layout {
     /// Returns the value of a coordinate, m or rad.
     ///
-    /// If the layout lacks the coordinate, because it does not belong to the cell, the value is that of the
-    /// cell as drawn.
+    /// A layout that does not belong to the cell may lack the coordinate. The value is then that of the cell
+    /// as drawn.
     pub fn value(&self, cell: &Cell, slot: Slot) -> f64 {
         match slot {
             Slot::Base(axis) => self.base.values()[axis],

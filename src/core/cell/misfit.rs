@@ -13,14 +13,16 @@ pub const MAX_COORDINATE: f64 = 1e6;
 /// Reason why a layout does not belong to a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Misfit {
-    /// The cell has `needed` pieces of equipment, but the layout places another number.
+    /// The layout places `given` pieces of equipment, but the cell has `needed`.
     Placements { given: usize, needed: usize },
-    /// The cell has `needed` operations, but the layout has another number of attitudes.
+    /// The layout has `given` attitudes, but the cell has `needed` operations.
     Attitudes { given: usize, needed: usize },
     /// A coordinate in the world, or an angle of an attitude, is NaN or beyond [`MAX_COORDINATE`].
     Coordinate(Slot),
-    /// The attitude of the operation with this index does not fit the cell. The attitude lacks an angle, or
-    /// its tolerance or an angle that no search may change has another value than in the cell.
+    /// The attitude of the operation with this index does not fit the cell.
+    ///
+    /// Either a fixed angle or the tolerance differs from the cell. Or an angle that a search may change does
+    /// not have exactly one value.
     Attitude(usize),
 }
 
@@ -81,7 +83,9 @@ impl Cell {
     }
 }
 
-/// Returns the angles of an attitude (rad) with their indices: elevation, azimuth and all spins.
+/// Returns every angle that an attitude states, rad, each with its index: 0 elevation, 1 azimuth, 2 spin.
+///
+/// A list of allowed spins gives several angles with index 2.
 fn angles_of(attitude: &Attitude) -> impl Iterator<Item = (usize, f64)> {
     let azimuth = if let Azimuth::Surface(angle) = attitude.azimuth { Some((1, angle)) } else { None };
     let spins = if let Spin::At(spins) = &attitude.spin { &spins[..] } else { &[] };

@@ -86,7 +86,7 @@ pub struct Equipment {
     /// Floor space, which contains all solids of the equipment in plan.
     pub footprint: Rectangle,
     pub solids: Vec<Solid>,
-    /// Index of the equipment that carries this one, which moves with it; None if it stands on the floor.
+    /// Index of the equipment on which this one stands and with which it moves; None if there is none.
     pub on: Option<usize>,
     /// Coordinates x, y, z, yaw in the world frame, or in the frame of the equipment that carries this one.
     pub placement: [Coordinate; 4],
@@ -165,7 +165,7 @@ pub struct Operation {
     /// Search variables for elevation, azimuth and spin, rad; None for an angle that `attitude` fixes.
     pub angles: [Option<Coordinate>; 3],
     pub sense: Sense,
-    /// Largest error in the sense (m or rad) with which the operation succeeds.
+    /// Largest error with which the operation succeeds, measured in the operation's sense (m or rad).
     pub limit: Option<f64>,
     /// Index of the earlier operation that picks the part which this operation places; None without a pick.
     ///
@@ -209,8 +209,9 @@ pub struct Cell {
     /// Quantity that the search minimizes in the statistical reading.
     pub quantity: Quantity,
     pub registration: Registration,
-    /// Guard: largest deviation from the nonlinear model at which an error model is trusted, as a share of
-    /// the error.
+    /// Guard: largest deviation from the nonlinear model at which another error model is trusted.
+    ///
+    /// The deviation is a share of the nonlinear error.
     pub guard: f64,
     pub equipment: Vec<Equipment>,
     pub keep_out: Vec<KeepOut>,

@@ -61,7 +61,7 @@ impl Interpretation {
 impl Cell {
     /// Returns the reading that applies if the cell file states none.
     ///
-    /// The reading is worst-case if any error set in use is a tolerance, otherwise signed.
+    /// The reading is worst-case if any error set in use states tolerances, otherwise signed.
     pub fn default_reading(&self) -> Reading {
         if self.tolerances(self.registration).is_empty() { Reading::Signed } else { Reading::WorstCase }
     }
@@ -158,8 +158,9 @@ impl Cell {
         faults
     }
 
-    /// Returns the error sets that are in use and are tolerances, each as the beginning of a sentence:
-    /// "`name` is".
+    /// Returns the error sets in use that state tolerances.
+    ///
+    /// Each is named as the beginning of a message: "`name` is" or "the errors of `name` are".
     fn tolerances(&self, registration: Registration) -> Vec<String> {
         let robot = self.robot.errors.get(self.errors);
         let robot = robot.filter(|set| matches!(set, ErrorSet::Tolerance(_)));

@@ -125,7 +125,7 @@ pub struct Robot {
     pub tool_axis: Vector3<f64>,
     /// Solids on the links. Solids of the tool come last and move with the mechanical interface (flange).
     pub solids: Vec<LinkSolid>,
-    /// Number of the solids that belong to the tool.
+    /// Number of solids that belong to the tool.
     pub tool_solids: usize,
     pub self_collision: SelfCollision,
     /// Floor space of the robot base, in the base frame.
@@ -182,7 +182,9 @@ impl Robot {
 
     /// Returns the largest absolute value of the Denavit-Hartenberg coordinate `i`, m.
     ///
-    /// The value includes all actuators that are coupled to it. Returns 0 for a revolute joint.
+    /// All actuators that the coupling maps to this coordinate count, each at its farther limit.
+    ///
+    /// Returns 0 for a revolute joint.
     fn travel(&self, i: usize) -> f64 {
         let farthest = |joint: &Joint| joint.limits.0.abs().max(joint.limits.1.abs());
         match self.joints[i].kind {

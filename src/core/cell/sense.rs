@@ -1,4 +1,6 @@
-//! Senses: the components of an error that count, as weighted rows applied to the error at a point.
+//! Senses: the components of an error that count.
+//!
+//! A sense is a list of rows. Each row is a weighted component of the position or rotation error at a point.
 
 use crate::units;
 use nalgebra::Vector3;
@@ -32,8 +34,8 @@ impl Frame {
 
 /// Row of a sense: the position error along a direction, or the rotation error about that direction.
 ///
-/// The length of the direction is the weight of the row. Built-in senses have weight 1. If a rotation is
-/// added to lengths, the weight of its row is in m.
+/// The length of the direction is the weight of the row. Built-in senses have weight 1. In a sense
+/// that combines rotations with lengths, the weight of a rotation is in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     pub turns: bool,
@@ -78,7 +80,7 @@ impl Unit {
     }
 }
 
-/// Sense: the size of an error as the norm of its weighted rows.
+/// Measure of the size of an error: the norm of the weighted components that the rows define.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sense {
     pub name: String,
@@ -145,7 +147,7 @@ impl Sense {
         &self.rows[..self.count]
     }
 
-    /// Returns whether the sense depends on the position error of the TCP in world axes alone.
+    /// Returns whether all rows are world-frame components of the position error at the TCP.
     pub fn is_of_position(&self) -> bool {
         self.frame == Frame::World && self.point == Vector3::zeros() && self.rows().iter().all(|r| !r.turns)
     }

@@ -77,7 +77,7 @@ pub struct Rectangle {
     pub size: (f64, f64),
 }
 
-/// Axis-aligned box, as its corners of least and of greatest coordinates.
+/// Axis-aligned box: the corner of least x, y and z, then the corner of greatest x, y and z.
 pub type Extent = (Vector3<f64>, Vector3<f64>);
 
 /// Returns the axis-aligned bounding box of a shape in the frame of its carrier, m.

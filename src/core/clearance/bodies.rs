@@ -14,7 +14,10 @@ pub(super) struct CollisionBody {
     pub(super) shape: SharedShape,
     /// Pose of the shape in the frame that carries it.
     pub(super) local: Pose,
-    /// Point inside the solid. The solid can lie wholly inside a closed mesh only if this point does.
+    /// Point that shows whether the solid lies wholly inside a closed mesh, in the frame of the shape.
+    ///
+    /// For an equipment mesh it is the origin of the mesh frame, which may lie outside the mesh. Otherwise it
+    /// is a point of the solid.
     pub(super) inside: pm::Vector,
     /// Shorter capsules whose union is this body, for checks against meshes; empty unless it is a capsule.
     ///
@@ -34,9 +37,9 @@ pub(super) struct CollisionBody {
 }
 
 impl CollisionBody {
-    /// Returns the body in the frame that carries it.
+    /// Returns the body with its pose in the carrier frame.
     ///
-    /// `mount` is the pose, in that frame, of the frame in which the file gives the solid.
+    /// `mount` is the pose, in the carrier frame, of the frame in which the file gives the solid.
     pub(super) fn mounted(self, mount: &Pose) -> Self {
         let local = *mount * self.local;
         Self { is_at_origin: local == Pose::identity(), local, ..self }
@@ -89,7 +92,7 @@ pub(super) enum EquipmentSolid {
     Leg { x: f64, y: f64, half: (f64, f64), top: f64 },
 }
 
-/// Returns the bodies of a link solid enlarged by `by` (m): one body, or one for each part of a mesh.
+/// Returns the bodies of a link solid enlarged by `by` (m): one per convex part of a mesh, otherwise one.
 pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<CollisionBody> {
     let Shape::Mesh { pose, .. } = shape else { return vec![swollen(shape, by)] };
     let body = |hull: &Hull| {
@@ -143,7 +146,9 @@ pub(super) fn body(shape: &Shape) -> CollisionBody {
     }
 }
 
-/// Returns one solid of a piece of equipment.
+/// Converts a shape of a piece of equipment to a solid for collision checking.
+///
+/// A closed convex mesh with few vertices becomes a convex polyhedron.
 pub(super) fn part(shape: &Shape) -> EquipmentSolid {
     match shape {
         Shape::Leg { x, y, size, top } => {

@@ -89,7 +89,7 @@ impl BoundingCapsule {
     /// Returns the verdict, given the squared distance (m^2) of the capsule's segment from another shape.
     ///
     /// `both_solid` says whether the capsule and the other shape are the solids themselves, not only bounds
-    /// of them. Only then does a small distance mean contact.
+    /// of them. A small distance between mere bounds does not mean contact.
     fn verdict(&self, squared: f64, both_solid: bool) -> ContactVerdict {
         if squared > (self.radius + CONTACT_MARGIN).powi(2) {
             ContactVerdict::Apart

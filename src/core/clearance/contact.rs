@@ -7,7 +7,7 @@ use crate::cell::Cell;
 pub enum SolidRef {
     /// Index into [`crate::cell::Robot::solids`].
     Robot(usize),
-    /// Index into [`Cell::operations`], and index of the solid among those that the operation holds.
+    /// Index into [`Cell::operations`], and index of the solid among those of the part held there.
     HeldPart(usize, usize),
     /// Index into [`Cell::equipment`], and index of the solid of that equipment.
     Equipment(usize, usize),

@@ -1,9 +1,10 @@
 //! Convex decomposition of link meshes: convex parts whose union contains the mesh.
 //!
 //! Every triangle belongs to one part, and a part is the convex hull of its triangles. So the parts contain
-//! the whole surface, however the triangles are divided among them. A part that bridges a hollow may collide
-//! where the mesh does not: the decomposition is conservative. A division from a cache is therefore safe if
-//! it names one part for each triangle.
+//! the whole surface, however the triangles are divided among them. A cached assignment of triangles to parts
+//! is therefore safe if it names one part for each triangle.
+//!
+//! The decomposition is conservative: a part that bridges a hollow may collide where the mesh does not.
 
 use nalgebra::Vector3;
 use parry3d::math as pm;
@@ -13,7 +14,7 @@ use parry3d::shape::{ConvexPolyhedron, RoundShape, SharedShape};
 /// Largest number of parts of a mesh. It is limited because each part is checked against every solid.
 const MAX_PARTS: usize = 16;
 
-/// Least reduction of the total volume of the parts by a cut, as a share of the volume of the mesh's hull.
+/// Limit that the volume saved by a cut must exceed, as a share of the volume of the mesh's hull.
 const MIN_GAIN: f64 = 0.01;
 
 /// Largest number of points from which the volume of a hull is estimated.
@@ -30,9 +31,9 @@ pub(super) struct Hull {
     solid: Option<ConvexPolyhedron>,
     /// Largest distance, m, by which a point of the part lies outside the hull.
     slack: f64,
-    /// Largest distance of one of the points from the origin, m.
+    /// Distance from the origin to the farthest of the points, m.
     reach: f64,
-    /// One of the points.
+    /// First of the points; it represents the hull in tests whether one solid lies inside another.
     pub(super) inside: pm::Vector,
 }
 
@@ -141,7 +142,7 @@ fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     part_of
 }
 
-/// Returns the cache key: everything that a division depends on.
+/// Returns the cache key: everything that the result of [`division`] depends on.
 fn key(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let mut key = b"sweetspot division 1\n".to_vec();
     key.extend(vertices.iter().flat_map(|v| [v.x, v.y, v.z]).flat_map(f64::to_le_bytes));

@@ -2,9 +2,11 @@
 //!
 //! For rounded shapes the distances computed by parry3d are wrong by up to 1.2e-5 m. So distances are
 //! measured between the solids before their rounding, and from the segments of capsules. The radii are then
-//! subtracted. parry3d gives the nearest points of two solids. For convex solids, the returned distance is
-//! the width, along the line through these points, of the empty slab between the solids. This width never
-//! exceeds the true distance. For a mesh, the returned distance is that between the nearest points.
+//! subtracted.
+//!
+//! parry3d gives the nearest points of two solids. Between two convex solids lies an empty slab,
+//! bounded by two planes perpendicular to the line through these points. The returned distance is the width
+//! of this slab, which never exceeds the true distance. For a mesh, it is the distance between these points.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;
@@ -21,15 +23,17 @@ use parry3d::shape::{Cuboid, Shape, SharedShape};
 /// Largest amount, m, by which a computed distance may exceed the true one.
 pub const ACCURACY: f64 = 1e-6;
 
-/// Requested distance from a mesh, m, above which its bounding box is checked instead of its triangles.
+/// Sum of clearance and displacement, m, above which a mesh is checked by its bounding box.
+///
+/// Below this sum, the mesh is checked by its triangles.
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;
 
 /// Result of a distance query: the least distance, and the two solids that have it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearness {
-    /// Least distance, m: 0 at contact, and at most the largest distance that the query asked for.
+    /// Least distance, m: 0 at contact, and at most the argument `max` of the query.
     pub distance: f64,
-    /// Nearest two solids; None if no pair is nearer than the largest distance that the query asked for.
+    /// Nearest two solids; None if no pair is nearer than the argument `max` of the query.
     pub pair: Option<Hit>,
 }
 
@@ -53,8 +57,8 @@ impl Scene {
     ///
     /// Two kinds of pairs are left out, because their distance tells nothing about the layout:
     ///
-    /// - the equipment of the operation and solids after the last joint, whose distance the standoff sets;
-    /// - the floor and solids that only the first joint moves.
+    /// - a solid after the last joint and the equipment of the operation: the standoff sets the distance;
+    /// - the floor and a solid that only the first joint moves.
     pub fn distance_at_work(
         &self,
         placed: &PlacedSolids,

@@ -26,20 +26,24 @@ impl Heights {
         Self { low, high, legs, has_solids: !equipment.solids.is_empty() }
     }
 
-    /// Returns the range in the world of equipment placed at height `z`, m.
+    /// Returns the heights in the world that equipment occupies if its frame is at height `z`, m.
     ///
-    /// Equipment without solids may be of any height.
+    /// Equipment without solids counts as occupying all heights.
     pub fn at(&self, z: f64) -> HeightRange {
         if self.has_solids { self.known_at(z) } else { (f64::NEG_INFINITY, f64::INFINITY) }
     }
 
-    /// Returns the range in the world of the solids and the surface of equipment placed at height `z`, m.
+    /// Returns the heights in the world that solids and surface occupy if the equipment is at height `z`, m.
+    ///
+    /// For equipment with legs the range has no lower end.
     pub fn known_at(&self, z: f64) -> HeightRange {
         (if self.legs { f64::NEG_INFINITY } else { z + self.low }, z + self.high)
     }
 }
 
-/// Returns the height of the solids of the robot base above the origin of its frame, m; infinite without any.
+/// Returns the height of the highest point of the robot base above the origin of its frame, m.
+///
+/// The height is infinite if the base has no solids.
 pub(super) fn base_top(robot: &Robot) -> f64 {
     let solids = robot.solids.iter().filter(|s| s.link == 0);
     solids.map(|s| extent(&s.solid.shape).1.z).reduce(f64::max).unwrap_or(f64::INFINITY)

@@ -1,7 +1,7 @@
 //! Floor plan: overlaps of equipment with other equipment, the robot base, keep-out boxes, floor and fence.
 //!
-//! Objects whose solids are at different heights, with the clearance between them, do not overlap: a lamp may
-//! hang over a table. The check in plan comes first, because it is cheap and usually decides.
+//! Two objects do not overlap if the vertical distance between their solids is at least the clearance. So a
+//! lamp may hang over a table. The check in plan comes first, because it is cheap and usually decides.
 
 use super::fence;
 use super::floor_heights::{HeightRange, Heights, base_top, rise};
@@ -56,9 +56,10 @@ impl FencePolygon {
 
     /// Returns how far a floor space reaches beyond the fence, m; 0 if it is inside and keeps the clearance.
     ///
-    /// The result is the largest of two kinds of lengths: the distances from the fence to corners outside it,
-    /// and the depths by which edges of the fence enter the floor space. The clearance is added to each
-    /// length.
+    /// The result is the largest of the following lengths, to each of which the clearance is added:
+    ///
+    /// - the distances from the fence to the corners of the floor space outside it;
+    /// - the depths by which edges of the fence enter the floor space.
     fn passed_by(&self, stand: &PlacedRectangle, clearance: f64) -> f64 {
         let outside = stand.corners().map(|corner| match fence::locate(&self.corners, corner) {
             (true, _) => 0.0,
@@ -105,7 +106,7 @@ pub struct FloorPlan {
     /// Index of the equipment on which each piece of equipment stands, if any.
     on: Vec<Option<usize>>,
     base: Rectangle,
-    /// Height of the robot base above the origin of its frame, m.
+    /// Height of the highest point of the robot base above the origin of its frame, m.
     base_top: f64,
     /// Keep-out boxes with their heights in the world.
     pub(super) keep_out: Vec<(PlacedRectangle, HeightRange)>,
@@ -268,7 +269,7 @@ impl FloorPlan {
     }
 }
 
-/// Returns the vertical distance from the fence, which occupies all heights.
+/// Returns the vertical distance from the fence: negative infinity, since the fence occupies all heights.
 fn fence_rise() -> f64 {
     f64::NEG_INFINITY
 }

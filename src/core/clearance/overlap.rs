@@ -1,4 +1,4 @@
-//! Overlap of two floor spaces, or a distance between them below the clearance, with its message to users.
+//! Overlaps of floor spaces, distances between them below the clearance, and messages that report both.
 
 use crate::cell::Cell;
 use crate::units::mm_from_m;
@@ -26,7 +26,7 @@ pub struct Overlap {
     pub depth: f64,
     /// Part of `depth` that is the required clearance, m.
     pub clearance: f64,
-    /// Vertical distance between the two, m; 0 if they share a height or if a height is not known.
+    /// Vertical distance between `a` and `b`, m; 0 if they share a height or if a height is not known.
     pub rise: f64,
 }
 
@@ -41,7 +41,7 @@ impl Overlap {
 
     /// Describes the overlap with the names that the cell gives to its objects.
     ///
-    /// If the two do not overlap, the text states how near they are to each other.
+    /// If `a` and `b` do not overlap, the text states how near they are to each other.
     pub fn in_words(&self, cell: &Cell) -> String {
         let name = |party: Party| match party {
             Party::Equipment(i) => cell.equipment[i].name.clone(),

@@ -10,7 +10,7 @@ use parry3d::bounding_volume::BoundingVolume;
 
 /// Distance, m, below which two solids count as touching.
 ///
-/// It exceeds the rounding of parry3d, so no contact is missed.
+/// It exceeds the rounding errors of parry3d, so no contact is missed.
 const TOUCHING: f64 = 1e-7;
 
 /// One solid that a frame of the robot carries.
@@ -18,7 +18,7 @@ pub(super) struct RobotSolid {
     pub(super) id: SolidRef,
     /// Index of the frame that carries the solid: 0 is the robot base, k the frame after row k of the chain.
     pub(super) frame: usize,
-    /// Index of the operation that holds the solid; None if the robot always carries it.
+    /// Index of the operation during which the robot holds the solid; None if the robot always carries it.
     pub(super) operation: Option<usize>,
     /// Index of the equipment that the held part may touch, if any.
     pub(super) may_touch: Option<usize>,
@@ -26,7 +26,7 @@ pub(super) struct RobotSolid {
     pub(super) bodies: Vec<CollisionBody>,
     /// Solid enlarged by [`TOUCHING`] alone, for distances and for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,
-    /// Closed mesh of a solid with several parts. It tells whether another solid lies wholly inside.
+    /// Closed mesh of a solid with several convex parts. It tells whether another solid lies wholly inside.
     pub(super) shell: Option<CollisionBody>,
     /// Bounding capsule of the solid without the clearance, in the carrier frame.
     pub(super) core: BoundingCapsule,
@@ -34,7 +34,7 @@ pub(super) struct RobotSolid {
     reach: f64,
 }
 
-/// Returns the solids of links and tool in the order of the robot, then the parts held by each operation.
+/// Returns the solids of links and tool in the order of the robot, then those held in each operation.
 pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     let mut links = Vec::new();
     for (k, s) in cell.robot.solids.iter().enumerate() {
@@ -162,7 +162,7 @@ impl RobotSolid {
             || other.swallows(other_frame, self, frame)
     }
 
-    /// Returns whether the closed mesh of this solid contains a point of the other solid.
+    /// Returns whether the closed mesh of this solid contains [`CollisionBody::inside`] of a body of `other`.
     pub(super) fn swallows(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         let Some(shell) = &self.shell else { return false };
         let inside = |b: &CollisionBody| {

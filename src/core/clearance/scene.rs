@@ -25,7 +25,7 @@ pub struct Scene {
     pub(super) links: Vec<RobotSolid>,
     /// Bounding spheres of the robot solids, in the order of `links`.
     pub(super) bounding_spheres: Vec<BoundingSphere>,
-    /// Pairs of robot solids, each with the reason why it may touch, if any.
+    /// Pairs of robot solids; each states whether a contact is allowed, and why.
     self_collision_pairs: Vec<SelfCollisionPair>,
     /// Pairs of robot solids that must not touch, as indices into `links`.
     pub(super) checked: Vec<(usize, usize)>,
@@ -71,8 +71,10 @@ impl Scene {
         }
     }
 
-    /// Returns every pair of robot solids, tool and held parts included, with the reason why it may touch, if
-    /// any.
+    /// Returns every pair of robot solids, tool and held parts included.
+    ///
+    /// Each pair states whether a contact is allowed, and why. There are no pairs if self-collision is not
+    /// checked.
     pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
         &self.self_collision_pairs
     }
@@ -143,9 +145,10 @@ impl Scene {
         outside.is_none() && self.own_hit(frames, capsules, operation).is_none()
     }
 
-    /// Returns the index of the first moving robot solid with a contact, and the contact as in `first_hit`.
+    /// Returns the first moving robot solid that touches equipment, fence or floor.
     ///
-    /// The method checks contacts with equipment, fence and floor, but not self-collisions.
+    /// The index of the robot solid comes first, then its contact as returned by [`Self::first_hit`].
+    /// Self-collisions are not checked.
     fn outside_hit(
         &self,
         bodies: &[PlacedSolid],
@@ -177,7 +180,7 @@ impl Scene {
 
     /// Returns the first contact of a link with floor, equipment or fence.
     ///
-    /// The index of the placed solid comes with it; None for the floor.
+    /// The second value is the index of the placed solid; None for the floor.
     fn first_hit(
         &self,
         link: &RobotSolid,
@@ -237,7 +240,9 @@ impl Scene {
     }
 }
 
-/// Returns whether the closed mesh of a link contains a point of a solid of equipment.
+/// Returns whether the closed mesh of a link contains [`CollisionBody::inside`] of an equipment solid.
+///
+/// For a leg, the tested point is the centre.
 pub(super) fn swallows(link: &RobotSolid, frame: &Pose, part: &EquipmentSolid, pose: &pm::Pose) -> bool {
     let Some(shell) = &link.shell else { return false };
     let inside = match part {

@@ -11,7 +11,7 @@ use crate::robot::Chain;
 /// If two solids touch in all of them, the program assumes that they overlap in the model of the robot.
 const SAMPLES: usize = 400;
 
-/// Reason why a pair of robot solids may touch.
+/// Reason why two solids of the robot may touch each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowed {
     /// The two solids belong to one rigid body.
@@ -41,11 +41,13 @@ impl Allowed {
 pub struct SelfCollisionPair {
     pub a: SolidRef,
     pub b: SolidRef,
-    /// Reason why the pair may touch; None if a contact is a collision.
+    /// Reason why the two solids may touch; None if a contact is a collision.
     pub allowed: Option<Allowed>,
 }
 
-/// Returns every pair of robot solids that exist at the same time; none if self-collision is not checked.
+/// Returns every pair of robot solids that are present in the same operation.
+///
+/// There are no pairs if self-collision is not checked.
 pub(super) fn find(cell: &Cell, links: &[RobotSolid]) -> Vec<SelfCollisionPair> {
     if !cell.robot.self_collision.checked {
         return Vec::new();

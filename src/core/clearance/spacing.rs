@@ -9,9 +9,9 @@ use crate::geometry::{PlanePoint, convex_hull, polygon_area};
 impl FloorPlan {
     /// Returns the least distance between floor spaces that must not overlap, at most `max` (m).
     ///
-    /// The distance between two floor spaces is measured in plan or, if their heights differ, between the
-    /// upright boxes above them. The result is 0 if any two of them overlap. A pair that the search cannot
-    /// move does not count, because its distance is the same in every layout.
+    /// Each distance is the root sum square of the distance in plan and the vertical distance of the solids.
+    /// The result is 0 if any two floor spaces overlap. A pair that the search cannot move does not count,
+    /// because its distance is the same in every layout.
     pub fn spacing(&self, cell: &Cell, layout: &Layout, max: f64) -> f64 {
         if !self.enabled {
             return max;

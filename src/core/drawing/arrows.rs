@@ -11,8 +11,9 @@ use std::f64::consts::TAU;
 
 /// Length of the longest arrow, as a multiple of the distance between nodes.
 const LONGEST_ARROW: f64 = 1.5;
-/// Length of an arrow head as a share of the arrow length; the second value limits it, as a share of the node
-/// distance.
+/// Length of an arrow head as a share of the arrow length.
+///
+/// The second value is the upper limit of this length as a share of the distance between nodes.
 const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
 /// Half width of an arrow head and half width of its shaft, each as a share of the length of the head.
 const HALF_WIDTH: (f64, f64) = (0.35, 0.12);
@@ -79,7 +80,7 @@ pub struct Arrow {
 }
 
 impl Arrow {
-    /// Returns the ends of the four lines from the tip that draw the head, m.
+    /// Returns the outer ends of the four lines that start at the tip and draw the head, m.
     ///
     /// The first two lines show the head in a view from above, the last two in a view from the side.
     pub fn barbs(&self) -> [Vector3<f64>; 4] {
@@ -161,9 +162,9 @@ impl Field {
 
     /// Returns the size of one component of the error at a node, m.
     ///
-    /// `take` selects model and reading (index into [`Field::takes`]). If `is_signed` is true, the component
-    /// along an axis has its sign; otherwise the result is the unsigned figure of the reading. Returns None
-    /// for a node without a usable posture.
+    /// `take` selects model and reading (index into [`Field::takes`]). If `is_signed` is true, the result
+    /// is the signed component along an axis, or the length of the resultant. Otherwise the result is the
+    /// unsigned figure of the reading. Returns None for a node without a usable posture.
     pub fn size_of(&self, take: usize, component: Component, node: usize, is_signed: bool) -> Option<f64> {
         let take = &self.takes[take];
         let error = take.error[node]?;

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 pub struct ErrorView {
     pub model: Model,
     pub reading: Reading,
-    /// Figure that the statistical reading shows (RMS, mean, percentile, yield).
+    /// Quantity of the statistical reading; a yield is shown as the 95th percentile.
     pub quantity: Quantity,
 }
 
@@ -92,7 +92,7 @@ pub struct ViewedErrors {
     /// In the signed reading this is the error of the signed sample. Otherwise it is the error at the corner
     /// of the tolerance box that is worst in the sense of the operation.
     pub error: Vec<Option<Vector3<f64>>>,
-    /// Values of the reading, m, rad or a share: one list per sense, with one entry per node.
+    /// Figures of the reading, m or rad: one list per sense, with one entry per node.
     pub values: Vec<Vec<Option<f64>>>,
     /// Spot under this model and reading, as an index into [`Field::nodes`].
     ///
@@ -132,7 +132,7 @@ impl Field {
         self.nodes.iter().enumerate().filter(|(_, n)| n.is_ok()).map(|(k, _)| k)
     }
 
-    /// Returns the least and the greatest value of the usable nodes in a sense, m, rad or a share.
+    /// Returns the least and the greatest value of the usable nodes in a sense, m or rad.
     ///
     /// `take` selects model and reading (index into [`Self::takes`]).
     pub fn range(&self, take: usize, sense: usize) -> Option<(f64, f64)> {

@@ -7,20 +7,20 @@ use crate::robot::Chain;
 
 /// Speed of the fastest joint, rad/s. A prismatic travel equal to the reach of the arm counts as 1 rad.
 const SPEED: f64 = 0.8;
-/// Duration of a rest at home or at a spot, s.
+/// Duration of a stop at home or at a spot, s.
 const REST: f64 = 0.6;
 /// Time between two frames of the animation, s.
 const TICK: f64 = 0.05;
-/// Longest duration of a straight move in joint coordinates, s.
+/// Longest duration of a straight move in joint coordinates, s; longer moves are shown faster.
 const MAX_DURATION: f64 = 6.0;
 
-/// Stop of the animation: a posture in which the robot rests.
+/// Stop of the animation: a posture in which the robot stands still for a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovementStop {
-    /// Operation at whose spot the robot rests; None at home.
+    /// Operation at whose spot the robot stops; None at home.
     pub operation: Option<usize>,
     pub joints: JointVector,
-    /// Time at which the rest starts, s.
+    /// Time at which the stop begins, s.
     pub time: f64,
 }
 
@@ -94,7 +94,7 @@ impl Movement {
     }
 }
 
-/// Builder of a [`Movement`], which appends moves and rests.
+/// Builder of a [`Movement`] that appends moves and stops.
 struct MovementBuilder<'a> {
     chain: &'a Chain,
     base: Pose,

@@ -16,7 +16,7 @@ pub enum GlyphRing {
 /// Severity of a glyph; each picture has its own colours for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GlyphTone {
-    /// The arm cannot hold its tool at the node, or the error is unknown.
+    /// No posture for the node was found, or its error cannot be computed.
     Quiet,
     /// The posture is nearly singular.
     Warning,
@@ -46,7 +46,7 @@ pub struct NodeGlyph {
     pub tone: GlyphTone,
 }
 
-/// Absolute x and y of the points at 45 degrees on the ring, in units of the radius of the ring.
+/// Absolute value of x and y at the points of the ring at 45 degrees, in units of its radius.
 const C: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 const RISING: GlyphStroke = &[(-C, C), (C, -C)];

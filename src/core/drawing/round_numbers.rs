@@ -1,4 +1,4 @@
-//! Round numbers for scale bars and enlargements.
+//! Round numbers for scale bars and for the factor that enlarges arrows.
 
 /// Leading factors 1, 2 and 5 of round numbers.
 pub const ONE_TWO_FIVE: &[f64] = &[1.0, 2.0, 5.0];

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Axes of a view in the world frame: unit vectors to the right, up and towards the eye (right-handed).
 pub type ViewAxes = [Vector3<f64>; 3];
 
-/// View from above, against z; [`FRONT`] is the view from the front, along y.
+/// View from above, in the direction -z; [`FRONT`] is the view from the front, in the direction +y.
 pub const ABOVE: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
 pub const FRONT: ViewAxes =

@@ -6,8 +6,10 @@ use std::cmp::Ordering;
 
 /// Posture that might be the spot of an operation.
 ///
-/// Candidates are ordered by value, then node, then branch, the best one last: a
-/// [`std::collections::BinaryHeap`] then returns the best one first.
+/// The best candidate is the greatest one, so a [`std::collections::BinaryHeap`] returns it first.
+///
+/// A candidate is better if its value is less. If values are equal, the lower node index is better, then the
+/// lower branch index.
 #[derive(Clone, Copy)]
 pub struct PostureCandidate {
     pub spot: Spot,

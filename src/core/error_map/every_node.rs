@@ -8,8 +8,7 @@ use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
 use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::reach::Gap;
 
-/// Candidates of each node in turn, best first, and the missing distances of the nodes that cannot be
-/// reached.
+/// Candidates of each node in turn, best first, and the summed gaps of the nodes that cannot be reached.
 #[derive(Default)]
 struct CandidatesByNode {
     candidates: Vec<PostureCandidate>,
@@ -32,7 +31,7 @@ impl PostureVisitor for CandidatesByNode {
     }
 }
 
-/// Sums of the missing distances ([`Gap`]) of the nodes that cannot be reached.
+/// Sums of the gaps ([`Gap`]) of the nodes that cannot be reached.
 #[derive(Default)]
 struct UnreachedNodes {
     out_of_reach: usize,
@@ -52,9 +51,10 @@ impl UnreachedNodes {
         }
     }
 
-    /// Returns the mean missing distance over all nodes; None if all nodes are reached.
+    /// Returns the mean [`Gap`] over all nodes; None if all nodes are reached.
     ///
-    /// The mean decreases whenever a node comes nearer to the reach of the arm.
+    /// If a node is out of reach, the result is the mean distance, without violations of limits. This mean
+    /// decreases whenever an unreached node comes nearer to the reach of the arm.
     fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
@@ -65,7 +65,9 @@ impl UnreachedNodes {
 }
 
 impl PlacedLayout<'_> {
-    /// Finds the least-error spot of an operation, or the value of all its nodes.
+    /// Finds the spot of an operation and its value.
+    ///
+    /// For an operation at every node, the value combines all nodes, and the spot is the worst node.
     ///
     /// `spots` holds the spots of the earlier operations.
     pub fn outcome(

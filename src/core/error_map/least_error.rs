@@ -11,7 +11,7 @@ use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::reach::{Gap, ToolAttitudes};
 use std::collections::BinaryHeap;
 
-/// Candidates of all nodes, and the least missing distance ([`Gap`]) of the nodes that are out of reach.
+/// Candidates of all nodes, and the least [`Gap`] of the nodes that cannot be reached.
 struct AllCandidates<'c> {
     candidates: &'c mut Vec<PostureCandidate>,
     is_reached: bool,
@@ -52,11 +52,12 @@ impl PlacedLayout<'_> {
         outcome
     }
 
-    /// Returns the missing distance if the link lengths alone show that no node is in reach; None otherwise.
+    /// Returns the [`Gap`] of the layout if the link lengths alone show that no node is in reach; None
+    /// otherwise.
     ///
-    /// Inverse kinematics computes the missing distance for the node nearest to the reach of the arm. A
-    /// [walk](OperationQuery::walk) over all nodes finds the same distance. The cost is therefore the same
-    /// whether a layout is judged here or by a walk.
+    /// Inverse kinematics computes the gap for the node nearest to the reach of the arm. A
+    /// [walk](OperationQuery::walk) over all nodes finds the same gap. The penalty of the layout is therefore
+    /// the same with and without this shortcut.
     fn beyond_reach(&self, surface: &PlacedSurface<'_>, attitudes: &mut ToolAttitudes) -> Option<Gap> {
         let shell = self.mapper.shells[surface.operation].as_ref()?;
         let (grid, inverse) = (self.mapper.grid(surface.operation), self.mapper.inverse());
@@ -92,8 +93,9 @@ impl OperationQuery<'_> {
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }
 
-    /// Finds the spot by judging only nodes whose lower bound is not above the least error found; None if the
-    /// nodes cannot be ranked or no node can be reached.
+    /// Finds the spot by judging only nodes whose error bound is at most the least error found.
+    ///
+    /// The bound is a lower bound. Returns None if the nodes cannot be ranked or no node can be reached.
     ///
     /// The spot is bit-identical to the one that [`Self::judged`] finds.
     fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {

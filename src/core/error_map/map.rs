@@ -73,7 +73,8 @@ impl OperationQuery<'_> {
 
     /// Judges one node by its candidates, which must be sorted with the best one first.
     ///
-    /// Returns the status, and the candidate to record with the context of its errors.
+    /// Returns the status. The second value is the context in which errors are computed and the candidate to
+    /// record; None if there is no candidate.
     fn judge(
         &self,
         node: &VisitedNode,

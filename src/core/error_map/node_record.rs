@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Status {
     Ok,
-    /// No posture reaches the node; `by` is the missing distance, m.
+    /// No posture reaches the node; `by` is its distance from the nearest reachable point, m.
     OutOfReach {
         by: f64,
     },
@@ -30,8 +30,8 @@ pub enum Status {
         position: f64,
         angle: f64,
     },
-    /// Every posture exceeds a joint limit. `violation` is the least violation, and `needs` the coordinate
-    /// (rad or m) that its joint would need.
+    /// Every posture exceeds a joint limit. `violation` is that of the posture with the least violation.
+    /// `needs` is the coordinate (rad or m) of the violating joint in that posture.
     JointLimit {
         violation: LimitViolation,
         needs: f64,
@@ -187,8 +187,10 @@ pub struct OperationMap {
     /// Senses in which every node is reported: those of the seed paper and the operation's own sense.
     pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
-    /// Index of the node shown as the spot: the usable node with the least value. For an operation at every
-    /// node it is the node with the greatest value; None unless all nodes are usable.
+    /// Index of the node shown as the spot: the usable node with the least value.
+    ///
+    /// For an operation at every node, the index is that of the node with the greatest value. It is None if
+    /// any node of such an operation is unusable.
     pub best: Option<usize>,
     /// Value of the operation: the value of the best node, or the combined value of all nodes.
     pub value: Option<f64>,
@@ -230,8 +232,8 @@ impl OperationMap {
 
     /// Compares a model with the nonlinear one over the usable nodes.
     ///
-    /// Returns the largest deviation (a share of the nonlinear resultant), the number of nodes whose
-    /// deviation exceeds `guard`, and the number of usable nodes.
+    /// Returns the largest deviation, as a share of the nonlinear resultant. Two counts follow: the nodes
+    /// whose deviation exceeds `guard`, and all usable nodes.
     pub fn off(&self, model: Model, guard: f64) -> (f64, usize, usize) {
         self.usable().map(|(_, _, p)| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
             (f64::max(most, off), above + usize::from(off > guard), all + 1)

@@ -9,12 +9,15 @@ pub struct Spot {
     /// Index of the node.
     pub node: usize,
     pub branch: u32,
-    /// Value that the search minimizes: an error in the sense of the operation or a statistic of it (m or
-    /// rad), or a share of failures.
+    /// Value that the search minimizes: an error, a statistic of it (m or rad), or a share of failures.
+    ///
+    /// The error is measured in the sense of the operation.
     pub value: f64,
 }
 
 /// Result of one operation in one layout.
+///
+/// For an operation at every node, a collision or refusal concerns the first node that cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     Found(Spot),
@@ -27,7 +30,9 @@ pub enum Outcome {
         nearest: Spot,
         refusal: PostureRefusal,
     },
-    /// No node has a posture within the joint limits.
+    /// No node has a posture that keeps joint limits and attitude.
+    ///
+    /// An operation at every node is also unreachable if a single node has no such posture.
     Unreachable {
         gap: Gap,
     },

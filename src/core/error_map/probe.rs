@@ -76,7 +76,7 @@ impl<'a> Probe<'a> {
         self.context().map_or(f64::INFINITY, |context| context.distance_from_touched(&self.target(at)))
     }
 
-    /// Finds the least-error usable posture at a point, judged as at a node.
+    /// Finds the least-error usable posture at a point, by the rules that apply to nodes.
     ///
     /// # Errors
     /// Returns the status of the point if it cannot be used.
@@ -99,8 +99,9 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value at a held point after the layout has changed. The joints follow the moved surface
-    /// in the held branch.
+    /// Computes the value at a held point after the layout has changed.
+    ///
+    /// Closed-form inverse kinematics gives the posture of the held branch at the moved point.
     ///
     /// Numeric inverse kinematics does not keep branch indices from target to target. With such an arm, the
     /// posture nearest to the held joints is taken.
@@ -124,8 +125,9 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value with a held posture even if this posture collides or, with closed-form inverse
-    /// kinematics, exceeds a joint limit.
+    /// Computes the value with a held posture, even if this posture collides.
+    ///
+    /// The posture may also exceed a joint limit if the inverse kinematics is in closed form.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.branch_near(held)?;
         self.value(&branch.posture).ok()

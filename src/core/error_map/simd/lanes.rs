@@ -1,4 +1,4 @@
-//! Arithmetic in SIMD lanes: one f64 for each of several nodes, as many nodes as the processor has lanes.
+//! Arithmetic in SIMD lanes: each lane holds one f64 of one node.
 
 use std::ops::{Add, BitOr, Mul, Neg, Sub};
 
@@ -75,14 +75,13 @@ impl<S: Simd> Lanes<S> {
         Self { of: self.simd.mul_add_e_f64s(self.of, by.of, plus.of), ..self }
     }
 
-    /// Returns the lanes in which the number is greater than `other`; false if either number is NaN.
+    /// Returns a mask: true in the lanes whose number is greater than `other`, false if either number is NaN.
     #[inline(always)]
     pub fn is_above(self, other: f64) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.greater_than_f64s(self.of, self.simd.splat_f64s(other)) }
     }
 
-    /// Returns the lanes in which the number is less than the number in `other`; false if either number is
-    /// NaN.
+    /// Returns a mask: true in the lanes whose number is less than that of `other`, false if either is NaN.
     #[inline(always)]
     pub fn is_below(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.less_than_f64s(self.of, other.of) }
