@@ -67,7 +67,7 @@ fn touching_postures(
     widest(&all).filter(is_wide)
 }
 
-/// Computes the height of the triangle of three TCPs over its longest side, m.
+/// Computes the height (m) of the triangle with three TCPs as corners, perpendicular to its longest side.
 fn height(p: &[Frames; 3]) -> f64 {
     let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
     let longest = (b - a).norm().max((c - a).norm()).max((c - b).norm());

@@ -1,10 +1,10 @@
 //! Walk over all nodes: it judges every branch of every node, and finds the best usable one.
 //!
 //! An [`OperationQuery`] is one operation in one placed layout. Its [walk](OperationQuery::walk) solves the
-//! inverse kinematics of each node and judges each posture within the joint limits, which means that it
-//! computes the value of the posture. It hands these postures to a [`PostureVisitor`].
-//! [`OperationQuery::first_free`] then takes candidates, best first, until one is free of collisions and
-//! allowed by the motion rules. Search, map and probe all use these functions, so they apply the same rules.
+//! inverse kinematics of each node. It judges each posture within the joint limits: it computes the value of
+//! the posture and passes posture and value to a [`PostureVisitor`]. [`OperationQuery::first_free`] then
+//! takes candidates, best first, until one is free of collisions and allowed by the motion rules. Search, map
+//! and probe all use these functions, so they apply the same rules.
 
 use super::candidate::PostureCandidate;
 use super::node_record::Status;
@@ -23,17 +23,19 @@ pub struct OperationQuery<'a> {
     pub placed: &'a PlacedLayout<'a>,
     pub setup: &'a OperationSetup,
     pub operation: usize,
-    /// Frame of the equipment in the robot base frame.
+    /// Pose of the equipment in the robot base frame.
     pub at: Placement,
     /// Attitudes of the tool over the surface.
     pub attitudes: ToolAttitudes,
-    /// Everything besides the posture that the errors depend on, or the reason why they cannot be computed.
+    /// Data, other than the posture, from which the errors are computed; or the reason why they cannot be
+    /// computed.
     pub context: Result<WorkContext, Unjudged>,
 }
 
 /// Visitor that receives the postures of a walk.
 pub trait PostureVisitor {
-    /// Whether to judge also the nodes that the robot touches to teach the frame, which cannot be the spot.
+    /// Whether to judge also the nodes that the robot touches to teach the frame. Such a node cannot be the
+    /// spot.
     const JUDGES_TOUCHED: bool = false;
 
     /// Receives a posture within the joint limits.
@@ -50,8 +52,7 @@ pub struct VisitedNode {
     pub node: usize,
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
-    /// Missing distance to a posture that reaches the node within the joint limits; None if such a posture
-    /// exists.
+    /// Measure of how far the node is from having a usable posture; None if it has one.
     pub missed: Option<Gap>,
 }
 
@@ -95,7 +96,7 @@ impl<'a> OperationQuery<'a> {
         Self::reusing(placed, &placed.surface(operation), spots, ToolAttitudes::default())
     }
 
-    /// Prepares the operation of a surface, reusing the memory of `attitudes`.
+    /// Prepares the operation that happens on `surface`, reusing the memory of `attitudes`.
     pub fn reusing(
         placed: &'a PlacedLayout<'a>,
         surface: &PlacedSurface<'_>,
@@ -140,7 +141,7 @@ impl<'a> OperationQuery<'a> {
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
     }
 
-    /// Checks candidates in the order of `next`, best first, until one can be used.
+    /// Checks the candidates that `next` returns, best first, until one can be used.
     ///
     /// The inverse kinematics of a candidate is solved again here. That costs less than storing the postures
     /// of all nodes, because few candidates are checked.

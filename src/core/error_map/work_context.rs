@@ -1,4 +1,4 @@
-//! Context of an operation in one layout: everything besides its own posture that its errors depend on.
+//! Context of an operation in one layout: the data, other than its posture, that determine its errors.
 
 use super::outcome::{Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
@@ -6,7 +6,7 @@ use super::teaching::work_frame;
 use crate::reading::WorkContext;
 
 impl PlacedLayout<'_> {
-    /// Computes everything besides the posture that the errors of an operation depend on.
+    /// Computes the data, other than the posture, that determine the errors of an operation.
     ///
     /// `spots` holds the spots of the earlier operations.
     ///

@@ -21,8 +21,9 @@ pub struct MotionTerm {
 impl MotionTerm {
     const NONE: Self = Self { g: Vector3::new(0.0, 0.0, 0.0), w: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns the effect of motion `k` in the order of [`Parameter::of_robot`]; it must not be a motion of a
-    /// joint frame.
+    /// Returns the effect of the motion with index `k` in the order of [`Parameter::of_robot`].
+    ///
+    /// Motions of joint frames are not allowed here; [`Self::of_joint`] handles them.
     ///
     /// The motion with the index of the parameter dq is the rotation about the joint axis, even for a
     /// prismatic joint. A prismatic joint moves by the translation with the index of dr.
@@ -99,7 +100,8 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
 
 /// Returns the error by the second-order model.
 ///
-/// Each small motion is rotated by the sum of all rotations nearer to the base plus half of its own rotation.
+/// The displacement by each small motion is rotated by the sum of all rotations nearer to the base, plus half
+/// of its own rotation. The rotation vectors are composed to second order.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());

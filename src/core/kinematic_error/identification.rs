@@ -105,8 +105,7 @@ pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length:
     values.max() / values.min()
 }
 
-/// Returns the translational parameters that depend linearly on others because of prismatic joints between
-/// them.
+/// Returns the translational parameters that depend linearly on others at a run of prismatic joints.
 fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
     // Nothing rotates within a run of prismatic joints, so the angles between its translations are the same
     // in every posture.

@@ -140,9 +140,9 @@ impl Perturbation {
 
     /// Returns the sizes of the small motions (m or rad) in the order of [`Parameter::of_robot`].
     ///
-    /// The entries of dq and dr hold the errors of the D-H coordinates theta and r, which include the joint
-    /// coupling. The second slice holds the motions of the joint frames. It is empty if no joint frame has an
-    /// error.
+    /// The first slice holds the motions of links, base and tool. Its entries for dq and dr are the errors of
+    /// the D-H coordinates theta and r, which include the joint coupling. The second slice holds the motions
+    /// of the joint frames; it is empty if no joint frame has an error.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]

@@ -9,7 +9,7 @@ use crate::clearance::{Overlap, PlacedSolids};
 use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
 
-/// Penalty of every infeasible layout, multiplied by [`Workcell::weight`].
+/// Penalty of every infeasible layout, as a multiple of [`Workcell::weight`].
 ///
 /// The penalty is greater than any weighted error in m, so that no infeasible layout ranks before a feasible
 /// one.

@@ -26,13 +26,14 @@ impl Workcell {
     /// Computes the values of goals (m, rad, m^2 or shares) of a layout; None if it is not feasible.
     ///
     /// - error: the objective.
-    /// - clearance: the least distance between the robot, with the parts it holds, and anything else at the
-    ///   nodes where an operation happens. Distances between floor spaces, in plan and height, count, too. The
-    ///   value is at most [`MAX_CLEARANCE`], which is also the value if collision is not checked. Three kinds of pairs do
-    ///   not count: the equipment worked on and solids after the last joint (the standoff sets their
-    ///   distance); the floor and solids that only the first joint moves; two floor spaces that cannot move.
-    /// - joint limits, singularity: the least value of [`measures`] at these nodes, with the joint limits of
-    ///   the robot file.
+    /// - clearance: the least distance from the robot and the parts it holds to floor, equipment and fence.
+    ///   It is taken over all nodes where an operation happens. Distances between floor spaces, in plan and
+    ///   height, count, too. The value is at most [`MAX_CLEARANCE`], which is also the value if collision is
+    ///   not checked. Three kinds of pairs do not count: the equipment worked on and solids after the last
+    ///   joint (the standoff sets their distance); the floor and solids that only the first joint moves; two
+    ///   floor spaces that cannot move.
+    /// - joint limits, singularity: the least value of [`measures`] at the nodes where an operation happens,
+    ///   with the joint limits of the robot file.
     /// - travel: the joint travel of the transfers or, if they are not checked, of direct moves from spot to
     ///   spot.
     /// - footprint: area of the convex hull of the floor spaces of robot base and equipment.

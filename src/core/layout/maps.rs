@@ -41,11 +41,11 @@ impl Workcell {
         OperationMap { operation, senses, nodes: Vec::new(), best: None, value: None }
     }
 
-    /// Maps the operations that have no spot: the node statuses of [`Workcell::maps`], without postures and
-    /// errors.
+    /// Maps the operations that have no spot. Each node has the status that [`Workcell::maps`] gives it, but
+    /// no posture and no errors.
     ///
-    /// This is many times faster, because it does not compute the error of every node. If the layout does not
-    /// belong to the cell, the result is that of [`Workcell::maps`].
+    /// This is many times faster than [`Workcell::maps`], because the error of every node is not computed. If
+    /// the layout does not belong to the cell, both functions return the same maps.
     pub fn maps_without_spot(&self, layout: &Layout) -> Vec<OperationMap> {
         if self.cell.misfit(layout).is_some() {
             return self.maps(layout);

@@ -5,7 +5,7 @@ use super::workcell::Workcell;
 use crate::cell::Layout;
 use crate::clearance::{Overlap, Party};
 
-/// Returns the greatest sum of overlap depths over all misplacements of a layout, m.
+/// Returns the greatest sum of overlap depths, m, that any checked misplacement of a layout causes.
 ///
 /// Overlaps with the floor do not count: if equipment stands lower than drawn, the floor under it is lower,
 /// too.

@@ -3,14 +3,15 @@
 use super::workcell::Workcell;
 use crate::cell::{Cell, Objective, Unit};
 
-/// Penalty of a feasible layout that misses a limit, multiplied by [`Workcell::weight`].
+/// Penalty of a feasible layout that misses a limit, as a multiple of [`Workcell::weight`].
 ///
 /// Such a layout ranks after every layout that keeps its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
-/// Value below which all values are in the first step of [`lexicographic`] (m, rad or a share).
+/// Value (m, rad or a share) below which [`lexicographic`] puts all first values into one step.
 const LEAST_STEP: f64 = 1e-9;
-/// Value of a later operation that fills half a step of the operation before it (m, rad or a share).
+/// Combined value of the later operations (m, rad or a share) that puts the result of [`lexicographic`] in
+/// the middle of a step.
 const HALF_STEP: f64 = 1e-3;
 
 impl Workcell {
@@ -55,7 +56,7 @@ pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
 ///
 /// The range of the first value is divided into steps of relative width `indifference`. Among first values in
 /// one step, the second value decides in the same way, and so on for later values. The result is near the
-/// first value and rises with each value.
+/// first value, and never falls if a value rises.
 fn lexicographic(values: &[f64], indifference: f64) -> f64 {
     let [first, later @ ..] = values else { return 0.0 };
     if later.is_empty() {

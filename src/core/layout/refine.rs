@@ -1,10 +1,10 @@
 //! Refined spot of an operation between the nodes, by compass search over the surface from the best nodes.
 //!
-//! Eight directions are polled at one distance, and the step with the largest gain is taken. If no direction
-//! gains in several polls, the distance is halved. The distance starts at half the spacing of the nodes and
-//! ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions rotate by
-//! the golden angle from poll to poll, so that they meet an edge of the usable area at many angles. Only
-//! gains are accepted, so the refined spot is never worse than the best node.
+//! Eight directions are polled at one distance, and the step with the largest gain is taken. After several
+//! successive polls without a gain, the distance is halved. The distance starts at half the spacing of the
+//! nodes and ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions
+//! rotate by the golden angle from poll to poll, so that they meet an edge of the usable area at many angles.
+//! Only gains are accepted, so the refined spot is never worse than the best node.
 //!
 //! The branch of the posture stays the same during a search. At the end point every branch is judged, as at a
 //! node. If another branch is better there, a search with that branch follows. The other operations stay at
@@ -65,7 +65,7 @@ impl Workcell {
     /// Refines the spot of every operation.
     ///
     /// The entry is None for an operation that has no spot, has listed points, or happens at every node. All
-    /// are None if the layout does not belong to the cell.
+    /// entries are None if the layout does not belong to the cell.
     pub fn refined(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Refined>> {
         if self.cell.misfit(layout).is_some() {
             return vec![None; maps.len()];

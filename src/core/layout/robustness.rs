@@ -4,7 +4,7 @@
 //! placement tolerances: the robot base, the equipment with the point, and the equipment that carries it. If
 //! the operation is relative to a pick, the equipment of the pick and its carriers move, too. The controller
 //! is assumed to know where the bodies are. Placement errors that the controller does not know are given as
-//! `errors` of the equipment. With every registration, a misplacement therefore acts only through the
+//! `errors` of the equipment. Whatever the registration, a misplacement therefore acts only through the
 //! posture. For a taught frame, the postures in which the robot touches the taught points change, too.
 //!
 //! - Worst corner: all corners of the box of tolerances are checked, up to 8 dimensions. For a larger box,
@@ -14,10 +14,10 @@
 //!   in the way.
 //! - Gradient: central differences.
 //! - Largest allowed misplacement: a multiple of the box, a distance in plan and a yaw. A misplacement is
-//!   allowed if the posture is usable and the value is within its limit. The checks are made at the corners
-//!   and the middles of all edges and faces of the box, in 16 directions in plan, and in both directions of
-//!   yaw. The scale grows by the factor [`STRIDE`] until a check fails, then bisection follows. A failure
-//!   that occurs only between two scales is missed.
+//!   allowed if no floor spaces overlap, the posture is usable and the value is within its limit. The checks
+//!   are made at the corners and the middles of all edges and faces of the box, in 16 directions in plan, and
+//!   in both directions of yaw. The scale grows by the factor [`STRIDE`] until a check fails, then bisection
+//!   follows. A failure that occurs only between two scales is missed.
 
 use super::misplaced_overlaps::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -45,8 +45,9 @@ const DIRECTIONS: usize = 16;
 /// Factor by which the displacement allowed in all checked directions is reduced, so that every direction
 /// allows it.
 ///
-/// A straight edge of the allowed region may be nearest between two checked directions. Its distance is then
-/// at least the displacement found, times the cosine of half the angle between these directions.
+/// The nearest point of a straight edge of the allowed region may lie between two checked directions. The
+/// distance to this point is at least the displacement found, times the cosine of half the angle between
+/// neighbouring directions.
 const DIRECTION_FACTOR: f64 = 0.98; // cos(11.25 deg) = 0.9808
 
 /// Misplacement, with the value of the operation at it (m, rad or a share).
@@ -56,7 +57,8 @@ pub struct Corner {
     pub value: f64,
 }
 
-/// Misplacement at which the posture of the operation cannot be used, with the reason.
+/// Misplacement at which floor spaces overlap or the posture of the operation cannot be used, with the
+/// reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lost {
     pub moves: Moves,
@@ -71,7 +73,7 @@ pub enum MisplacementEnd {
     Limit(Corner),
 }
 
-/// Largest misplacement at which the operation keeps reach, clearance and limit.
+/// Largest misplacement at which the posture stays usable and the value within its limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest {
     /// Size of the misplacement: a multiple of the tolerance box, a distance in m, or an angle in rad.
@@ -85,22 +87,21 @@ pub struct Largest {
 pub struct Robustness {
     /// Value as drawn, m, rad or a share.
     pub value: f64,
-    /// Box of tolerances: coordinates that may be misplaced, with half widths (m, rad); empty if there are no
-    /// tolerances.
+    /// Box of the tolerances on which the operation depends: coordinates with half widths (m, rad).
     pub tolerance: Moves,
     /// Number of corners of the placement tolerances that were checked.
     pub corners: usize,
-    /// Corner with the greatest value; None if there are no tolerances, or if every corner is in `lost`.
+    /// Corner with the greatest value; None if `tolerance` is empty, or if every corner is in `lost`.
     pub worst: Option<Corner>,
-    /// Corners of the placement tolerances at which the posture of the operation cannot be used.
+    /// Corners of the placement tolerances at which floor spaces overlap or the posture cannot be used.
     pub lost: Vec<Lost>,
-    /// Derivative of the value with respect to each coordinate, per m or rad; None if the arm cannot reach so
-    /// far.
+    /// Derivative of the value with respect to each coordinate, per m or rad; None if the arm cannot reach
+    /// one of the two points of the central difference.
     ///
     /// Joint limits are ignored. The list has an entry for x, y, z and yaw of the equipment, and for every
     /// other coordinate in `tolerance`.
     pub gradient: Vec<(Slot, Option<f64>)>,
-    /// Largest allowed multiple of the box of tolerances; None if there are no tolerances.
+    /// Largest allowed multiple of the placement tolerances; None if the cell has none.
     pub scale: Option<Largest>,
     /// Largest displacement of the equipment in plan that is allowed in every direction, m.
     pub shift: Largest,
@@ -109,7 +110,8 @@ pub struct Robustness {
 }
 
 impl Robustness {
-    /// Returns whether the operation keeps reach, clearance and limit everywhere inside the tolerances.
+    /// Returns whether the posture stays usable and the value within its limit at every checked misplacement
+    /// inside the tolerances.
     pub fn holds(&self) -> bool {
         let scale = self.scale.as_ref().is_none_or(|scale| scale.most >= 1.0);
         // Without tolerances, `shift` tells whether the layout as drawn is allowed.
@@ -131,7 +133,7 @@ struct HeldOperation<'a> {
 impl Workcell {
     /// Analyses every operation of a layout, given its maps; None for an operation without a spot.
     ///
-    /// All are None if the layout does not belong to the cell.
+    /// All entries are None if the layout does not belong to the cell.
     pub fn robustness(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Robustness>> {
         if self.cell.misfit(layout).is_some() {
             return vec![None; maps.len()];
@@ -207,7 +209,7 @@ impl HeldOperation<'_> {
         })
     }
 
-    /// Returns the first misplacement at which the posture cannot be used or the value exceeds the limit.
+    /// Returns the first misplacement that is not allowed, with the reason; None if all are allowed.
     fn first_end(&self, all: &[Moves]) -> Option<MisplacementEnd> {
         all.iter().find_map(|moves| match self.value(moves) {
             Err(status) => Some(MisplacementEnd::Lost(Lost { moves: moves.clone(), status })),
@@ -221,7 +223,7 @@ impl HeldOperation<'_> {
     /// Computes the value at a misplacement.
     ///
     /// # Errors
-    /// Returns the status if the posture cannot be used there.
+    /// Returns the status if floor spaces overlap or the posture cannot be used there.
     fn value(&self, moves: &[(Slot, f64)]) -> Result<f64, Status> {
         let layout = self.workcell.cell.misplaced(self.layout, moves);
         let mut overlaps = Vec::new();

@@ -51,7 +51,7 @@ impl Workcell {
         self.sharing(self.cell.with_interpretation(interpretation).map_err(|faults| first_of(&faults))?)
     }
 
-    /// Returns this workcell under another interpretation, in which each operation is judged alone.
+    /// Returns this workcell under another interpretation, for uses that do not combine operations.
     ///
     /// # Errors
     /// Returns the reason as [`Workcell::interpreted`] does, but allows senses in different units.
@@ -89,7 +89,10 @@ impl Workcell {
         self.mapper.is_ranked()
     }
 
-    /// Returns every pair of robot solids, and why it may touch; none if self-collision is not checked.
+    /// Returns every pair of robot solids that exist at the same time, with the reason if a contact is
+    /// allowed.
+    ///
+    /// The list is empty if self-collision is not checked.
     pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
         self.mapper.scene().self_collision_pairs()
     }

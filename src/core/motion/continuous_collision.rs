@@ -1,10 +1,10 @@
 //! Continuous collision checking of a straight move in joint coordinates.
 //!
 //! The distance of every pair of solids is computed in the middle of an interval of the move. The interval is
-//! free if no pair can approach by as much as its distance within half the interval. Otherwise the interval
-//! is halved (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and
-//! multiple articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005). A point
-//! that joint i rotates moves by at most
+//! free if every distance exceeds the required clearance by more than the pair can approach within half the
+//! interval. Otherwise the interval is halved (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic
+//! collision checking for single and multiple articulated robots in complex environments", IEEE Transactions
+//! on Robotics 21, 2005). A point that joint i rotates moves by at most
 //!
 //! ```text
 //! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),
@@ -20,7 +20,8 @@ use crate::clearance::{BoundingSphere, Hit, Load, Pair, PlacedSolids, Scene};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Distance, m, below which solids may count as touching: the check resolves no smaller motions.
+/// Resolution of the collision check, m: solids whose distance exceeds the clearance by less than this value
+/// may count as touching.
 pub const RESOLUTION: f64 = 1e-4;
 
 /// First contact on a move.
@@ -121,7 +122,7 @@ impl<'c> MotionBounds<'c> {
         Self { chain, travel, offsets }
     }
 
-    /// Returns an upper bound of the displacement of points in a sphere, seen from frame `first`, m.
+    /// Returns an upper bound of the displacement, relative to frame `first`, of the points in a sphere, m.
     fn displacement(&self, sphere: &BoundingSphere, first: usize) -> f64 {
         let (mut sum, mut reach) = (0.0, 0.0);
         for i in (first..sphere.frame).rev() {

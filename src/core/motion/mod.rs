@@ -1,8 +1,8 @@
-//! Motion: continuous collision checking, straight approach and retract, transfers between operations,
-//! and the distance of a posture from joint limits and singularities.
+//! Motion: continuous collision checking, straight approach and retract, transfers between operations.
 //!
-//! [`Guard`] holds the motion rules of a cell. A move is a straight line in joint coordinates, checked by
-//! [`first_hit`]. A straight line of the TCP is approximated by short moves, which [`straight`] computes.
+//! The module also measures how far a posture is from joint limits and singularities. [`Guard`] holds the
+//! motion rules of a cell. A move is a straight line in joint coordinates, checked by [`first_hit`]. A
+//! straight line of the TCP is approximated by short moves, which [`straight`] computes.
 
 mod continuous_collision;
 mod guard;

@@ -37,7 +37,7 @@ pub enum Stopped {
     Lost { after: f64 },
 }
 
-/// Returns joint vectors, beginning with `from`, that take the TCP along `way` (base frame, m).
+/// Returns joint vectors, beginning with `from`, that take the TCP along the vector `way` (base frame, m).
 ///
 /// The attitude is constant. Each vector is computed from the vector before it, so that the branch stays the
 /// same. All vectors and the straight moves between them keep the joint limits. `reach` is a characteristic
@@ -92,7 +92,8 @@ fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
 
 /// Solves for joint coordinates at a pose by Newton's method with least-norm steps from a nearby posture.
 ///
-/// It is None if the method does not converge, or if it converges to another branch.
+/// Returns None if the method does not converge. It also returns None if a joint coordinate changes by 1 rad
+/// or 1 m or more, since the solution then belongs to another branch.
 fn follow(chain: &Chain, from: &JointVector, to: &Pose, reach: f64) -> Option<JointVector> {
     let mut q = *from;
     for _ in 0..MAX_ITERATIONS {

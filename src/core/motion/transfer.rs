@@ -39,10 +39,10 @@ pub struct Transfer {
     pub way: TransferRoute,
     /// Joint vectors (rad or m) of the path, which consists of straight moves between them.
     pub path: Vec<JointVector>,
-    /// Measure of the transfer time, rad: the sum over the moves of the largest joint travel.
+    /// Measure of the transfer time, rad: the largest joint travel of each move, summed over all moves.
     ///
     /// The measure is proportional to the time if all joints start and stop together with equal top speeds. A
-    /// prismatic travel by the arm's reach counts as 1 rad.
+    /// prismatic travel as long as the reach of the arm counts as 1 rad.
     pub travel: f64,
     /// Joint vector of the next operation at its spot.
     ///

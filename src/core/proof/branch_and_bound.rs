@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 /// Number of boxes examined per round: enough to occupy all threads, but so few that their bounds are close
 /// to the least one.
 const BOXES_PER_ROUND: usize = 64;
-/// Number of boxes per round in which a posture with a lower value is sought near the centre.
+/// Number of boxes per round in which the search seeks a posture that keeps all constraints.
 const WITNESSES_PER_ROUND: usize = 8;
 /// Another contraction pass follows if a side of the box shrinks below this share of its former length.
 const MIN_SHRINKAGE: f64 = 0.8;
@@ -88,9 +88,9 @@ impl Eq for JointBox {}
 
 /// Bounds the least value over all postures that keep the constraints; None if no posture keeps them.
 ///
-/// The search ends when the relative gap between bound and least value found is `gap`, or after `boxes`
-/// boxes. `known` is a value that some posture is known to have. The result does not depend on the number of
-/// threads.
+/// The search ends when the relative gap between bound and least value found is at most `gap`, or after
+/// `boxes` boxes. `known` is a value that some posture is known to have. The result does not depend on the
+/// number of threads.
 pub(super) fn least(
     task: &Task<'_>,
     known: f64,
@@ -295,8 +295,9 @@ fn bound(
 
 /// Returns the Lagrange multipliers of the constraints in `set`, by least squares.
 ///
-/// These multipliers minimize the length of the gradient of the value minus the weighted constrained
-/// quantities. Each component of the gradient is scaled by the radius of the box.
+/// Consider the value minus the sum of the constrained quantities times their multipliers. The multipliers
+/// minimize the length of the gradient of this difference. Each component of the gradient is first multiplied
+/// by the radius of its coordinate in the box.
 fn multipliers(worth: &Taylor, set: &[&(Constraint, Taylor)], radii: &JointValues) -> Vector4<f64> {
     let (mut normal, mut right) = (Matrix4::identity(), Vector4::zeros());
     let product = |a: &JointValues, b: &JointValues| -> f64 {

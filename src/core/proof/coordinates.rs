@@ -1,10 +1,11 @@
-//! Coordinates of the boxes of the search: for successive joints with parallel axes, the sums of their
-//! angles.
+//! Coordinates of the boxes of the search: joint displacements, summed where revolute axes are parallel.
 //!
-//! If such a sum changes alone, it rotates one link and shifts the links after it. So a planar arm decouples
-//! into independent links, and the elevation of its tool is a coordinate. Let `y` be the coordinates and
-//! `theta` the displacements of the joints from the middle of their limits. Then `theta = D y`. The actuator
-//! coordinates are `q = q_0 + G y`, each between its limits, where `q_0` is the middle of the limits.
+//! The coordinate of a joint is its displacement. For successive revolute joints with parallel axes, it is
+//! the sum of the angles from the first of these joints to this one. If such a sum changes alone, it rotates
+//! one link and shifts the links after it. So a planar arm decouples into independent links, and the
+//! elevation of its tool is a coordinate. Let `y` be the coordinates and `theta` the displacements of the
+//! joints from the middle of their limits. Then `theta = D y`. The actuator coordinates are `q = q_0 + G y`,
+//! each between its limits, where `q_0` is the middle of the limits.
 
 use super::screws::{JointValues, Screws};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
@@ -89,7 +90,7 @@ impl Coordinates {
         this
     }
 
-    /// Sets the actuator limits as rows in the coordinates `y`, and the box that bounds them.
+    /// Sets the actuator limits as inequalities in the coordinates `y`, and a box that holds all allowed `y`.
     ///
     /// The actuators are `q = q_0 + G y` with `G = C^-1 D`, where C is the joint coupling, D is `to_theta`,
     /// and `q_0` is the middle of the limits.

@@ -54,7 +54,7 @@ pub(super) struct WeightedMotions<'a> {
 /// The sum is `phi = sum eta_k . g_k + zeta_k . w_k` over the motions k, with the weights (eta, zeta) and the
 /// effects (g, w).
 ///
-/// `rates` are the derivatives of the point with respect to the joint displacements.
+/// `rates` are the derivatives of the point whose error counts, with respect to the joint displacements.
 pub(super) fn expand(
     geometry: ChainGeometry<'_>,
     placed: &PosedScrews,

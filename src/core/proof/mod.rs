@@ -4,9 +4,12 @@
 //! independently, wherever its height, tool elevation and distance from the robot base allow it
 //! ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over joint
 //! coordinates within their limits. If the first joint axis is vertical, errors that come after this axis in
-//! the chain rotate with it. Then the first joint does not matter, unless the sense or an error before this
-//! joint depends on directions. Branch and bound over the other joints closes the gap between the lower bound
-//! and the least value found:
+//! the chain rotate with it. Then the first joint does not matter, with two exceptions. The sense may
+//! distinguish horizontal directions, or an error that precedes this joint may act along or about another
+//! axis.
+//!
+//! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
+//! found. The files of this module:
 //!
 //! | file | content |
 //! |---|---|
@@ -45,7 +48,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 use task::Task;
 
-/// Effort of a proof.
+/// Limits on the effort of a proof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProofOptions {
     /// Relative gap between the lower bound and the least value found at which the proof of an operation
@@ -273,7 +276,7 @@ fn of_regions(
     (all, interrupted)
 }
 
-/// Bounds the value of one operation over a region; `known` is its value in some layout.
+/// Bounds the value of one operation over a region; `known` is the least value known so far, if any.
 ///
 /// Returns also whether the proof was interrupted.
 fn of_operation(

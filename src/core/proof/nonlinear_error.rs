@@ -1,11 +1,11 @@
 //! Nonlinear error of a signed sample: the difference between the end points of the chain with errors and of
 //! the nominal chain.
 //!
-//! Two chains with the same joints differ by one small motion before every axis and one before the end. Let
-//! `a_k` be the size of motion k and `g_k` its effect on the end point. To first order in the motions the
+//! Two chains with the same joints differ by one small motion before every axis and one before the end point.
+//! Let `a_k` be the size of motion k and `g_k` its effect on the end point. To first order in the motions the
 //! difference is `d = sum_k a_k g_k`, and its third derivatives are the third derivatives of linear effects.
-//! The remainder is of second order in the motions. In any direction of joint space, products of the sizes of
-//! the motions bound its derivatives.
+//! The remainder is of second order in the motions. Products of the sizes of the motions bound the
+//! derivatives of this remainder in any direction of joint space.
 
 use super::coordinates::Coordinates;
 use super::screws::{JointValues, PosedScrews, Screws, about};

@@ -136,13 +136,15 @@ fn farthest(place: &Place) -> f64 {
     }
 }
 
-/// Ranges of the position of the frame of a piece of equipment relative to the robot base, along world axes,
-/// m.
+/// Ranges of the position of a piece of equipment relative to the robot base, along world axes, m.
+///
+/// If other equipment carries the piece, `x` and `y` are the ranges of the lowest carrier.
 struct EquipmentRange {
     x: (f64, f64),
     y: (f64, f64),
     z: (f64, f64),
-    /// Largest additional distance, m, caused by the yaw of the equipment that it stands on.
+    /// Upper bound of the distance in plan, m, between the origins of the equipment and of its lowest
+    /// carrier; 0 without a carrier.
     aside: f64,
 }
 
@@ -164,8 +166,8 @@ impl EquipmentRange {
         }
     }
 
-    /// Returns the least and greatest distance (m) of a node from the base axis, for any yaw of equipment and
-    /// base.
+    /// Returns a lower and an upper bound of the distance (m) of a node from the base axis, for any yaw of
+    /// equipment and base.
     ///
     /// `around` is the distance of the farthest node from the origin of the frame of the equipment, m.
     fn distances(&self, around: f64) -> (f64, f64) {

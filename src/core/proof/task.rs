@@ -31,9 +31,9 @@ pub(super) struct Task<'a> {
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,
-    /// Largest difference, m, of the error by the model of the cell from the error that is bounded.
+    /// Upper bound, m, of the difference between the value by the cell's model and the value from `error`.
     ///
-    /// It is subtracted from the bound.
+    /// This difference is subtracted from the bound.
     lost: f64,
     pub constraints: Vec<Constraint>,
 }
@@ -127,14 +127,16 @@ impl<'a> Task<'a> {
         Ok(task)
     }
 
-    /// Returns the largest difference, m, of the error by the model of the cell from the error that is
-    /// bounded.
+    /// Returns an upper bound, m, of the difference between the value by the model of the cell and the value
+    /// from the [`BoundedError`].
     ///
     /// Let the error at a corner of the tolerance box be L + E + O. L is the linear term, E the terms of even
     /// order, and O the odd terms from third order on. The opposite corner has the error -L + E - O. So the
     /// worst case is at least `|L| - |O|`, and the difference is at most `|O|`. A second-order model lacks
-    /// the third-order terms of the nonlinear model. Let `a_k` be the rotation and `b_k` the displacement by
-    /// motion k. Then both differences are at most `sum_k b_k (sum_j a_j)^2 / 2`.
+    /// the third-order terms of the nonlinear model. Let `a_k` be the angle of motion k, and `b_k` the
+    /// largest displacement that it causes. Then the position error differs in both cases by at most
+    /// `sum_k b_k (sum_j a_j)^2 / 2`. This bound is multiplied by the root sum square of the lengths of the
+    /// rows.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.evaluator.reading, self.evaluator.model) {
             (Reading::Signed, Model::SecondOrder) => self.evaluator.sources.signed(),

@@ -31,13 +31,15 @@ pub(super) struct Taylor {
 }
 
 impl Taylor {
-    /// Returns an upper bound of the deviation from the value at the centre in a box of these radii.
+    /// Returns an upper bound, over a box of these radii, of the deviation of the quantity from its value at
+    /// the centre.
     pub fn spread(&self, radii: &JointValues) -> f64 {
         let linear: f64 = self.gradient.iter().zip(radii).map(|(g, r)| g.abs() * r).sum();
         linear + self.bend(radii)
     }
 
-    /// Returns an upper bound of the deviation from the linear part in a box of these radii.
+    /// Returns an upper bound, over a box of these radii, of the deviation of the quantity from its linear
+    /// expansion.
     pub fn bend(&self, radii: &JointValues) -> f64 {
         let rows = self
             .hessian
@@ -153,16 +155,14 @@ impl RigidPieces {
         self.lengths[link + 1..=self.count].iter().sum()
     }
 
-    /// Returns `sum s rho^power` over the segments after a link, up to the end of the chain.
+    /// Returns `sum s rho^power` over the segments after `link`, up to the end of the chain.
     ///
-    /// Here `s` is the length of a segment. Consider the product of this segment with another factor: `rho`
-    /// is the sum of the radii of the coordinates that rotate at least one of the two.
+    /// The sum bounds the derivative of order `power`, along any step within the box, of a sum of products.
+    /// Each product has two factors: a segment of length `s`, and a unit vector fixed to `link`. `rho` is the
+    /// sum of the radii of the coordinates that rotate at least one of the two factors.
     ///
-    /// The sum bounds the derivative of order `power` along any step within the box. A prismatic coordinate
-    /// adds a term, because it lengthens its segment.
-    ///
-    /// `own` holds, as bits, the coordinates that rotate the other factor, which is fixed to `link`. The
-    /// coordinates that rotate the segment itself are added to these.
+    /// `own` holds, as bits, the coordinates that rotate the unit vector. A prismatic coordinate adds a term,
+    /// because it lengthens its segment.
     pub fn turned(
         &self,
         coordinates: &Coordinates,

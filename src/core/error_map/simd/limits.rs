@@ -1,4 +1,4 @@
-//! Joint limits in lanes.
+//! Check of joint limits for several postures at once, in SIMD lanes.
 
 use super::lanes::{CosSin, Mask};
 use crate::reach::LimitCone;

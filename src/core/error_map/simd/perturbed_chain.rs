@@ -67,8 +67,9 @@ impl PerturbedChain {
         Some(Self { base, between, tip: last.translation })
     }
 
-    /// Computes the TCP in the frame after the motion [`Self::base`], from the cosine and sine of every joint
-    /// angle.
+    /// Computes the TCP position (m) from the cosine and sine of every joint angle.
+    ///
+    /// The position is given in the frame whose pose in the base frame is [`Self::base`].
     #[inline(always)]
     pub fn tip<S: Simd>(&self, turns: &[CosSin<S>]) -> [Lanes<S>; 3] {
         let any = turns[0].0;
@@ -104,7 +105,9 @@ impl ConstantMotion {
     }
 }
 
-/// Returns the motion of a frame by its error: the translations, then the rotations about z, y and x.
+/// Returns the pose of a frame with errors in the nominal frame.
+///
+/// The errors are applied in the order translation, rotation about z, about y, about x.
 fn moved(error: &FrameError) -> Pose {
     let axes = [Vector3::z(), Vector3::y(), Vector3::x()];
     let slide = Pose { translation: Vector3::from(error.slides), ..Pose::identity() };

@@ -31,7 +31,7 @@ pub struct TargetLanes<S: Simd> {
     x: Lanes<S>,
     y: Lanes<S>,
     z: Lanes<S>,
-    /// Distance of the target in front of the base axis, in the plane of the arm, m.
+    /// Distance of the target from the base axis, measured parallel to the plane of the arm, m.
     along: Lanes<S>,
     /// Reciprocal of the squared distance `x^2 + y^2` from the base axis, 1/m2.
     inverse2: Lanes<S>,
@@ -39,12 +39,13 @@ pub struct TargetLanes<S: Simd> {
     beside: Mask<S>,
 }
 
-/// The wrist at one attitude of the tool, on one side of the base axis.
+/// Wrist positions for one attitude of the tool, with the arm reaching either forwards or backwards.
 pub struct WristLanes<S: Simd> {
     yaw: CosSin<S>,
-    /// Vector from the shoulder to the wrist, divided by its squared length: `u` is its component
-    /// perpendicular to the base axis, `v` the component along the axis, 1/m.
+    /// Vector from shoulder to wrist, divided by its squared length: component perpendicular to the base
+    /// axis, 1/m.
     u: Lanes<S>,
+    /// Vector from shoulder to wrist, divided by its squared length: component along the base axis, 1/m.
     v: Lanes<S>,
     k1: Lanes<S>,
     cos3: Lanes<S>,

@@ -16,8 +16,10 @@ use crate::reading::ErrorEvaluator;
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Amount by which a bound is lowered: this share of the bound plus this length in m. Rounding errors are
-/// 1e-14 m at most postures, and 1e-10 m next to a singular one.
+/// Amount by which a bound is lowered: this share of the bound, plus this length in m for each unit direction
+/// of the sense.
+///
+/// Rounding errors are 1e-14 m at most postures, and 1e-10 m next to a singular posture.
 const BOUND_MARGIN: f64 = 1e-9;
 
 /// Number of nodes in a group: a search compares the groups first, then the nodes of the best group.
@@ -41,7 +43,8 @@ pub struct Ranker {
 /// One direction of the sense, prepared for one layout.
 ///
 /// The error in this direction is `built . p - (wanted . target - offset)`, where `p` is the TCP, computed by
-/// [`PerturbedChain::tip`].
+/// [`PerturbedChain::tip`]. Here `wanted` is the direction in the base frame, and `built` is the direction in
+/// the frame of `p`. The scalar `offset` is the component of the origin of that frame along the direction, m.
 #[derive(Debug, Clone, Copy)]
 struct RankingRow {
     built: Vector3<f64>,
@@ -59,7 +62,7 @@ pub struct Ranking {
 }
 
 impl Ranker {
-    /// Prepares an operation; None if its arm, reading, model or sense cannot be ranked.
+    /// Prepares an operation; None if the ranker does not support its arm, reading, model or sense.
     pub fn new(inverse: &Inverse, evaluator: &ErrorEvaluator, grid: &Grid) -> Option<Self> {
         let (errors, rows) = evaluator.plain()?;
         if rows.is_empty() {
@@ -123,7 +126,7 @@ fn least(bounds: &[f64]) -> f64 {
     bounds.iter().fold(f64::INFINITY, |a, &b| if b < a { b } else { a })
 }
 
-/// Computation of all bounds of one layout, which is compiled for every kind of processor.
+/// Computation of all bounds of one layout. The code is compiled once for each SIMD instruction set.
 struct RankingPass<'a> {
     ranker: &'a Ranker,
     at: &'a Placement,
@@ -168,7 +171,7 @@ impl Ranker {
         size2.is_above(-1.0).choose(size2, x.like(0.0))
     }
 
-    /// Prepares a row from its direction, base frame.
+    /// Prepares a row from the direction `wanted`, base frame.
     fn row(&self, wanted: &Vector3<f64>) -> RankingRow {
         let Pose { rotation, translation } = &self.chain.base;
         RankingRow { built: rotation.transpose() * wanted, offset: wanted.dot(translation), wanted: *wanted }
