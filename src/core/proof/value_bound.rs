@@ -11,10 +11,10 @@
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
 //!
-//! For the mean of |e| this bound is the tangent of a convex function of the effects. For percentiles it
-//! assumes that their squares are convex functions of the covariance S, for up to three rows. We know no
-//! proof of this assumption. tests/maths/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`]
-//! states it.
+//! For the mean of |e| this bound is the tangent of a convex function of the effects. Percentiles have a
+//! bound for senses of up to three rows. The bound of a percentile assumes that its square is a convex
+//! function of the covariance S. We know no proof of this assumption. tests/maths/proof.rs tests it for 95 %
+//! and 99 %, and [`super::Proof::in_words`] states it.
 
 use super::WhyNot;
 use super::linear_effects::Effect;
@@ -34,7 +34,9 @@ const DERIVATIVE_STEP: f64 = 1e-3;
 /// Upper bound of the relative error of a numeric derivative with respect to an eigenvalue of the covariance.
 const DERIVATIVE_ERROR: f64 = 1e-5;
 
-/// Weights (eta, zeta) of one motion: eta for the displacement of the point, zeta for the rotation.
+/// Weights (eta, zeta) of the effect of one motion.
+///
+/// The vector eta multiplies the displacement of the point whose error counts, zeta the rotation.
 pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
 
 /// Way in which a reading combines the effects of all sources into one value.
@@ -81,10 +83,11 @@ impl EffectSum {
         }
     }
 
-    /// Returns the weights of all motions whose weighted sum bounds the value from below; None if the value
-    /// is zero.
+    /// Returns weights with which the sum of the effects of all motions bounds the value from below; None if
+    /// the value is zero.
     ///
-    /// The sum is equal to the value at the posture of `effects`, and not greater at other postures.
+    /// At the posture of `effects`, the weighted sum is equal to the value. At other postures, it is not
+    /// greater.
     pub fn weights(&self, rows: &[Row], motions: &[ScrewMotion], effects: &[Effect]) -> Option<Vec<Weight>> {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         for (motion, effect) in motions.iter().zip(effects) {
@@ -143,10 +146,11 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
     signs.iter().zip(widths).map(|(s, w)| s * w).collect()
 }
 
-/// Writes the vectors `A e_f / value` of a statistic, converted from random factors to sources.
+/// Writes for each source the vector that weights its effect in the lower bound of a statistic.
 ///
-/// Here `e_f` is the effect of factor f, and A is the derivative of the squared statistic with respect to the
-/// covariance.
+/// The vector is the sum of `v_f A e_f / value` over the random factors f. Here `e_f` is the effect of factor
+/// f, `v_f` the value of the source in it, and `value` the statistic. A is the derivative of the squared
+/// statistic with respect to the covariance.
 fn spread(
     columns: &[Vector6<f64>],
     factors: &[Vec<(usize, f64)>],
@@ -187,8 +191,7 @@ fn spread(
 ///
 /// `<A, S>` is the sum of the products of the entries. Returns None if the given covariance is zero.
 ///
-/// At the given covariance both sides are equal, except for the error of numeric derivatives, which is
-/// subtracted.
+/// At the given covariance, `<A, S>` is smaller only by a margin for the error of numeric derivatives.
 pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Option<Matrix3<f64>> {
     let trace = covariance.trace();
     if trace < f64::MIN_POSITIVE {

@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector3};
 /// Direction of view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ViewDirection {
-    /// Isometric view from the side of the work, so that the work lies in front of the robot.
+    /// Isometric view from the side of the robot on which the nodes of the operations lie.
     #[default]
     Iso,
     Top,

@@ -3,8 +3,10 @@
 use super::camera::ScreenPoint;
 use nalgebra::{Point2, Vector2};
 
-/// Number of subdivisions of a sample along each side. Corners of triangles are rounded to this grid. So
-/// integer arithmetic decides exactly which triangle covers a sample.
+/// Number of grid steps per sample in x and in y.
+///
+/// Corners of triangles are rounded to grid points. So integer arithmetic decides exactly which triangle
+/// covers a sample.
 const PARTS: f64 = 256.0;
 const PART: i64 = 256;
 /// Largest absolute coordinate of a corner, in samples; triangles with a corner beyond it are not drawn.
@@ -25,8 +27,8 @@ impl<T: Copy> DepthBuffer<T> {
 
     /// Paints the samples at which a triangle is nearer to the eye than all surfaces drawn so far.
     ///
-    /// For each such sample, `paint` receives the value of the sample and the barycentric coordinates. Two
-    /// triangles with a common edge leave no sample between them unpainted and share none. If `solid` is
+    /// For each such sample, `paint` receives the value of the sample and the barycentric coordinates. A
+    /// sample on the common edge of two neighbouring triangles is painted by only one of them. If `solid` is
     /// false, the triangle does not hide what is drawn later.
     pub fn fill(&mut self, corners: &[ScreenPoint; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
         let is_drawn = |c: &ScreenPoint| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
@@ -108,10 +110,10 @@ struct TriangleEdge {
     along: [i64; 2],
     /// Change of the edge function from a sample to its right neighbour.
     step: i64,
-    /// Least value of the edge function at a sample that the triangle covers, 0 or 1.
+    /// Least value of the edge function at samples that the triangle covers.
     ///
-    /// If two triangles have a common edge, only one of them has 0. So a sample on that edge belongs to one
-    /// triangle alone.
+    /// The value is 0 if the triangle covers the samples on the edge, otherwise 1. Of two triangles on either
+    /// side of an edge, only one has 0.
     least: i64,
 }
 

@@ -55,7 +55,7 @@ pub struct Shot {
     pub show: Show,
     /// Model and reading whose errors are shown, as an index into [`Drawing::lenses`].
     pub take: usize,
-    /// Name of the sense whose values the colours show; None for the sense of each operation.
+    /// Name of the sense whose values the colours show. If None, each map shows the sense of its operation.
     pub sense: Option<String>,
     pub envelope: bool,
     /// Whether equipment names and spot values are drawn.

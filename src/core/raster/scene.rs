@@ -13,8 +13,8 @@ pub struct SceneBody {
     pub colour: Colour,
     /// Colour of the darkest corners of an unlit body.
     ///
-    /// A corner has the mixture of `dark` (share 0) and `colour` (share 1) that its entry in `shares` states.
-    /// If `shares` is empty, every share is 1.
+    /// The colour of a corner is a mixture of `dark` and `colour`. The list `shares` gives the share of
+    /// `colour` for each corner. If `shares` is empty, every share is 1.
     pub dark: Colour,
     pub shares: Vec<f32>,
     pub opacity: f32,
@@ -29,8 +29,7 @@ pub struct SceneBody {
 }
 
 impl SceneBody {
-    /// Returns the tone of each corner: the brightness of a lit body, or the share of `colour` in an unlit
-    /// one.
+    /// Returns the tone of each corner: brightness for a lit body, share of `colour` for an unlit body.
     pub fn tones(&self, light: &Light) -> Vec<f32> {
         match (self.is_lit, self.shares.is_empty()) {
             (true, _) => self.mesh.normals.iter().map(|n| light.on(n)).collect(),
@@ -69,7 +68,7 @@ impl SceneLine {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelSide {
     Above,
-    /// Below the points of the object's top that are lowest in the picture.
+    /// Below the two points of the object's top that are lowest in the picture.
     Below,
     /// Beside a spot, to which a leader line is drawn.
     Spot,

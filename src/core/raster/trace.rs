@@ -25,8 +25,10 @@ pub fn outlines(
     loops.filter(|(_, rings): &(u32, Vec<_>)| !rings.is_empty()).collect()
 }
 
-/// Returns for each value the sides of its cells that border on a cell of another value or on the outside. A
-/// side is directed so that the cell of this value is on the right.
+/// Returns for each value the boundary sides of the cells that have this value.
+///
+/// A boundary side borders on a cell of another value or on the outside of the grid. It is directed so that
+/// in the picture the cell with this value is on the right.
 fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoint)>> {
     let height = values.len() / width.max(1);
     let at = |x: i32, y: i32| {
@@ -74,8 +76,8 @@ fn area(ring: &[GridPoint]) -> f64 {
 
 /// Returns a ring with fewer points (Douglas and Peucker 1973).
 ///
-/// The ring is first split at two points. One is the leftmost point (the uppermost of several), which is
-/// always a corner; the other is the point farthest from it.
+/// The ring is first split at its leftmost point and at the point farthest from there. Of several leftmost
+/// points the uppermost is taken, because it is always a corner.
 fn simplified(ring: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };
     let ring: Vec<GridPoint> = ring[start..].iter().chain(&ring[..=start]).copied().collect();

@@ -15,7 +15,9 @@ pub struct AttitudeSet {
     /// Elevations of the tool axis to try, rad; the nominal elevation comes first.
     pub(super) elevations: Vec<f64>,
     pub(super) vertical: bool,
-    /// Rotation matrix with the columns r, d x r, d for every attitude: tool axis d and reference axis r.
+    /// Rotation matrix of the tool for every attitude, with the columns r, d x r and d.
+    ///
+    /// The vector d is the tool axis, and r is the reference axis of the tool.
     ///
     /// The function [`crate::cell::held`] defines both axes. The matrices are in the base frame. If `radial`
     /// is set, they are in the frame whose x axis points from the base axis to the target instead.
@@ -97,7 +99,7 @@ impl AttitudeSet {
         Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0) * self.columns[k]
     }
 
-    /// Returns the part of the attitude error (rad) of a tool that exceeds the tolerance; 0 if no part does.
+    /// Returns the excess of the tool's attitude error over the tolerance, rad; 0 within the tolerance.
     ///
     /// `columns` is the rotation matrix r, d x r, d of the tool. Only an arm that cannot choose heading or
     /// spin needs this check. `rolls` says whether the arm can choose the spin.
@@ -123,7 +125,9 @@ impl AttitudeSet {
         if off > ROUNDING { off } else { 0.0 }
     }
 
-    /// Returns whether [`Self::off`] is needed: a heading is required, or a spin that the arm cannot choose.
+    /// Returns whether [`Self::off`] is needed.
+    ///
+    /// It is needed if the attitude requires a heading, or requires a spin that the arm cannot choose.
     pub(super) fn is_checked(&self, rolls: bool) -> bool {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }

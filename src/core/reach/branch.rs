@@ -22,7 +22,8 @@ pub enum Cost {
 pub struct Gap {
     /// Distance to the nearest reachable point, m; 0 if a branch exists.
     pub reach: f64,
-    /// Least violation of joint limits and attitude among all branches; 0 if a branch violates neither.
+    /// Least violation of joint limits and attitude by a branch, in mixed units (m, rad, cosine); 0 if a
+    /// branch violates neither.
     ///
     /// It is also 0 if the target is out of reach.
     pub limits: f64,

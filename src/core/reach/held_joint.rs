@@ -95,7 +95,10 @@ impl HeldJoint {
         (0..Self::SAMPLES).map(move |number| self.sample(solver, number))
     }
 
-    /// Returns cosine, sine and offset r (m) of the held row at a coordinate, and its inverse link transform.
+    /// Returns the D-H values (cos theta, sin theta, r) of the held joint, and the inverse transform of its
+    /// link.
+    ///
+    /// `value` is the coordinate of the joint, rad or m; r is in m.
     pub fn at(&self, value: f64) -> ((f64, f64, f64), Pose) {
         let (turn, slide) = match self.link.kind {
             JointKind::Revolute => (value, 0.0),

@@ -20,7 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Inverse {
     pub(super) chain: Chain,
     pub(super) solver: ChainSolver,
-    /// Joint limits; None if the sines and cosines of a posture cannot tell whether it keeps them.
+    /// Joint limits; None if they cannot be checked on the sines and cosines of a posture.
     ///
     /// If this is None, the chain is solved numerically, within the limits.
     pub(super) limits: Option<Limits>,
@@ -28,7 +28,9 @@ pub struct Inverse {
     pub(super) to_zero: Option<Pose>,
     /// Pose of the last D-H frame in the frame of the TCP.
     to_flange: Pose,
-    /// Matrix with the rows r, a x r, a in the frame of the TCP: tool axis a and reference axis r.
+    /// Matrix with the rows r, a x r and a, in the frame of the TCP.
+    ///
+    /// The vector a is the tool axis, and r is the reference axis of the tool.
     pub(super) tool_rows: Matrix3<f64>,
     /// Elevation of the tool axis, rad, if it is the same in every posture.
     pub(super) fixed_elevation: Option<f64>,
@@ -73,7 +75,7 @@ impl Inverse {
         &self.chain
     }
 
-    /// Returns the elevation (rad) that the tool axis has in every posture, if there is one.
+    /// Returns the elevation of the tool axis (rad) if it is the same in every posture.
     pub fn fixed_elevation(&self) -> Option<f64> {
         self.fixed_elevation
     }
@@ -176,7 +178,7 @@ impl Inverse {
         }
     }
 
-    /// Returns the posture of the branch with index `wanted`, which [`Self::visit`] has found.
+    /// Returns the posture of a branch that [`Self::visit`] has found; `wanted` is the index of the branch.
     pub fn posture(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Posture> {
         let mut found = None;
         let mut keep = |index: u32, posture: &Posture| {
@@ -202,7 +204,8 @@ impl Inverse {
         found
     }
 
-    /// Returns the branch with index `wanted`, which [`Self::visit`] has found, with its joint coordinates.
+    /// Returns a branch that [`Self::visit`] has found, with its joint coordinates; `wanted` is the index of
+    /// the branch.
     pub fn branch_at(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Branch> {
         if let ChainSolver::Numeric(_) = &self.solver {
             let Reach::Branches(all) = self.numeric_branches(target, attitudes) else { return None };

@@ -12,7 +12,9 @@ use crate::cell::JointKind;
 /// actuator j. The axis of the cone includes the D-H offsets of all these joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
-    /// Cosine and sine of the axis of the cone: the middle of the range plus D-H offsets.
+    /// Cosine and sine of the angle of the cone's axis.
+    ///
+    /// The angle is the middle of the range, shifted by the D-H offsets of this joint and its driving joints.
     pub axis: (f64, f64),
     /// Cosine of half the range; -2 if every angle is allowed.
     pub cos_half: f64,

@@ -1,4 +1,5 @@
-//! Joint limits of angles that repeat after a turn, checked on sines and cosines if the coupling allows it.
+//! Joint limits, checked on the sines and cosines of joint angles if the coupling allows it. Angles that
+//! differ by whole turns count as equal.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::{Chain, Posture};
@@ -118,7 +119,7 @@ impl Limits {
     /// Returns the actuator coordinates of a posture and the joint that is farthest outside its limits.
     ///
     /// Each coordinate is in the turn nearest to the middle of its range. If [`Self::excess`] is 0, no limit
-    /// is violated, and the returned joint is nearest to its limit.
+    /// is violated, and the returned joint is the one nearest to its limit.
     pub fn joints(&self, posture: &Posture) -> (JointVector, LimitViolation) {
         let mut q = [0.0; MAX_JOINTS];
         let mut worst = LimitViolation { joint: 0, by: f64::NEG_INFINITY };

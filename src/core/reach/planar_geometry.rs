@@ -16,7 +16,7 @@ pub struct PlanarGeometry {
     pub r1: f64,
     /// Lengths l_1, l_2 and l_3 of the first three links, m.
     pub l: [f64; 3],
-    /// Signed distance from the base axis to the vertical plane in which the TCP moves, along axis 2, m.
+    /// Signed distance along axis 2 from the base axis to the vertical plane in which the TCP moves, m.
     pub lateral: f64,
     /// Joint limits of the four axes.
     pub cones: [LimitCone; Self::AXES],
@@ -45,7 +45,7 @@ impl Inverse {
 }
 
 impl ToolAttitudes {
-    /// Returns whether the attitude requires a heading or a spin, which must be checked for every posture.
+    /// Returns whether every posture must be checked, because the attitude requires a heading or a spin.
     pub fn is_judged_by_posture(&self) -> bool {
         self.set.is_checked(false)
     }

@@ -21,7 +21,9 @@ pub(in crate::reach) struct Anthropomorphic {
     /// Coordinate y of the wrist centre in frame 0 rotated by theta_1 about its z axis.
     lateral: f64,
     links: TwoLinks,
-    /// Angle of the line from axis 3 to the wrist centre at theta_3 = 0, positive in the sense of axis 2.
+    /// Direction from axis 3 to the wrist centre at theta_3 = 0.
+    ///
+    /// It is the angle about axis 2 from axis x of frame 2.
     forearm: Angle,
 }
 
@@ -90,8 +92,8 @@ impl Anthropomorphic {
 
     /// Returns the distance (m) from a target to the nearest point that the arm reaches.
     ///
-    /// `radius` is the distance of the target from axis 1. `height` is its height above the origin of frame
-    /// 1, negated if alpha_1 is -90 degrees.
+    /// `radius` is the distance of the target from axis 1. `height` is the height of the target above the
+    /// origin of frame 1, negated if alpha_1 is -90 degrees.
     ///
     /// The function alternates between two steps, and each of them shortens the distance. One finds the
     /// nearest point in the plane of the arm for a fixed yaw; the other finds the best yaw for that point.

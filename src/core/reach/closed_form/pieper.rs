@@ -1,4 +1,5 @@
-//! Pieper's equation for three arbitrary joints that put a point at a target; its unknown is joint 3.
+//! Pieper's equation for three arbitrary joints that put a point at a target. The unknown of the equation is
+//! the coordinate of joint 3.
 //!
 //! D. L. Pieper, "The Kinematics of Manipulators under Computer Control", thesis, Stanford 1968.
 
@@ -31,14 +32,17 @@ pub(in crate::reach) struct PointForms {
     pub distance2: (Quadratic, Quadratic),
 }
 
-/// Target of the point, in frame 0 and as quantities that joint 1 does not change.
+/// Target of the point that three joints move.
+///
+/// Besides the position in frame 0, it holds quantities that do not change with joint 1.
 pub(in crate::reach) struct PointTarget {
     /// Target in frame 0, m.
     pub p: Vector3<f64>,
     /// Height of the target above the origin of frame 1 along axis 1, m. Used only if joint 1 is revolute.
     pub height: f64,
-    /// Squared distance of the target from the point where the common normal of axes 1 and 2 meets axis 1,
-    /// minus l_1 squared, m^2. Used only if joint 1 is revolute.
+    /// Squared distance of the target from the point Q, minus l_1 squared, m^2.
+    ///
+    /// At Q the common normal of axes 1 and 2 meets axis 1. Used only if joint 1 is revolute.
     pub distance2: f64,
     /// Coordinate x of the target in frame 0 rotated by the fixed theta_1 of a prismatic joint 1, m.
     pub x: f64,
@@ -46,10 +50,10 @@ pub(in crate::reach) struct PointTarget {
     pub y: f64,
 }
 
-/// Values of joint 3 as ratios of three polynomials of a parameter t.
+/// Joint 3 as a function of a parameter t, given by the ratios of three polynomials of t.
 ///
-/// For a revolute joint 3, `one : a : b` is 1 : cos theta_3 : sin theta_3. For a prismatic joint 3 the
-/// ratio is 1 : r_3 : 0.
+/// For a revolute joint 3, `a / one` is cos theta_3 and `b / one` is sin theta_3. For a prismatic joint 3,
+/// `a / one` is r_3 and `b` is 0.
 pub(in crate::reach) struct Path {
     pub one: Quadratic,
     pub a: Quadratic,
@@ -57,12 +61,13 @@ pub(in crate::reach) struct Path {
 }
 
 impl Path {
-    /// Returns the form `f` (see [`PointForms`]), multiplied by `one`, as a polynomial of the parameter t.
+    /// Returns the form `f` (see [`PointForms`]) times the polynomial `one`, as a polynomial of the parameter
+    /// t.
     fn on(&self, f: &Quadratic) -> Quadratic {
         std::array::from_fn(|k| f[0] * self.one[k] + f[1] * self.a[k] + f[2] * self.b[k])
     }
 
-    /// Returns `constant - p`, multiplied by `one`, where `p` is a polynomial that `on` returned.
+    /// Returns the polynomial `constant * one - p`, where `p` is a polynomial that `on` returned.
     fn minus(&self, constant: f64, p: &Quadratic) -> Quadratic {
         std::array::from_fn(|k| constant * self.one[k] - p[k])
     }
@@ -118,8 +123,9 @@ impl PointForms {
 
     /// Returns Pieper's equation for revolute joints 1 and 2.
     ///
-    /// The squared distances of target and point give coordinate x of the point in frame 1; their heights
-    /// along axis 1 give y. The equation states that x and y match the distance from axis 2.
+    /// The value [`PointTarget::distance2`] gives coordinate x of the point in frame 1, and the height along
+    /// axis 1 gives y. The equation states that x and y agree with the distance of the point from axis 2. If
+    /// l_1 is 0, it states only that the distance is right; if sin alpha_1 is 0, that the height is right.
     fn both_turn(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let ((ca, sa), l1, far) = (self.twist1, self.l1, self.distance2_on(path));
         let (e, z) = (path.minus(target.distance2, &far), path.minus(target.height, &h.map(|k| ca * k)));
@@ -137,7 +143,7 @@ impl PointForms {
     /// Returns Pieper's equation for a prismatic joint 1 and a revolute joint 2.
     ///
     /// The coordinates x and y of the target perpendicular to axis 1 give x and y of the point in frame 1.
-    /// The equation states that they agree with the distance of the point from axis 2.
+    /// The equation states that these x and y agree with the distance of the point from axis 2.
     fn slide_turns(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let (ca, sa) = self.twist1;
         let y = path.minus(target.y, &h.map(|k| -sa * k));
@@ -152,8 +158,8 @@ impl PointForms {
 
     /// Returns Pieper's equation for a revolute joint 1 and a prismatic joint 2.
     ///
-    /// The height along axis 1 gives coordinate z of the point in frame 1. The equation states that x, y
-    /// and z agree with the distance of the target from axis 1.
+    /// The height along axis 1 gives coordinate z of the point in frame 1. The equation states that x, y and
+    /// z agree with [`PointTarget::distance2`].
     fn turn_slides(&self, target: &PointTarget, path: &Path, (x, y): &(Quadratic, Quadratic)) -> Polynomial {
         let (ca, sa) = self.twist1;
         let z = path.minus(target.height, &y.map(|k| sa * k));

@@ -23,11 +23,12 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Excess over 1 up to which the cosine of the elbow angle counts as 1.
 ///
-/// Rounding would otherwise lose the solution of a stretched arm. The solver applies this relative tolerance
-/// also to a target whose distance from the base axis equals the lateral offset of the arm.
+/// Rounding would otherwise lose the solution of a stretched arm. The value is also the relative tolerance of
+/// the squared distance of a target from the base axis. This distance must not be smaller than the lateral
+/// offset of the arm.
 pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
-/// Deviation below which a direction (no unit) or a point (m) counts as exact.
+/// Largest deviation of a unit vector (no unit) or of a point (m) that counts as rounding.
 const IN_PLACE: f64 = 1e-9;
 
 /// Closed form of the planar arm; lengths in m.
@@ -37,7 +38,7 @@ pub struct PlanarArm {
     pub(in crate::reach) side: f64,
     pub(in crate::reach) r1: f64,
     pub(in crate::reach) l: [f64; 3],
-    /// Signed distance from the base axis to the vertical plane in which the TCP moves, along axis 2.
+    /// Signed distance along axis 2 from the base axis to the vertical plane in which the TCP moves.
     pub(in crate::reach) lateral: f64,
     /// Cosine and sine of theta_1 in the middle of the range of joint 1.
     middle_yaw: (f64, f64),
@@ -147,8 +148,8 @@ impl PlanarArm {
     /// Calls `found` with every branch that puts the TCP at `target` (frame 0, m); joint limits are ignored.
     ///
     /// Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if the arm leans back over
-    /// the base. Bits 2 to 5 number the attitudes in the plane of the arm. A tilted tool has two for each
-    /// elevation: it points forwards, or backwards, opposite to the heading theta_1. The bits above number
+    /// the base. Bits 2 to 5 number the attitudes in the plane of the arm. A tilted tool has two attitudes
+    /// for each elevation: it points along the heading theta_1 or opposite to it. The bits from 6 on number
     /// the spins.
     ///
     /// Returns the least distance, m, by which a branch misses the target; 0 if a branch reaches it.

@@ -6,7 +6,9 @@ pub(in crate::reach) type Polynomial = [f64; 5];
 /// Polynomial up to the second degree: coefficients of 1, x, x^2.
 pub(in crate::reach) type Quadratic = [f64; 3];
 
-/// Largest value of an extremum that counts as a double root, as a share of the sum of the absolute terms.
+/// Largest absolute value of the polynomial at an extremum that counts as a double root.
+///
+/// The unit is the sum of the absolute values of the polynomial's terms there.
 const DOUBLE_ROOT: f64 = 1e-7;
 
 /// Up to four real roots in ascending order.

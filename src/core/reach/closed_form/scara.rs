@@ -132,7 +132,8 @@ impl Scara {
         0.0
     }
 
-    /// Returns whether the z axis of the pose `flange` has the direction that it has in every posture.
+    /// Returns whether axis z of the pose `flange` has the direction that the arm gives its flange in every
+    /// posture.
     pub(in crate::reach) fn can_hold(&self, flange: &Pose) -> bool {
         (flange.rotation[(2, 2)] - self.flange_sense).abs() < 1e-12
     }

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Closed form of an arm with a spherical wrist or shoulder; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphericalWrist {
-    /// D-H rows from base to flange, or of the reversed chain if the arm has a spherical shoulder.
+    /// D-H rows from base to flange; for a spherical shoulder, the rows of the reversed chain.
     links: [Link; 6],
     arm: PositioningArm,
     twists: Twists,
@@ -81,9 +81,9 @@ impl SphericalWrist {
     /// Bit 0 of the branch index is set if the wrist is flipped. For an anthropomorphic arm, bit 1 tells the
     /// two elbow solutions apart, and bit 2 is set if the arm leans back over its base.
     ///
-    /// For other arms, bit 1 numbers the two solutions of joint 2. Bit 2 is set if the polynomial of
-    /// Pieper's equation increases at the solution for joint 3. Bit 3 numbers solutions with equal bit 2 in
-    /// ascending order of theta_3 from -180 degrees, or of r_3.
+    /// For other arms, bit 1 numbers the two solutions of joint 2. Bit 2 is set if the polynomial of Pieper's
+    /// equation increases at the solution for joint 3. Bit 3 numbers solutions with equal bit 2. Their order
+    /// is ascending in theta_3 from -180 degrees, or in r_3 of a prismatic joint 3.
     ///
     /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
     /// No better numbering exists for a cuspidal arm, which can change posture without passing a singularity.
@@ -128,10 +128,11 @@ impl SphericalWrist {
         }
     }
 
-    /// Calls `found` with theta_4 to theta_6 that bring the last frame, before its twist, to `x` and `z`.
+    /// Calls `found` with each solution for theta_4 to theta_6 that gives the last D-H frame the axes `x` and
+    /// `z`.
     ///
-    /// `x` and `z` are the required axes of that frame, as unit vectors in frame 0. `posture` holds theta_1
-    /// to theta_3.
+    /// `x` and `z` are unit vectors in frame 0, for the last D-H frame before its twist alpha_6. `posture`
+    /// holds theta_1 to theta_3.
     #[inline]
     fn turn(
         &self,

@@ -4,8 +4,8 @@
 //! section 3.2; A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using subproblem
 //! decomposition" (2022).
 //!
-//! Every angle is a pair (cosine, sine). The formulas avoid cancellation where two solutions coincide. Such a
-//! solution is accurate to rounding.
+//! Every angle is a pair (cosine, sine). The formulas avoid cancellation where two solutions coincide, so a
+//! double solution is accurate to rounding.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -100,9 +100,10 @@ impl Twists {
         Self { first, second, per_sines: 1.0 / (sa * sb), sum: sides(sum), apart: sides(apart) }
     }
 
-    /// Returns the rotation about the middle axis with sine >= 0; None if the twists do not allow one.
+    /// Returns the angle about the middle axis, with sine >= 0; None if the twists exclude the angle between
+    /// the outer axes.
     ///
-    /// `cosine` and `sine2` are cosine and squared sine of the angle between the outer axes.
+    /// `cosine` and `sine2` are the cosine and the squared sine of the angle between the outer axes.
     #[inline]
     pub fn turn(&self, cosine: f64, sine2: f64) -> Option<Angle> {
         let cos = (self.first.0 * self.second.0 - cosine) * self.per_sines;

@@ -72,10 +72,11 @@ impl ThreeJoints {
 
     /// Calls `found` with every solution for the first three joints that puts the point at `p`.
     ///
-    /// `p` is in frame 0, m. Bit 0 of the branch index numbers the two solutions for joint 2. Bit 1 is set
-    /// if the polynomial of Pieper's equation increases at the solution for joint 3. Bit 2 numbers
-    /// solutions with equal bit 1 in ascending order of theta_3 from -180 degrees, or of r_3. The index of
-    /// a solution in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
+    /// `p` is in frame 0, m. Bit 0 of the branch index numbers the two solutions for joint 2. Bit 1 is set if
+    /// the polynomial of Pieper's equation increases at the solution for joint 3. Bit 2 numbers solutions
+    /// with equal bit 1. Their order is ascending in theta_3 from -180 degrees, or in r_3 of a prismatic
+    /// joint 3. The index of a solution in continuous motion changes only at a singularity or at theta_3 =
+    /// 180 degrees.
     ///
     /// If the point lies on the axis of a joint, the angle theta of that joint is 0.
     ///
@@ -137,8 +138,9 @@ impl ThreeJoints {
         PointTarget { p: *p, height, distance2, x: c * p.x + s * p.y, y: c * p.y - s * p.x }
     }
 
-    /// Returns the solutions for joint 3 and their number, in ascending order of theta_3 from -180 degrees,
-    /// or of r_3.
+    /// Returns the solutions for joint 3 and their number.
+    ///
+    /// The solutions are in ascending order of theta_3 from -180 degrees, or of r_3 if joint 3 is prismatic.
     fn thirds(&self, target: &PointTarget) -> ([Third; 4], usize) {
         let origin = if self.forms.kinds[2] == Revolute { self.origin(target) } else { (1.0, 0.0) };
         let path = self.forms.path(origin);

@@ -32,7 +32,7 @@ pub struct ThreeParallel {
     centre: Vector3<f64>,
 }
 
-/// One solution for theta_1, with bit 2 of its branch index.
+/// One solution for theta_1, and the term that it adds to the branch index: 0 or 4 (bit 2).
 #[derive(Clone, Copy)]
 struct Yaw {
     bit: u8,

@@ -119,9 +119,10 @@ impl<'a> Envelope<'a> {
     /// Returns whether the envelope would be exactly symmetric about the base axis without limits of joint 1.
     ///
     /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
-    /// rotate with joint 1. A closed form for whole poses samples free angles from a fixed direction. The
-    /// envelope is then symmetric only if the tool is vertical and joint 1 can make a whole turn. The numeric
-    /// solver always requires that joint 1 can make a whole turn.
+    /// rotate with joint 1. A closed form for whole poses samples free angles from a fixed direction. With
+    /// such a closed form and an azimuth that is not radial, two more conditions apply: the tool must be
+    /// vertical, and joint 1 must have a range of a whole turn. With the numeric solver, joint 1 must always
+    /// have a range of a whole turn.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

@@ -147,7 +147,9 @@ impl Envelope<'_> {
         Size { volume, error: (volume - coarse).abs(), symmetric: false, extent }
     }
 
-    /// Returns the area (m^2) of the envelope at height `z`, and (radius, height) of its lattice points.
+    /// Returns the area (m^2) of the envelope at height `z` (m), and the lattice points inside the envelope.
+    ///
+    /// Each point is given as (distance from the base axis, height), m.
     fn layer(&self, z: f64, step: f64, tolerance: f64) -> (f64, Vec<(f64, f64)>) {
         let lattice = self.level(z, step);
         let (xs, ys) = (lattice.line(0), lattice.line(1));

@@ -3,15 +3,16 @@
 use super::joint_ranges::JointRanges;
 use crate::cell::JointVector;
 
-/// Number of consecutive start postures without a new solution after which the search ends.
+/// Largest number of consecutive start postures without a new solution, once a solution has been found.
 const MAX_IDLE_STARTS: usize = 256;
 /// Largest number of reported solutions: a chain of six revolute joints has up to 16.
 const MAX_SOLUTIONS: usize = 16;
-/// Largest number of solutions collected from a continuum; the reported solutions are chosen from them.
+/// Largest number of collected solutions, from which at most [`MAX_SOLUTIONS`] are chosen.
 const MAX_COLLECTED: usize = 64;
 /// Largest joint difference of two solutions that count as the same, rad (m for a prismatic joint).
 const SAME_SOLUTION: f64 = 1e-4;
-/// Least joint difference of two solutions collected from a continuum, rad (m for a prismatic joint).
+/// Least joint difference of two collected solutions if the solutions form a continuum, rad (m for a
+/// prismatic joint).
 const CONTINUUM_SPACING: f64 = 0.1;
 
 /// Set of the distinct solutions found so far.

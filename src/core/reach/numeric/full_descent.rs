@@ -67,8 +67,8 @@ impl Numeric {
     /// Minimizes the cost by the Levenberg-Marquardt method within the limits.
     ///
     /// The factor `scale` (1/m) multiplies lengths in the cost. Every accepted step lowers the cost. A trial
-    /// step may fail to do so while it holds a joint at a bound that the joint should leave. Then the
-    /// quadratic program is solved instead. A goal without attitude uses the exact Hessian, so the
+    /// step may not lower the cost because it holds a joint at a bound that the joint should leave. Then a
+    /// quadratic program computes the step instead. A goal without attitude uses the exact Hessian, so the
     /// convergence is quadratic even if the goal is out of reach.
     pub(super) fn descend_to_rest(
         &self,

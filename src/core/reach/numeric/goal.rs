@@ -94,7 +94,7 @@ impl TcpGoal {
         TwistError { position, rotation, seen }
     }
 
-    /// Returns a measure of the distance from the pose `tcp` to the goal, cheap to compute, for ranking.
+    /// Returns a measure of the distance from the pose `tcp` to the goal, which ranks start postures cheaply.
     ///
     /// Lengths are multiplied by `scale` (1/m).
     #[inline]

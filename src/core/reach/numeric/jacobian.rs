@@ -67,10 +67,10 @@ pub(super) fn normal_equations(
 /// Adds the second-order part of the Hessian of the position cost `|e|^2 / 2` to `matrix`.
 ///
 /// Let e be the vector from the TCP position p to the goal and q_i the joint coordinates. The second-order
-/// part is `-e . d2p / dq_i dq_j`. For i <= j the derivative is `w_i x J_j`. Here w_i is the rotation of the
-/// TCP per unit of joint i, and J_j its translation per unit of joint j. Only the lower triangle is changed,
-/// and `scale` (1/m) multiplies lengths. With this part, Newton's method converges quadratically even if the
-/// goal is out of reach.
+/// part is `-e . d2p / dq_i dq_j`. For i <= j, the second derivative of p is `w_i x J_j`. Here w_i is the
+/// rotation of the TCP per unit of joint i, and J_j its translation per unit of joint j. Only the lower
+/// triangle is changed, and `scale` (1/m) multiplies lengths. With this part, Newton's method converges
+/// quadratically even if the goal is out of reach.
 pub(super) fn add_curvature(
     chain: &Chain,
     frames: &Frames,

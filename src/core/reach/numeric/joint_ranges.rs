@@ -99,7 +99,7 @@ impl JointRanges {
         }
     }
 
-    /// Adds a term to `b` for every joint that has limits, which pulls it towards the middle of its range.
+    /// Adds to `b`, for every joint with limits, a term that pulls the joint towards the middle of its range.
     ///
     /// Prismatic joints are scaled as in [`Self::damp`].
     pub fn pull(&self, b: &mut JointVector, q: &JointVector, strength: f64, scale: f64) {
@@ -110,7 +110,7 @@ impl JointRanges {
         }
     }
 
-    /// Returns the joint at its limit which the descent direction `b` pushes outward the most.
+    /// Returns, of the joints at a limit, the joint that the descent direction `b` pushes outward the most.
     pub fn held(&self, q: &JointVector, b: &JointVector) -> Option<usize> {
         let push = |i: usize| {
             let (range, b) = (&self.0[i], b[i]);

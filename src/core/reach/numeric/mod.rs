@@ -3,13 +3,12 @@
 //! The chains have 3 to 8 revolute or prismatic joints, coupled or not, with limits.
 //!
 //! Damped Gauss-Newton steps within the limits reduce the twist from the TCP to the goal (`fast_descent`).
-//! They start from a fixed set of postures; the posture with its TCP nearest to the goal comes first
-//! (`starts`).
-//! A descent that stalls is abandoned after a few steps, because another start is cheaper. If all descents
-//! fail, a few full descents follow (`full_descent`), which go on as long as the cost falls. The cost is half
-//! the squared length of the twist. Where joint limits are active, full descents solve a quadratic program
-//! (`quadratic_program`). They also explain why there is no solution (`shortfall`). The result depends
-//! neither on chance nor on an earlier call.
+//! The descents start from a fixed set of postures; the posture with its TCP nearest to the goal comes first
+//! (`starts`). A descent that stalls is abandoned after a few steps, because another start is cheaper. If all
+//! descents fail, a few full descents follow (`full_descent`), which go on as long as the cost falls. The
+//! cost is half the squared length of the twist. Where joint limits are active, full descents solve a
+//! quadratic program (`quadratic_program`). Full descents also explain why there is no solution
+//! (`shortfall`). The result depends neither on chance nor on an earlier call.
 
 mod distinct;
 mod fast_descent;
@@ -40,7 +39,7 @@ const FULL_DESCENTS: usize = 12;
 pub struct Numeric {
     chain: Chain,
     joints: JointRanges,
-    /// Factor of lengths in the cost, 1/m: an error of the length of the chain counts as much as 1 rad.
+    /// Factor of lengths in the cost, 1/m: a position error as long as the chain counts as much as 1 rad.
     scale: f64,
     starts: Starts,
 }

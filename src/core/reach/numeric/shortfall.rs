@@ -33,7 +33,7 @@ pub enum Shortfall {
     /// The search found neither a solution nor a reason why there is none.
     ///
     /// `position` (m) and `angle` (rad) are the errors of the best attempt. Both are infinite if the goal is
-    /// not valid, or if no attempt came near its position.
+    /// not valid, or if no attempt came near the position of the goal.
     NotConverged { position: f64, angle: f64 },
 }
 
@@ -64,7 +64,8 @@ impl Numeric {
         }
     }
 
-    /// Returns the least distance found between the TCP and the goal, m, and whether its descent converged.
+    /// Returns the least distance found between the TCP and the goal, m, and whether the descent to it
+    /// converged.
     fn least_distance(&self, goal: &TcpGoal, frames: &mut Frames) -> (f64, bool) {
         // Scaling before the norm keeps the squares of huge numbers finite.
         let size = goal.position.amax();
