@@ -23,7 +23,7 @@ const INNER_VALUES: usize = 11;
 const GRAZING: f64 = 0.01;
 
 impl Inverse {
-    /// Solves all attitudes with the redundant joint held at one value.
+    /// Solves the inverse kinematics for all attitudes, with the redundant joint held at one value.
     ///
     /// Returns the distance by which the target is out of reach, m; 0 if there is a solution.
     pub(super) fn solve_held(

@@ -83,11 +83,12 @@ fn offset(chain: &Chain, i: usize) -> (f64, f64) {
     (middle, half)
 }
 
-/// Returns the known vertical part (m) of the vector of the last D-H row and the tool, and the length of the
-/// rest.
+/// Splits the vector of the last D-H row and the tool into a known vertical component and a remainder.
 ///
-/// The vertical part follows from `elevation` (rad), the elevation of the tool axis. It is 0 if `elevation`
-/// is None, or if the split does not shorten the rest.
+/// Returns the vertical component (m) and the range of the length of the remainder.
+///
+/// The component follows from `elevation` (rad), the elevation of the tool axis. It is 0 if `elevation` is
+/// None, or if the remainder could be as long as the whole vector.
 fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
     let row = chain.links.last().map_or_else(Vector3::zeros, |link| along_last(chain, link));
     let v = row + chain.tool.translation;
@@ -103,7 +104,7 @@ fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
     (0.0, LengthRange { rigid: whole, travel: 0.0 })
 }
 
-/// Returns the vector of the last D-H row, its common normal and its axial offset, in the last frame, m.
+/// Returns the sum of the common normal and the axial offset of the last D-H row, in the last frame, m.
 ///
 /// The axial offset is along the joint axis, which is `(0, sin alpha, cos alpha)` in that frame. For a
 /// prismatic joint or a chain of one joint the offset is left out, because [`Inverse::shell`] adds it

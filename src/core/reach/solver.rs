@@ -22,8 +22,8 @@ pub(super) enum ChainSolver {
 impl ChainSolver {
     /// Returns the solver of a chain.
     ///
-    /// `limits_by_posture` says whether joint limits can be checked on the sines and cosines of a posture. If
-    /// it is false, only the numeric solver can be used.
+    /// `limits_by_posture` says whether the joint limits can be checked with the sines and cosines of a
+    /// posture alone. If it is false, only the numeric solver can be used.
     pub fn new(chain: &Chain, limits_by_posture: bool) -> Self {
         if limits_by_posture {
             if let Ok(arm) = PlanarArm::new(chain) {

@@ -4,14 +4,14 @@ use super::attitude_set::AttitudeSet;
 
 /// One way to hold the tool in the vertical plane of a planar arm: one value of the angle phi.
 ///
-/// This is the angle of the last link that moves in the plane.
+/// The angle phi is theta_2 + theta_3 + theta_4: the direction of link 4 in this plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanarAttitude {
     pub cos_phi: f64,
     pub sin_phi: f64,
     /// Horizontal part of the vector from the wrist to the TCP in the plane of the arm, m.
     ///
-    /// The field `v` is the part perpendicular to it in the same plane, m.
+    /// The field `v` is the perpendicular part in this plane, m.
     pub u: f64,
     pub v: f64,
     /// Cosine of the tool's elevation; negative if the tool points backwards, against the heading of the arm.

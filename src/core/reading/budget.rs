@@ -20,8 +20,8 @@ pub struct Share {
     /// In the signed reading the source has its signed value, in the other readings the upper limit of its
     /// tolerance.
     pub term: Vector3<f64>,
-    /// Size of the linear error in the operation's sense if this source is at its tolerance and all others
-    /// are 0, m or rad.
+    /// Size of the linear error in the operation's sense that this source alone causes at its tolerance, m or
+    /// rad.
     pub alone: f64,
     /// Share of the linear worst case; the shares of all sources add up to 1.
     pub of_worst: f64,

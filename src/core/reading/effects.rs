@@ -6,10 +6,10 @@ use crate::kinematic_error::Expansion;
 use crate::pose::{Displacement, Pose};
 use nalgebra::Vector3;
 
-/// First-order effect of one unit of each error source on the TCP, and the second-order mean error of the TCP
-/// (base frame).
+/// First-order effects of the error sources on the TCP, and the mean error of the TCP (base frame).
 ///
-/// The second-order mean is the mean error that the second-order terms of random sources cause.
+/// Each column is the effect of one unit of one source. The mean error comes from the second-order terms of
+/// random sources.
 #[derive(Debug, Clone)]
 pub struct Effects {
     pub columns: [Displacement; MAX_SOURCES],
@@ -24,8 +24,9 @@ impl Default for Effects {
 }
 
 impl Effects {
-    /// Sets the effects of the robot at the posture of `expansion`; if `mean` is true, also the mean error
-    /// that the second-order terms cause.
+    /// Sets the effects of the robot's sources at the posture of `expansion`.
+    ///
+    /// If `mean` is true, the mean error of the second-order terms is set, too; otherwise it is 0.
     pub fn set(&mut self, sources: &ErrorSources, expansion: &Expansion, mean: bool) {
         self.count = sources.list.len();
         for k in 0..self.count {
@@ -58,7 +59,7 @@ impl Effects {
         }
     }
 
-    /// Subtracts the effects and the mean of `other`, each transformed by `change` first.
+    /// Transforms the effects and the mean error of `other` by `change`, and subtracts the results.
     pub fn less(&mut self, other: &Effects, change: impl Fn(&Displacement) -> Displacement) {
         for k in 0..self.count {
             self.columns[k] = self.columns[k] - change(&other.columns[k]);

@@ -19,8 +19,9 @@ pub struct ErrorPropagation<'a> {
 }
 
 impl ErrorPropagation<'_> {
-    /// Computes the first-order effects at a posture, relative to the work and to the pick of the part, if
-    /// any.
+    /// Computes the first-order effects at a posture, relative to the equipment on which the robot works.
+    ///
+    /// If the operation places a picked part, they are also relative to the pick.
     pub fn effects(
         &self,
         context: &WorkContext,
@@ -68,7 +69,9 @@ impl ErrorPropagation<'_> {
         PreparedSample { errors, fitted, equipment }
     }
 
-    /// Returns the error of a sample at a posture, relative to the work and to the pick of the part, if any.
+    /// Returns the error of a sample at a posture, relative to the equipment on which the robot works.
+    ///
+    /// If the operation places a picked part, the error is also relative to the pick.
     ///
     /// Do not call this function for the linear model; the errors of that model are sums of
     /// [`Self::effects`].
@@ -114,8 +117,7 @@ impl ErrorPropagation<'_> {
 #[derive(Debug, Clone)]
 pub struct PreparedSample {
     errors: Perturbation,
-    /// Rigid motion that the best fit of the base finds for the sample, with its reference point at the
-    /// centre of the fit.
+    /// Rigid motion that the best fit of the base finds for the sample, as seen at the centre of the fit.
     fitted: Option<Displacement>,
     /// Index and frame error of each piece of equipment whose errors count.
     equipment: [Option<(usize, FrameError)>; 2],
@@ -128,10 +130,10 @@ impl PreparedSample {
     }
 }
 
-/// Returns the displacement of a point of the work at `p` (base frame, m) that the error of the work frame
+/// Returns the displacement of the equipment at the point `p` (base frame, m) that the error of its frame
 /// causes.
 ///
-/// The work is rotated about x, y and z of its frame in this order, then translated.
+/// The equipment is rotated about x, y and z of its frame in this order, then translated.
 fn work_moved(error: &FrameError, work: &Pose, p: &Vector3<f64>) -> Displacement {
     let arm = p - work.translation;
     let turns = (0..3).fold(SmallRotation::none(), |sum, k| {

@@ -37,7 +37,8 @@ pub struct ErrorSources {
     /// Each factor is a list of source indices with the value of the source at one standard deviation of the
     /// factor.
     pub factors: Vec<Vec<(usize, f64)>>,
-    /// Number of robot parameters in a sample; joint frames are included only if one of them has an error.
+    /// Number of robot parameters in a sample; those of the joint frames are left out if no joint frame has
+    /// an error.
     parameters: usize,
     /// Indices of the equipment whose errors count: the equipment on which the robot works, and the equipment
     /// from which it picked the part.
@@ -160,7 +161,8 @@ fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
 
 /// Returns independent factors `v_f` of the covariance `C = sum_f v_f v_f^T` of a tolerance.
 ///
-/// Each factor is a sparse vector: source indices with their values. `place` maps a parameter to its source.
+/// Each factor is a sparse vector: source indices with their values. `place` maps the index of a robot
+/// parameter to the index of its source.
 fn factors(tolerance: &Tolerance, place: &[Option<usize>]) -> Vec<Vec<(usize, f64)>> {
     let Some(covariance) = &tolerance.covariance else { return Vec::new() };
     // The factors are principal axes of the correlation matrix, because the covariance matrix mixes m and

@@ -110,8 +110,9 @@ impl ErrorEvaluator {
         ErrorPropagation { chain: &self.chain, sources: &self.sources, best_fit: self.best_fit.as_ref() }
     }
 
-    /// Returns the pick of a part in the posture with the link frames `frames`, and the effects of errors on
-    /// the pick.
+    /// Returns the pick of a part at the posture with the link frames `frames`.
+    ///
+    /// The result includes the effects of errors on the pick.
     pub fn pick_reference(&self, site: WorkFrame, frames: Frames) -> PickReference {
         let mut effects = Effects::default();
         let mut expansion = self.sources.expansion(&self.chain);

@@ -1,7 +1,7 @@
 //! Quasi-Monte Carlo check of the statistical reading with samples of the nonlinear model.
 //!
-//! Each replicate is a Richtmyer sequence with a random shift, which depends only on a given seed. The
-//! scatter of the replicates gives the confidence interval.
+//! Each replicate is a randomly shifted Richtmyer sequence. The shift depends only on a given seed and the
+//! index of the replicate. The scatter of the replicates gives the confidence interval.
 
 use super::sample_space::{SampleSpace, SampleStream};
 use super::work_context::WorkContext;
@@ -19,11 +19,12 @@ const STUDENT_T: f64 = 2.039_513_446;
 /// Quantile of the standard normal distribution for 97.5 %.
 const NORMAL_QUANTILE: f64 = 1.959_963_985;
 
-/// Relative deviation up to which a first-order figure agrees with an estimate, even outside the confidence
-/// interval.
+/// Largest relative deviation at which a first-order figure outside the confidence interval still agrees with
+/// an estimate.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
-/// Deviation up to which a first-order yield agrees with an estimate, even outside the confidence interval.
+/// Largest deviation at which a first-order yield outside the confidence interval still agrees with an
+/// estimate.
 pub const YIELD_TOLERANCE: f64 = 0.005;
 
 /// Number of bins of a [`Histogram`].
@@ -38,7 +39,9 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Returns whether `figure` agrees: it is inside the confidence interval, or within 1 % of the value.
+    /// Returns whether `figure` agrees with the estimate.
+    ///
+    /// It must be inside the confidence interval, or deviate from the estimate by at most 1 %.
     pub fn agrees(&self, figure: f64) -> bool {
         (self.low..=self.high).contains(&figure)
             || (figure - self.value).abs() <= RELATIVE_TOLERANCE * self.value.abs()
@@ -87,9 +90,10 @@ impl Histogram {
 }
 
 impl MonteCarlo {
-    /// Replaces first-order figures, yield and value by the estimates unless these confirm them.
+    /// Compares first-order figures and yield with the estimates, and returns whether all agree.
     ///
-    /// Returns whether the estimates confirm them. `value` is the value of the statistical reading.
+    /// If any disagrees, the estimates replace all figures, the yield and `value`, the value of the
+    /// statistical reading.
     pub fn check(
         &self,
         quantity: Quantity,
@@ -108,7 +112,7 @@ impl MonteCarlo {
         false
     }
 
-    /// Returns whether a first-order yield agrees with the estimate; true without a limit.
+    /// Returns whether a first-order yield agrees with the estimate; true if the operation has no limit.
     pub fn confirms_yield(&self, first_order: Option<f64>) -> bool {
         let Some((estimate, share)) = self.success.zip(first_order) else { return true };
         (estimate.low..=estimate.high).contains(&share) || (share - estimate.value).abs() <= YIELD_TOLERANCE
@@ -162,7 +166,8 @@ pub fn monte_carlo(
 
 /// Estimates the figures of several operations of one cell from the same samples of the nonlinear model.
 ///
-/// Each sample from `space` is one arm in one cell, whose errors apply to all operations.
+/// Each sample from `space` is one realization of the arm and the equipment. Its errors apply to all
+/// operations.
 pub fn joint_monte_carlo(
     space: &SampleSpace,
     postures: &[SampledPosture<'_>],
@@ -261,9 +266,10 @@ impl SampledPosture<'_> {
 
 /// Returns the share of `count` among independent samples, with Wilson's 95 % score interval.
 ///
-/// The shares of quasi-random points scatter less, so the interval is conservative for them. It does not
-/// vanish if all samples agree, unlike an interval from the scatter of replicates (E. B. Wilson, "Probable
-/// inference, the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22, 1927).
+/// The shares of quasi-random points scatter less, so the interval is conservative for them. Even if all
+/// samples agree, this interval has a width, unlike an interval from the scatter of replicates (E. B. Wilson,
+/// "Probable inference, the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22,
+/// 1927).
 pub fn share_of(count: usize, samples: usize) -> Estimate {
     let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
     let value = count as f64 / n;

@@ -6,8 +6,8 @@
 //! and its inverse transform gives the probability `P(|e| <= c)`; no moments are fitted. For normal
 //! parameters the probability is accurate to 1e-10, whatever the ratios of the eigenvalues of the covariance.
 //! For other parameters, the fourth and sixth cumulants correct the transform to second order. In three
-//! dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five. Where
-//! fewer parameters dominate that are not normal, [`NormLaw`] uses a [`ConditionalNorm`] instead.
+//! dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five. If
+//! even fewer uniform or triangular parameters dominate, [`NormLaw`] uses a [`ConditionalNorm`] instead.
 
 mod bromwich;
 mod conditional;
@@ -34,7 +34,7 @@ use std::f64::consts::PI;
 pub struct NormDistribution {
     /// Laplace transform of `|e|^2`; None if `e` is zero or does not vary.
     spectrum: Option<Spectrum>,
-    /// Unit of length of `spectrum`: the RMS of `|e|`, in m or rad as in the columns.
+    /// Unit of length of `spectrum`: the RMS of `|e|`, in the unit of `e` (m or rad).
     unit: f64,
 }
 
@@ -113,7 +113,10 @@ impl NormDistribution {
     }
 }
 
-/// Returns the quantile of `Q - shift` by Halley's method on the log of the nearer tail, within a bracket.
+/// Returns the quantile of `Q - shift` by Halley's method within a bracket.
+///
+/// The method is applied to the logarithm of a tail probability: of the upper tail if p >= 0.5, otherwise of
+/// the lower tail.
 ///
 /// Here `Q` is `|e|^2` in the unit of the spectrum, and `shift` is its constant part.
 fn above(spectrum: &Spectrum, p: f64) -> f64 {
@@ -154,10 +157,14 @@ fn above(spectrum: &Spectrum, p: f64) -> f64 {
     x
 }
 
-/// Returns a start value for the quantile: that of a chi-square distribution, shifted and scaled to have the
-/// first three cumulants of `|e|^2`.
+/// Returns a start value for the quantile of `Q - shift`: the quantile of a shifted and scaled chi-square
+/// variable.
 ///
-/// E. B. Wilson, M. M. Hilferty, "The distribution of chi-square", PNAS 17 (1931) 684-688.
+/// This variable has the same first three cumulants as `Q - shift`. Here `Q` is `|e|^2`, and `shift` is its
+/// constant part.
+///
+/// Source of the chi-square quantile: E. B. Wilson, M. M. Hilferty, "The distribution of chi-square", PNAS 17
+/// (1931) 684-688.
 fn start(spectrum: &Spectrum, p: f64) -> f64 {
     let [k1, k2, k3] = spectrum.cumulants();
     let z = normal_quantile(p);

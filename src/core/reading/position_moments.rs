@@ -45,7 +45,7 @@ pub struct PositionMoments {
     pub mean: Vector3<f64>,
     /// Second moment `E[p p^T]`.
     pub square: Matrix3<f64>,
-    /// Moments of the error. For the second-order model they include its first-order terms alone.
+    /// Moments of the error; in the second-order model, of the first-order terms of the error alone.
     pub error: ErrorMoments,
     /// Moments of the second-order terms of the error; only the second-order model has them.
     pub second: ErrorMoments,
@@ -115,7 +115,9 @@ impl PositionMoments {
         self.error.product += by * self.mean.transpose();
     }
 
-    /// Adds to the error a small rotation about an axis through a point, after all errors so far.
+    /// Adds a small rotation by `by` about the axis `axis` through the point `through` to the error.
+    ///
+    /// The rotation acts after all errors added before.
     pub fn add_turn(&mut self, model: Model, axis: &Vector3<f64>, through: &Vector3<f64>, by: &Turn) {
         if by.angle == 0.0 {
             return;
@@ -138,7 +140,10 @@ impl PositionMoments {
         self.error = self.error + arm.times(&turn);
     }
 
-    /// Adds to the error the error of a frame with the given axes and origin, after all errors so far.
+    /// Adds the frame error `error` to the position error; `frame` gives the axes and the origin of the
+    /// frame.
+    ///
+    /// The frame error acts after all errors added before.
     pub fn add_frame(&mut self, model: Model, frame: &Pose, error: &FrameError) {
         for (k, by) in error.turns.iter().enumerate() {
             self.add_turn(model, &frame.rotation.column(k).into_owned(), &frame.translation, by);
@@ -208,8 +213,8 @@ impl Harmonics {
 
     /// Returns the mean of `R M R^T`, where R is the rotation by the random angle about the z axis.
     ///
-    /// The trace and the antisymmetric part of the xy block do not change. The rest of the block turns by
-    /// twice the angle.
+    /// The trace and the antisymmetric part of the xy block do not change. The symmetric part of the block
+    /// without its trace turns by twice the angle.
     fn mean_of_matrix(&self, m: &Matrix3<f64>) -> Matrix3<f64> {
         let (c, s) = self.first;
         let (trace, skew) = ((m.m11 + m.m22) / 2.0, (m.m21 - m.m12) / 2.0);

@@ -1,9 +1,10 @@
 //! Registration: frames measured with the robot itself, namely a best-fit base frame or taught surface
 //! frames.
 //!
-//! A registration is a rigid motion M that a rule fits to the errors at some points. The controller works in
-//! the moved frame, so an error E at a node becomes `M^-1 E`. To first order this is a difference of twists.
-//! For the other models the rule is applied again to the errors that remain. This iteration converges
+//! A registration is a rigid motion M fitted to the errors at several points: by least squares, or from three
+//! taught points. The controller works in the frame moved by M, so an error E at a node becomes `M^-1 E`. In
+//! the linear model this is a difference of twists. In the nonlinear and second-order models the fit is
+//! repeated on the remaining errors until these yield no further motion. This iteration converges
 //! quadratically and keeps the digits of small errors.
 
 use super::position_moments::ErrorMoments;
@@ -36,8 +37,7 @@ pub struct BestFit {
     covariance: Matrix3<f64>,
     /// Inverse of the inertia matrix `E[|r|^2 I - r r^T]`.
     inverse: Matrix3<f64>,
-    /// Part of the effect of each source that the fit removes: a twist with its reference point at the
-    /// centre.
+    /// Part of the effect of each source that the fit removes: a twist as seen at the centre of the fit.
     pub effects: Effects,
 }
 
@@ -57,7 +57,7 @@ impl BestFit {
         fit
     }
 
-    /// Returns the rigid motion fitted to a sample, with its reference point at the centre of the fit.
+    /// Returns the rigid motion fitted to the errors of a sample, as seen at the centre of the fit.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let undo = |left: &mut ErrorMoments, back: &Displacement| {
             let turn = SmallRotation::of(&back.rotation);
@@ -75,16 +75,16 @@ impl BestFit {
         frames.tcp.translation - self.centre
     }
 
-    /// Returns the moments of an error with the vector r from the centre to the TCP in place of the TCP
-    /// position.
+    /// Returns the moments of an error about the centre of the fit.
+    ///
+    /// In these moments, the vector r from the centre to the TCP replaces the TCP position.
     fn about_centre(&self, error: ErrorMoments) -> ErrorMoments {
         ErrorMoments { product: error.product - error.mean * self.centre.transpose(), ..error }
     }
 
-    /// Returns the least-squares twist of small displacements d from their moments about the centre of the
-    /// fit.
+    /// Returns the twist that fits small displacements d best in the sense of least squares.
     ///
-    /// The centre is also the reference point of the twist.
+    /// The argument holds the moments of d about the centre of the fit; the twist is as seen at this centre.
     fn twist(&self, ErrorMoments { mean, product }: &ErrorMoments) -> Displacement {
         // The mean of r x d.
         let moment =
@@ -92,8 +92,8 @@ impl BestFit {
         Displacement { position: *mean, rotation: self.inverse * moment }
     }
 
-    /// Returns the part of the effect of each source that the fit removes: a twist with its reference point
-    /// at the centre.
+    /// Returns the part of the effect of each source that the fit removes: a twist as seen at the centre of
+    /// the fit.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let count = sources.list.len();
         let moments =
@@ -123,8 +123,8 @@ impl BestFit {
 pub struct Taught {
     /// Postures that touch the points.
     pub postures: [Frames; 3],
-    /// Part of the effect of each source that the taught frame removes: a twist with its reference point at
-    /// the origin.
+    /// Part of the effect of each source that the taught frame removes: a twist as seen at the origin of this
+    /// frame.
     pub effects: Effects,
 }
 
@@ -150,7 +150,7 @@ impl Taught {
         taught
     }
 
-    /// Returns the rigid motion of the taught frame for a sample, with its reference point at the origin.
+    /// Returns the rigid motion by which the errors of a sample move the taught frame, as seen at its origin.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
         let undo = |moved: &mut [Vector3<f64>; 3], back: &Displacement| {
@@ -183,8 +183,8 @@ impl Taught {
         self.postures[k].tcp.translation
     }
 
-    /// Returns the twist of the taught frame, with its reference point at the origin, for small displacements
-    /// of the three points.
+    /// Returns the twist by which small displacements of the three points move the taught frame, as seen at
+    /// its origin.
     fn twist(&self, moved: &[Vector3<f64>; 3]) -> Displacement {
         let [along, third] = [1, 2].map(|k| self.point(k) - self.point(0));
         let x = along.normalize();

@@ -1,4 +1,5 @@
-//! Random draws of the parameters of all operations of a cell: one draw is one arm in one cell.
+//! Random draws of the parameters of all operations of a cell: one draw is one realization of the arm and the
+//! equipment.
 //!
 //! Operations share the parameters of the robot, and the parameters of equipment that they have in common.
 //! Each of these parameters has one value per draw, whichever operations are judged.
@@ -47,7 +48,7 @@ impl SampleSpace {
         self.list.iter().position(|own| own.parameter == source.parameter)
     }
 
-    /// Returns the place of each source of an operation in the draws; sources of another cell are left out.
+    /// Returns the index in a draw of each source of an operation; sources of another cell are left out.
     pub(super) fn places(&self, sources: &ErrorSources) -> Vec<usize> {
         sources.list.iter().filter_map(|source| self.place(source)).collect()
     }

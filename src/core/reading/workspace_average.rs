@@ -34,11 +34,12 @@ pub struct WorkspaceAverage {
 #[derive(Debug, Clone)]
 struct AveragedRow {
     kind: JointKind,
-    /// Angle theta at actuator coordinate 0.
+    /// Fourier coefficients of the angle theta at actuator coordinate 0.
     theta: Harmonics,
-    /// Angle theta at a random actuator coordinate, if the joint is revolute.
+    /// Fourier coefficients of the angle theta at a random actuator coordinate; used only for a revolute
+    /// joint.
     random_theta: Harmonics,
-    /// The row without its rotation about the joint axis, at actuator coordinate 0.
+    /// Link transform of the row without the rotation theta, at actuator coordinate 0.
     link: Pose,
     /// Least and greatest actuator coordinate, rad or m.
     range: (f64, f64),
@@ -106,7 +107,8 @@ impl WorkspaceAverage {
         at
     }
 
-    /// Returns the moments in the frame before some rows, given those in the frame after them.
+    /// Returns the moments in the frame before the rows `rows`, given the moments `after` in the frame after
+    /// them.
     ///
     /// `joints` holds the coordinates of the actuators that drive these rows.
     fn before(
@@ -157,7 +159,8 @@ impl AveragedRow {
         }
     }
 
-    /// Returns the moments in the frame before the row with index `index`, given those in the frame after it.
+    /// Returns the moments in the frame before row `index`, given the moments `after` in the frame after this
+    /// row.
     ///
     /// `at` is the coordinate of the actuator; None averages over its range. `joints` holds the coordinates
     /// of the actuators that drive the joint.
@@ -185,8 +188,8 @@ impl AveragedRow {
         moments
     }
 
-    /// Returns the moments after the motion of the joint; `driven` (rad or m) is the part that other
-    /// actuators cause.
+    /// Returns the moments after the motion of the joint; `driven` (rad or m) is the part of the motion that
+    /// other actuators cause.
     fn moved(&self, moments: &PositionMoments, driven: f64, at: Option<f64>) -> PositionMoments {
         match self.kind {
             JointKind::Revolute => {

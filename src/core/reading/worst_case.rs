@@ -52,7 +52,8 @@ pub fn farthest(
     }
 }
 
-/// Share of the linear worst case: flips of signs that change the linear error by less are always tried.
+/// Share of the linear worst case; a flip that changes the linear error by no more than this share is always
+/// tried.
 const NEAR_SHARE: f64 = 0.02;
 
 /// Largest number of sources whose signs are tried in every combination.
@@ -64,14 +65,20 @@ const PARALLEL_SINE: f64 = 1e-6;
 /// Returns the worst case by a model; `error` returns the error by this model at a corner of the tolerance
 /// box.
 ///
-/// A local search starts from the corner that is worst by the linear model, `corner`, and from the opposite
-/// corner. The sizes of their errors differ only by terms of even order. The search flips signs: one alone,
-/// or those of all parallel columns together. A flip is tried only if it changes the linear error by no more
-/// than a threshold. The threshold is the largest of three values: twice the difference of the models, the
-/// share `NEAR_SHARE` of the linear worst case, and `quadratic`, the size of the second-order terms. Groups
-/// are needed, for example, on a planar arm, whose lateral effects are perpendicular to all others. There the
-/// worst linear corners come in pairs, and no single flip leads from one to the other. `largest` holds the
-/// corners with the largest displacement and the largest rotation of the TCP, which serve as further starts.
+/// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
+/// The sizes of the errors at these two corners differ only by terms of even order. The search flips signs:
+/// one alone, or those of all parallel columns together. A flip is tried only if it changes the linear error
+/// by no more than a threshold. The threshold is the largest of three values:
+///
+/// - `quadratic`, the size of the second-order terms;
+/// - the share `NEAR_SHARE` of the linear worst case;
+/// - twice the largest difference between the linear worst case and the error by the model at the two
+///   corners.
+///
+/// Flips of parallel columns together are needed, for example, on a planar arm, whose lateral effects are
+/// perpendicular to all others. There the worst linear corners come in pairs, and no single flip leads from
+/// one to the other. `largest` holds the corners with the largest displacement and the largest rotation of
+/// the TCP, which serve as further starts.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,

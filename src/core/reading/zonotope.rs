@@ -8,9 +8,9 @@
 //! cell:
 //!
 //! - 2-D: rotate a direction by half a turn; the signs flip one after another, in the order of the angles;
-//! - 3-D: the planes cut the sphere in great circles, and every cell borders on one; walk along each circle
-//!   as in 2-D and visit the cells on both sides (`circle_walk`). If all generators lie in one plane or along
-//!   its normal, as for parallel joint axes, the problem is 2-D;
+//! - 3-D: the planes cut the sphere in great circles, and every cell borders on a circle; walk along each
+//!   circle as in 2-D and visit the cells on both sides (`circle_walk`). With parallel joint axes, all
+//!   generators lie in one plane or along its normal; then the problem is 2-D;
 //! - 4-D to 6-D: branch and bound (`branch_and_bound`).
 //!
 //! For a few generators all corners are tried (`sign_table`). Every candidate is a true corner, so ties and
@@ -36,8 +36,8 @@ const MAX_EXHAUSTIVE: usize = 7;
 const MAX_EXHAUSTIVE_MERGED: usize = 11;
 /// Sine of the angle below which generators count as parallel.
 ///
-/// Parallel generators get signs with which they add up. Generators smaller than this share of the sum may
-/// get other signs.
+/// Parallel generators get signs with which they add up. A generator smaller than `PARALLEL_SINE` times the
+/// sum may get the other sign.
 const PARALLEL_SINE: f64 = 1e-13;
 /// Cosine below which directions count as perpendicular.
 const PERPENDICULAR: f64 = 1e-14;
@@ -53,7 +53,7 @@ pub struct ZonotopeScratch {
     merged_6: MergedGenerators<6>,
 }
 
-/// Largest norm found of a sum of generators with signs.
+/// Result of the maximization of `|sum s_k g_k|` over all signs `s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Farthest {
     /// Norm of the sum with the returned signs.
@@ -88,8 +88,8 @@ pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut ZonotopeScratch, si
 
 /// Maximizes `|sum s_k g_k|` over the signs `s` in 3-D by walks along great circles, and writes the signs.
 ///
-/// Each circle of directions is perpendicular to a generator. A few generators are tried with all signs
-/// instead.
+/// Each circle of directions is perpendicular to a generator. If there are only a few generators, all signs
+/// are tried instead.
 pub fn farthest_3(generators: &[Vector3<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
@@ -164,7 +164,7 @@ fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
     }
 }
 
-/// Generators with parallel ones merged into sums, and the map back to the single generators.
+/// Sums of parallel generators, and the map from these sums to the single generators.
 struct MergedGenerators<const M: usize> {
     count: usize,
     sum: [SVector<f64, M>; MAX_GENERATORS],

@@ -15,7 +15,7 @@ pub struct Link {
     pub r: f64,
     /// Length l of the common normal, m.
     pub l: f64,
-    /// Twist angle alpha, rad, from the joint axis before the link to the one after it.
+    /// Twist angle alpha, rad, from the joint axis before the link to the joint axis after the link.
     pub alpha: f64,
     /// Cosine of alpha. It is exact at multiples of a right angle, so parallel axes stay parallel.
     pub cos_alpha: f64,
@@ -65,7 +65,9 @@ pub struct Chain {
     /// Pose of D-H frame 0 in the base frame of the robot.
     pub mount: Pose,
     pub links: Vec<Link>,
-    /// Pose of every joint frame in the D-H frame before its row, fixed to the link before the joint.
+    /// Pose of every joint frame in the D-H frame before its row.
+    ///
+    /// A joint frame is fixed to the link before the joint.
     pub joint_frames: Vec<Pose>,
     /// Matrix that maps actuator coordinates to D-H coordinates: lower triangular with a unit diagonal.
     pub coupling: Vec<Vec<f64>>,
@@ -161,13 +163,16 @@ impl Chain {
         };
     }
 
-    /// Returns the pose of the TCP in the base frame of the robot: mount, eq. (2) of the seed paper and tool.
+    /// Returns the pose of the TCP in the base frame of the robot.
+    ///
+    /// This is the product of the mount, the D-H chain (eq. (2) of the seed paper) and the tool.
     pub fn forward(&self, posture: &Posture) -> Pose {
         self.frames(posture).tcp
     }
 }
 
-/// Returns the frame after a link, `T A`, where `T` is the frame `t` before it and `A` the link transform.
+/// Returns the frame after a link: `T A`, where `T` is the frame `t` before the link and `A` the link
+/// transform.
 ///
 /// Products with the zeros of `A` are skipped.
 #[inline]

@@ -3,7 +3,7 @@
 //! Every run of a solver is a function of the seed, the number of the run and the costs that the solver
 //! receives. So a checkpoint needs no state of a solver. It holds the record at the start of the current run
 //! and the results of all evaluations since then. A resumed search starts that run again. It takes the
-//! results of the first evaluations from the journal and computes the others.
+//! results of the first evaluations of this run from the journal and computes the later ones.
 
 use super::pareto_front::ParetoFront;
 use super::record::{Answer, Record};
@@ -101,7 +101,7 @@ pub enum Phase {
 pub struct SearchJournal {
     pub record: Record,
     pub phase: Phase,
-    /// Number of evaluations at which the current run, or the polish, ends.
+    /// Number of evaluations at which the current run, polish or local search ends.
     pub until: u64,
     /// Whether the resumed search has evaluated other points than its journal says.
     pub diverged: bool,
@@ -173,8 +173,10 @@ impl SearchJournal {
         self.allow();
     }
 
-    /// Begins the local search, which may use the rest of the budget, but at most [`MAX_RUN_EVALUATIONS`]
-    /// more evaluations than the polish.
+    /// Begins the local search.
+    ///
+    /// It may use the rest of the budget, but at most [`MAX_RUN_EVALUATIONS`] evaluations beyond the limit of
+    /// the polish.
     pub fn begin_local_search(&mut self) {
         self.until = self.checkpoint.stopping.budget.min(self.until + MAX_RUN_EVALUATIONS);
     }

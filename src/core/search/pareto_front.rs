@@ -89,7 +89,8 @@ impl ParetoFront {
     ///
     /// The crowding distance is the difference between the losses of the two neighbours of a member, summed
     /// over the goals (K. Deb et al., "A fast and elitist multiobjective genetic algorithm: NSGA-II", IEEE
-    /// Trans. Evolutionary Computation 6(2), 2002). Each difference is a share of the range of that loss.
+    /// Trans. Evolutionary Computation 6(2), 2002). Each difference is a share of the range of the loss on
+    /// the front.
     fn crowding(&self) -> Vec<f64> {
         let mut crowding = vec![0.0; self.members.len()];
         for (k, span) in self.spans().unwrap_or_default().iter().enumerate() {

@@ -282,8 +282,9 @@ impl Anneal for &Problem<'_> {
     type Output = Vec<f64>;
     type Float = f64;
 
-    /// Returns a random neighbour: a random selection of coordinates makes steps, whose size differs from
-    /// call to call.
+    /// Returns a random neighbour: each coordinate of a random selection makes a random step.
+    ///
+    /// The largest possible step is random, too; it is drawn once per call.
     fn anneal(&self, point: &Vec<f64>, _temperature: f64) -> Result<Vec<f64>, Error> {
         let mut rng = locked(&self.annealing);
         let size = 0.5 * 10f64.powf(-4.0 * rng.random::<f64>());

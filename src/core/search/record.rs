@@ -63,7 +63,7 @@ pub struct Record {
     pub stillness: u64,
     /// Number of evaluations and cost at the last significant improvement.
     ///
-    /// In a Pareto search, a new member of the front also sets the number.
+    /// In a Pareto search, the number of evaluations is also updated at each new member of the front.
     improved: (u64, f64),
     /// Pareto front; None unless the search is a Pareto search.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -15,15 +15,14 @@
 use super::pareto_front::{ParetoFront, Span};
 use crate::low_discrepancy::halton;
 
-/// Factor of the sum of all goals in the scalarization.
+/// Factor rho of the sum of all goals in the scalarization.
 ///
-/// It makes the layout with the smaller sum win if two layouts have the same maximum.
+/// If two layouts have equal maxima, this term gives the layout with the smaller sum the smaller cost.
 const AUGMENTATION: f64 = 1e-3;
 
-/// Range of the cost in a run.
+/// Factor that converts the scalarized goals, which are mostly between 0 and 1, to the cost in a run.
 ///
-/// It is similar to the range of errors in m, because the temperatures of annealing are chosen for such
-/// errors.
+/// The costs are then similar to errors in m, for which the temperatures of annealing are chosen.
 const COST_SCALE: f64 = 0.02;
 
 /// Largest cost of a feasible layout in a run; every infeasible layout costs more.

@@ -42,7 +42,7 @@ impl<'c> SearchSpace<'c> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
-    /// Returns the canonical point, within the cube, among all points with the same layout.
+    /// Returns the canonical point of the layout of `point`, which lies in the unit cube.
     ///
     /// A variable with a range has its rounded value. A variable with listed values is in the middle of the
     /// interval that stands for its value.
@@ -125,7 +125,7 @@ fn middle(k: usize, count: usize) -> f64 {
     (k as f64 + 0.5) / count as f64
 }
 
-/// Returns the position of a value of a coordinate in [0, 1].
+/// Returns the position in [0, 1] that stands for a value of a coordinate.
 fn share(coordinate: &Coordinate, value: f64) -> f64 {
     match coordinate {
         Coordinate::Fixed(_) => 0.0,

@@ -5,12 +5,13 @@
 //! negative real axis. So the trapezoidal rule on a contour around this axis converges geometrically,
 //! whatever the ratios of the eigenvalues `l_i` of the covariance.
 //!
-//! For a small mean the contour is a parabola: `z x = M (1 + i t)^2` with `M = pi N / 12` and steps of
-//! `3 / N` in t. The points `z x` do not depend on x, and the error is about `8.12^-N` (J. A. C. Weideman, L.
-//! N. Trefethen, "Parabolic and hyperbolic contours for computing the Bromwich integral", Math. Comp. 76
-//! (2007)). For a large mean, the integrand contains exponentials that grow to the left of the discs with the
-//! diameters `[-1/(2 l_i), 0]`. In this case a steep hyperbola through the saddle point of the integrand
-//! keeps every term small.
+//! For a small mean the contour is the parabola `z x = M (1 + i t)^2` with real t and `M = pi N / 12`. Its
+//! upper half has `N` points, at steps of `3 / N` in t. The points `z x` do not depend on x, and the error is
+//! about `8.12^-N` (J. A. C. Weideman, L. N. Trefethen, "Parabolic and hyperbolic contours for computing the
+//! Bromwich integral", Math. Comp. 76 (2007)). For a large mean, the parabola would cross the discs with the
+//! diameters `[-1/(2 l_i), 0]`. In these discs, the factors `exp(-mu_i^2 z / (1 + 2 l_i z))` of the integrand
+//! are large. Here `mu_i` is the component of the mean along the eigenvector of `l_i`. So the contour is a
+//! steep hyperbola through the saddle point of the integrand, which keeps every term small.
 
 use super::spectrum::Spectrum;
 use nalgebra::Complex;
@@ -24,10 +25,11 @@ const N: usize = 14;
 /// The noncentrality is `sum mu_i^2 / l_i`, where `l_i` is an eigenvalue and `mu_i` the component of the mean
 /// along its axis.
 const MAX_CENTRAL: f64 = 6.0;
-/// Squared norm below which the probability is set to 0, because nearly normal vectors are practically never
-/// that short.
+/// Value of `Q - shift` below which the probability is set to 0, because smaller values practically never
+/// occur.
 ///
-/// The unit is that in which the mean of the squared norm is 1.
+/// Here `Q` is the squared norm, and `shift` is its constant part. Lengths are in units of the RMS norm, so
+/// `Q` has the mean 1.
 const MIN_SQUARE: f64 = 1e-100;
 /// Slope of the arms of the hyperbola: 20 degrees off the vertical.
 const TILT: f64 = 0.36;
@@ -121,7 +123,7 @@ fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
 /// Integrates on the hyperbola `z = saddle + width (i sinh u - TILT (cosh u - 1))` by the trapezoidal rule in
 /// u.
 ///
-/// The step is halved until two sums agree.
+/// The step is halved until two successive sums agree.
 fn on_hyperbola(spectrum: &Spectrum, above: f64) -> [f64; 3] {
     let x = above - (spectrum.square - spectrum.shift);
     let (saddle, width, log_bound) = saddle(spectrum, above);
@@ -169,12 +171,13 @@ fn arm(term: &impl Fn(f64) -> [f64; 3], from: f64, step: f64) -> [f64; 3] {
     sum
 }
 
-/// Returns a point near the saddle of `exp(z x) L(z) / z`, the width of the saddle, and `log(exp(z x) L(z))`
-/// at this point.
+/// Returns a point z near the saddle of `exp(z above) L(z) / z`, the width of the saddle, and a bound.
 ///
-/// Here `L` is the Laplace transform, and the point is on the positive real axis.
+/// Here `L` is the Laplace transform of `Q - shift` for normal parameters. `Q` is the squared norm, and
+/// `shift` is its constant part. The point is on the positive real axis.
 ///
-/// The logarithm is an upper bound of `log P(Q <= x)`.
+/// The bound is `z above + log L(z)`. If all parameters are normal, `log P(Q <= shift + above)` is not
+/// greater.
 fn saddle(spectrum: &Spectrum, above: f64) -> (f64, f64, f64) {
     let slope = |z: f64| {
         let part = |(l, mean2): (f64, f64)| {

@@ -10,9 +10,9 @@
 //! P(|e| <= c) = E_a P(-h <= t + |g| u <= h)
 //! ```
 //!
-//! The mean is taken over a fixed set of weighted low-discrepancy points. The integrand has kinks but no jumps, which is
-//! what such points need (A. Griewank, F. Y. Kuo, H. Leovey, I. H. Sloan, "High dimensional integration of
-//! kinks and jumps: smoothing by preintegration", J. Comput. Appl. Math. 344 (2018) 259-274).
+//! The mean is taken over a fixed set of weighted low-discrepancy points. The integrand has kinks but no
+//! jumps, which is what such points need (A. Griewank, F. Y. Kuo, H. Leovey, I. H. Sloan, "High dimensional
+//! integration of kinks and jumps: smoothing by preintegration", J. Comput. Appl. Math. 344 (2018) 259-274).
 
 use super::points::{PointSet, half_width};
 use super::terms::RandomTerm;
@@ -20,14 +20,17 @@ use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Number of points that are added up side by side; a divisor of [`PointSet::count`].
+/// Number of partial sums over the points, which the processor updates together; a divisor of
+/// [`PointSet::count`].
 const LANES: usize = 4;
 
 /// Distribution of the norm of a random vector with a dominating bounded parameter.
 pub struct ConditionalNorm<'a> {
-    /// Component of the other parameters' error along the effect of the dominating one, at each point.
+    /// Error without the dominating parameter, at each point: its component along the effect of this
+    /// parameter.
     along: &'a [f64],
-    /// Squared length of the component across that effect, at each point.
+    /// Error without the dominating parameter, at each point: squared length perpendicular to the effect of
+    /// this parameter.
     across: &'a [f64],
     /// Weight of each point; the weights add up to 1.
     weights: &'a [f64],
@@ -37,12 +40,14 @@ pub struct ConditionalNorm<'a> {
     rms: f64,
 }
 
-/// Working memory of a [`ConditionalNorm`]: the weight of each point, and the components of its error.
+/// Working memory of a [`ConditionalNorm`]: the weight of each point, and the components of the error at each
+/// point.
 #[derive(Default)]
 pub struct ConditionalScratch(Vec<f64>);
 
 impl ConditionalScratch {
-    /// Allocates the memory for errors of at most `m` components, and prepares the points that all evaluations share.
+    /// Allocates the memory for errors of at most `m` components, and prepares the points that all
+    /// evaluations share.
     pub fn of_components(m: usize) -> Self {
         let mut scratch = Self::default();
         (1..=m).for_each(|m| {
@@ -66,7 +71,7 @@ impl<'a> ConditionalNorm<'a> {
     /// Returns the distribution of `|e|`, where `e` are the first `m` components of a random vector.
     ///
     /// `columns` are the effects of independent parameters at one standard deviation, and `mean` is the mean
-    /// of `e`. Returns None without a bounded parameter that has an effect.
+    /// of `e`. Returns None if no bounded parameter has an effect.
     pub fn new(
         m: usize,
         columns: &[Vector6<f64>],
@@ -105,10 +110,12 @@ impl<'a> ConditionalNorm<'a> {
         self.rms
     }
 
-    /// Returns the mean of `|e|`: the conditional mean has a closed form, too.
+    /// Returns the mean of `|e|`: the weighted mean over the points of a conditional mean in closed form.
     ///
-    /// The density of the dominating parameter is constant or piecewise linear. So the conditional mean of
-    /// `sqrt(r + s^2)` is a difference of its first or second antiderivatives at the ends of the interval.
+    /// At each point `|e| = sqrt(r + s^2)`, where `s` is the component along the effect of the dominating
+    /// parameter, and `r` does not depend on this parameter. The density of this parameter is constant or
+    /// piecewise linear. So the conditional mean follows from the first or second antiderivative of `sqrt(r +
+    /// s^2)`.
     pub fn mean(&self) -> f64 {
         let w = self.width;
         let given = |t: f64, r: f64| match self.distribution {
@@ -206,8 +213,10 @@ impl Reflection {
     }
 }
 
-/// Writes the weight of each point, the first component of the error of all terms there, and the squared
-/// length of the other components.
+/// Writes three figures of each point: its weight, the first component of the error, and the squared length
+/// of the other components.
+///
+/// The error is the sum of `mean` and all `terms`. Its components, and `mean`, are those after `reflection`.
 fn sample(
     m: usize,
     points: &PointSet,

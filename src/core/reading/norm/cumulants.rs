@@ -14,9 +14,9 @@
 //!           + sum_kl gamma_k gamma_l (q_k q_l q_kl^2 + q_kl^4 / 3)],   t = 1/2 sum_k gamma_k q_k^2
 //! ```
 //!
-//! The first order is complete. The second order leaves out the terms that also contain the mean. In the
-//! eigenbasis of `S` with the eigenvalues `l_i`, the factor of L is a polynomial in `z r_i`, where
-//! `r_i = 1 / (1 + 2 l_i z)`. The number of its terms does not depend on the number of parameters.
+//! All first-order terms are included. Second-order terms that contain the mean are left out. In the
+//! eigenbasis of `S` with the eigenvalues `l_i`, the bracket is a polynomial in `z r_i`. Here `r_i` is `1 /
+//! (1 + 2 l_i z)`. The number of terms of this polynomial does not depend on the number of parameters.
 
 use nalgebra::{Complex, Vector6};
 
@@ -27,7 +27,8 @@ const SIXTH_CUMULANT_RATIO: f64 = 100.0 / 21.0;
 
 /// Principal axes of the covariance, without those whose eigenvalue is zero.
 ///
-/// `m` components of each axis count. `scale` converts the effects of parameters to the unit of the spectrum.
+/// The first `m` components of each axis are used. `scale` converts the effects of parameters to the unit of
+/// the spectrum.
 pub struct Axes<'a> {
     pub rows: &'a [[f64; 6]],
     pub m: usize,
@@ -37,7 +38,8 @@ pub struct Axes<'a> {
 /// Polynomial in `z r_i` that corrects the Laplace transform: coefficients of the products of two, three and
 /// four `z r_i`.
 ///
-/// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the i-th eigenvalue. Products are sorted by their indices.
+/// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the i-th eigenvalue. Products are in lexicographic order of
+/// their indices.
 pub struct Cumulants {
     two: [f64; 21],
     three: [f64; 56],

@@ -10,13 +10,13 @@ use crate::low_discrepancy::{primes, radical_inverse};
 use crate::reading::normal_quantile::normal_quantile;
 use std::sync::LazyLock;
 
-/// Number of points for errors of at most [`FEW_COMPONENTS`] components, and of more.
+/// Number of points: for errors of at most [`FEW_COMPONENTS`] components, and for errors of more components.
 const POINTS: [usize; 2] = [8192, 32_768];
 
 /// Largest number of components for which the smaller set suffices.
 ///
-/// More components leave more coordinates with an effect, and points in many coordinates are no better than
-/// random draws.
+/// Errors of more components depend on more coordinates. In many coordinates, low-discrepancy points are no
+/// better than random draws.
 const FEW_COMPONENTS: usize = 3;
 
 /// Number of coordinates of a point.
@@ -35,7 +35,7 @@ pub struct PointSet {
     weights: Vec<f64>,
 }
 
-/// The point sets of [`POINTS`].
+/// Point sets with the numbers of points [`POINTS`].
 static ALL: [LazyLock<PointSet>; 2] =
     [LazyLock::new(|| PointSet::new(POINTS[0])), LazyLock::new(|| PointSet::new(POINTS[1]))];
 
@@ -55,8 +55,8 @@ impl PointSet {
         Self { count, values, weights: unit.iter().map(|u| normal_weight(*u)).collect() }
     }
 
-    /// Returns the values of coordinate `k` of all points for a distribution of unit variance, and their weights
-    /// unless these are all 1.
+    /// Returns the values of coordinate `k` of all points for a distribution of unit variance, and their
+    /// weights unless these are all 1.
     pub fn coordinate(&self, k: usize, distribution: Distribution) -> (&[f64], Option<&[f64]>) {
         let of = Distribution::ALL.iter().position(|d| *d == distribution).unwrap_or(0);
         let place = k * self.count..(k + 1) * self.count;
@@ -74,7 +74,10 @@ pub fn half_width(distribution: Distribution) -> f64 {
     }
 }
 
-/// Returns the value of a distribution at the coordinate `u` between 0 and 1.
+/// Returns the coordinate of a point for a distribution of unit variance: the quantile at the probability
+/// `u`.
+///
+/// The normal distribution is widened by [`WIDENED`].
 fn value(distribution: Distribution, u: f64) -> f64 {
     let centred = 2.0 * u - 1.0;
     match distribution {
@@ -87,7 +90,8 @@ fn value(distribution: Distribution, u: f64) -> f64 {
     }
 }
 
-/// Returns the weight of the normal distribution at the coordinate `u` between 0 and 1.
+/// Returns the weight of a normal coordinate at the probability `u`: the normal density divided by the
+/// widened one.
 fn normal_weight(u: f64) -> f64 {
     let z = normal_quantile(u);
     WIDENED * (-0.5 * z * z * (WIDENED * WIDENED - 1.0)).exp()

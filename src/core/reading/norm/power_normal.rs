@@ -1,8 +1,9 @@
-//! Cubic polynomial of a standard normal variable, with unit variance and a given excess kurtosis (power method).
+//! Cubic polynomial of a standard normal variable, with unit variance and a given excess kurtosis (power
+//! method).
 //!
-//! A. I. Fleishman, "A method for simulating non-normal distributions", Psychometrika 43 (1978) 521-532. With the
-//! linear coefficient a and the cubic coefficient b, the variance is `a^2 + 6 a b + 15 b^2`, and the excess kurtosis
-//! is `24 (a b + b^2 (12 + 48 a b + 225 b^2))`.
+//! A. I. Fleishman, "A method for simulating non-normal distributions", Psychometrika 43 (1978) 521-532. With
+//! the linear coefficient a and the cubic coefficient b, the variance is `a^2 + 6 a b + 15 b^2`, and the
+//! excess kurtosis is `24 (a b + b^2 (12 + 48 a b + 225 b^2))`.
 
 /// Least excess kurtosis; the fixed-point iteration converges from here up to 0.
 const MIN_KURTOSIS: f64 = -0.6;
@@ -15,15 +16,18 @@ const ITERATIONS: usize = 30;
 pub struct PowerNormal {
     linear: f64,
     cubic: f64,
-    /// Largest |z| up to which the polynomial rises; it is constant beyond.
+    /// Largest |z| up to which the polynomial grows with |z|; for larger |z| the variable keeps its value at
+    /// this limit.
     turn: f64,
 }
 
 impl PowerNormal {
-    /// The identity: its value is z.
+    /// Identity: the variable z itself.
     pub const IDENTITY: Self = Self { linear: 1.0, cubic: 0.0, turn: f64::INFINITY };
 
-    /// Returns the variable of unit variance with an excess kurtosis from -0.6 to 0; others are clamped, and NaN is 0.
+    /// Returns the variable of unit variance with a given excess kurtosis.
+    ///
+    /// The kurtosis is clamped to the range from -0.6 to 0, and NaN counts as 0.
     pub fn with_excess_kurtosis(kurtosis: f64) -> Self {
         if kurtosis.is_nan() || kurtosis >= 0.0 {
             return Self::IDENTITY;

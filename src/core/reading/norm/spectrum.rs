@@ -1,7 +1,7 @@
 //! Laplace transform of the squared norm `Q = |e|^2` of a nearly normal vector `e`.
 //!
-//! In the eigenbasis of the covariance of `e`, with the eigenvalues `l_i`, the components `mu_i` of the mean
-//! and `r_i = 1 / (1 + 2 l_i z)`, the transform of normal `e` is
+//! The covariance of `e` has the eigenvalues `l_i`, and the mean of `e` has the components `mu_i` along the
+//! eigenvectors. With `r_i = 1 / (1 + 2 l_i z)`, the transform for normal `e` is
 //!
 //! ```text
 //! L(z) = E exp(-z Q) = prod_i sqrt(r_i) exp(-mu_i^2 z r_i)
@@ -13,11 +13,12 @@ use nalgebra::{Complex, Vector6};
 
 /// Share of the trace of the covariance below which an eigenvalue counts as zero, because it may be rounding.
 const EIGENVALUE_ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Largest absolute component below which a vector counts as zero.
+/// Size below which a vector counts as zero; the size is the largest absolute component.
 const MIN_SIZE: f64 = 1e-300;
 
-/// Laplace transform of `Q = |e|^2` for a nearly normal vector `e`, in the unit of length in which `Q` has
-/// the mean 1.
+/// Laplace transform of `Q = |e|^2` for a nearly normal vector `e`.
+///
+/// The unit of length is the RMS of `|e|`, so `Q` has the mean 1.
 #[derive(Default)]
 pub struct Spectrum {
     /// Number of positive eigenvalues of the covariance of `e`.
@@ -78,8 +79,8 @@ impl Spectrum {
 
     /// Returns the first three cumulants of `Q - shift`, where `Q = |e|^2` and `shift` is its constant part.
     ///
-    /// The second cumulant includes the effect of the excess kurtosis of the parameters, the third an
-    /// estimate of it.
+    /// The second cumulant includes the effect of the excess kurtosis of the parameters. The effect on the
+    /// third cumulant is estimated.
     pub fn cumulants(&self) -> [f64; 3] {
         let mut k = [0.0; 3];
         for (l, mean2) in self.varying() {
@@ -111,9 +112,9 @@ impl Spectrum {
             * self.correction.as_ref().map_or(1.0, |f| f.factor(&zr[..self.rank]).re)
     }
 
-    /// Returns the Laplace transform for a zero mean and normal parameters: `prod_i sqrt(r_i)`.
+    /// Returns the Laplace transform for a zero mean and normal parameters: `prod_i 1 / sqrt(1 + 2 l_i z)`.
     ///
-    /// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the i-th eigenvalue of the covariance.
+    /// Here `l_i` is the i-th eigenvalue of the covariance.
     pub fn central(&self, z: Complex<f64>) -> Complex<f64> {
         let one = Complex::new(1.0, 0.0);
         self.varying().fold(one, |product, (l, _)| product * principal_root(1.0 + 2.0 * l * z)).inv()

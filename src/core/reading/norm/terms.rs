@@ -1,8 +1,10 @@
-//! Random terms that represent all parameters of an error, one per coordinate of a point.
+//! Random terms of an error: they represent all parameters except the dominating one, which is treated
+//! separately. Each term takes one coordinate of a low-discrepancy point.
 //!
-//! The normal parameters act as one vector along the principal axes of its covariance. The least bounded parameters
-//! join it if their share in the excess kurtosis is small: fewer coordinates need fewer points. Each axis then has
-//! the excess kurtosis that they cause there ([`PowerNormal`]).
+//! All normal parameters are merged: one term for each principal axis of their joint covariance. Bounded
+//! parameters that contribute little excess kurtosis are merged with them, because fewer coordinates need
+//! fewer points. Each merged term has the excess kurtosis that these parameters cause along its axis
+//! ([`PowerNormal`]). The other bounded parameters have one term each.
 
 use super::dominance::Dominance;
 use super::jacobi::{covariance, diagonalize};
@@ -12,25 +14,29 @@ use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Largest number of parameters beside the dominating one that keep their own distributions.
+/// Largest number of parameters that have a term of their own, without the dominating parameter.
 ///
-/// The other coordinates of a point belong to the principal axes of the rest.
+/// The other six coordinates of a point belong to the terms of the merged parameters.
 const MAX_OWN: usize = COORDINATES - 6;
 
-/// Largest excess kurtosis of the error without the dominating parameter that may come from bounded parameters without
-/// a distribution of their own.
+/// Limit of the excess kurtosis that all merged bounded parameters together contribute to the error.
+///
+/// The excess kurtosis of a parameter is multiplied by its [`weight`]. The error excludes the dominating
+/// parameter.
 const MAX_REST_EXCESS: f64 = 0.008;
 
-/// Weight of a parameter that alone varies the error in its direction, relative to its share.
+/// Factor in [`weight`] for a parameter that alone varies the error in its direction.
+///
+/// It multiplies the standard deviation of the parameter.
 const THIN_WEIGHT: f64 = 0.5;
 
-/// Random term of an error.
+/// Random term of an error: `effect` times a function of a random variable z.
 #[derive(Clone, Copy)]
 pub struct RandomTerm {
-    /// Effect at one standard deviation.
+    /// Effect of the term at one standard deviation.
     pub effect: Vector6<f64>,
     pub distribution: Distribution,
-    /// Function of the variable that scales the effect.
+    /// Function of z by which `effect` is multiplied; z has the distribution `distribution`.
     pub shape: PowerNormal,
 }
 
@@ -41,10 +47,11 @@ impl RandomTerm {
         shape: PowerNormal::IDENTITY,
     };
 
-    /// Returns independent terms whose sum has the distribution of the error, the largest first.
+    /// Returns independent terms, the largest first; their sum has approximately the distribution of the
+    /// error.
     ///
-    /// The error has `m` components, and `effects` are those of independent parameters at one standard deviation. The
-    /// effects of parameters that keep their own distributions are set to zero there.
+    /// `effects` holds the effects of independent parameters on the `m` components of the error, at one
+    /// standard deviation. The function sets an effect to zero if its parameter gets a term of its own.
     pub fn of_parameters(
         m: usize,
         effects: &mut [Vector6<f64>],
@@ -58,7 +65,8 @@ impl RandomTerm {
     }
 }
 
-/// Moves the bounded parameters whose distributions matter most from `effects` to `terms`, and returns their number.
+/// Moves the bounded parameters whose distributions matter most from `effects` to `terms`, and returns their
+/// number.
 fn take_dominating(
     m: usize,
     effects: &mut [Vector6<f64>],
@@ -86,19 +94,25 @@ fn take_dominating(
     own
 }
 
-/// Returns how much the distribution of a parameter matters, 0 to 1, from its shares in the variance of the error and
-/// in the variance along its own effect.
+/// Returns how much the distribution of a parameter matters, from 0 to 1.
 ///
-/// This is the squared share of the parameter in the variance. A parameter that alone varies the error in its
-/// direction also matters for small probabilities, in proportion to its size.
+/// `share` is the share of the parameter in the variance of the error. `alone` is its share in the variance
+/// along its own effect.
+///
+/// The result is at least `share^2`. If `alone` is 1, only this parameter varies the error in its direction.
+/// Then the parameter also matters for small probabilities, in proportion to its standard deviation;
+/// `sqrt(share)` is this deviation divided by that of the error.
 fn weight((share, alone): (f64, f64)) -> f64 {
     (share * share).max(THIN_WEIGHT * alone * alone * share.sqrt())
 }
 
-/// Writes independent terms along the principal axes of all effects, whose sum has their covariance.
+/// Writes one term for each principal axis of the covariance of the merged parameters.
 ///
-/// The excess kurtosis of the term along axis a, with the variance v, is `sum_k gamma_k (g_k.a)^2 |g_k|^2 / v^2`, where
-/// `gamma_k` is that of parameter k, and `g_k` its effect. So the variance of the squared length of the sum is kept.
+/// The terms are independent, and their sum has this covariance.
+///
+/// The term along axis a has the variance v and the excess kurtosis `sum_k gamma_k (g_k.a)^2 |g_k|^2 / v^2`.
+/// Here parameter k has the excess kurtosis `gamma_k` and the effect `g_k`. So the merged terms keep the
+/// variance of the squared length of their sum.
 fn principal_axes(
     m: usize,
     effects: &[Vector6<f64>],

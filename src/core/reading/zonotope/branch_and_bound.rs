@@ -1,8 +1,8 @@
 //! Branch and bound over the signs of the generators, for more than three dimensions.
 //!
-//! The generators are sorted by size, the largest first. A table holds the sums of the last six with all
-//! signs. Let `v` be the sum of the generators whose signs are chosen. Let `w` be a sum of the others, `g_j,
-//! g_j+1, ..`, with any signs. Then
+//! The generators are sorted by size, the largest first. A table holds the sums of the last six generators
+//! with all combinations of signs. Let `v` be the sum of the generators whose signs are chosen. Let `w` be a
+//! sum of the others, `g_j, g_j+1, ..`, with any signs. Then
 //!
 //! ```text
 //! |v + w|^2 <= |v|^2 + 2 sum |v . g_k| + K_j,     K_j = max |w|^2

@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 /// Mask of the low bits of a sort key, which hold the index of the generator to make all keys different.
 const PLACES: u64 = MAX_GENERATORS as u64 - 1;
 
-/// Generators in the frame of a circle: x and y in its plane, z along its axis; those with y < 0 are negated.
+/// Generators in the frame of a circle: x and y in its plane, z along its axis; generators with y < 0 are
+/// negated.
 pub(super) struct CircleWalk {
     at: [Vector3<f64>; MAX_GENERATORS],
     fold: [f64; MAX_GENERATORS],
@@ -15,8 +16,10 @@ pub(super) struct CircleWalk {
     order: [u8; MAX_GENERATORS],
 }
 
-/// Longest sum on a walk: its squared norm, the number of signs flipped before it, and its side of the
-/// circle.
+/// Longest sum on a walk.
+///
+/// `flips` is the number of signs that the walk has flipped when it reaches the sum. `side` is the sign of
+/// the component of the sum along the axis of the circle.
 pub(super) struct WalkMaximum {
     square: f64,
     flips: usize,
@@ -46,9 +49,11 @@ impl CircleWalk {
         self.key[k] = f64::from_bits(key.to_bits() & !PLACES | k as u64);
     }
 
-    /// Returns the longest sum on a walk over the first `n` generators and one along the axis.
+    /// Returns the longest sum of the first `n` generators and one more generator along the axis of the
+    /// circle.
     ///
-    /// The generator along the axis has the length `size`.
+    /// The additional generator has the length `size`. It gets the sign that the sum of the others has along
+    /// the axis.
     pub(super) fn farthest(&mut self, n: usize, size: f64) -> WalkMaximum {
         self.sort(n);
         let mut sum: Vector3<f64> = self.at[..n].iter().sum();
@@ -64,7 +69,8 @@ impl CircleWalk {
         stop
     }
 
-    /// Calls `set` with the index and the sign of every generator in the sum `stop` of the latest walk.
+    /// Calls `set` with the index of each of the first `n` generators and its sign in the sum `stop` of the
+    /// latest walk.
     pub(super) fn signs_at(&self, stop: &WalkMaximum, mut set: impl FnMut(usize, f64), n: usize) {
         for (place, k) in self.order[..n].iter().enumerate() {
             let k = usize::from(*k) % MAX_GENERATORS;
@@ -87,7 +93,7 @@ impl CircleWalk {
 /// Finds the signs of the longest sum in 3-D by walks along the great circles of all generators but one.
 ///
 /// The circles cut the sphere of directions into cells, each with one choice of signs. One circle can be left
-/// out, because every cell borders on at least two.
+/// out, because every cell borders on at least two circles.
 pub(super) fn walk_circles(generators: &[Vector3<f64>], walk: &mut CircleWalk, corner: &mut [f64]) {
     climb(generators, corner);
     let sum: Vector3<f64> = generators.iter().zip(&*corner).map(|(g, s)| g * *s).sum();
