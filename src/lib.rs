@@ -6,9 +6,9 @@
 //! A robot is built with small errors `e` in its link parameters, so its end effector is not where its
 //! controller assumes. This project grew from a 1990s journal paper on a *kinematic error mapping and layout
 //! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II). Its author, title and year are not known to us. The
-//! documentation calls it the seed paper. In the equations of the paper, `A_i` is the Denavit-Hartenberg matrix
-//! of link i. Hayati's fifth parameter `beta_i` (section 2.3) is in brackets. `T` is the pose of the end
-//! effector at the joint coordinates `q`, and `dT` its error:
+//! documentation calls it the seed paper. In the equations of the paper, `A_i` is the Denavit-Hartenberg
+//! matrix of link i. Hayati's fifth parameter `beta_i` (section 2.3) is in brackets. `T` is the pose of the
+//! end effector at the joint coordinates `q`, and `dT` its error:
 //!
 //! ```text
 //! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i) [Ry(beta_i)]             (1)
@@ -17,19 +17,19 @@
 //! ```
 //!
 //! Errors of the base, of the tool, of joint frames and of the fixture enter the product in the same way. The
-//! inverse kinematics `Q(x)` is the set of all postures within the joint limits that hold the tool at `x` with
-//! the required attitude. We choose a layout `L`, which places all movable equipment. For every operation `k`
-//! with weight `w_k` we choose a node `x` of the grid `G_k(L)` on its surface:
+//! inverse kinematics `Q(x)` is the set of all postures within the joint limits that hold the tool at `x`
+//! with the required attitude. We choose a layout `L`, which places all movable equipment. For every
+//! operation `k` with weight `w_k` we choose a node `x` of the grid `G_k(L)` on its surface:
 //!
 //! ```text
 //! minimize over L:   sum_k w_k  min { R |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
 //! such that          equipment, robot base, obstacles and keep-out boxes do not overlap in plan and height.
 //! ```
 //!
-//! The sense `|.|_k` is the component of the error that matters for operation `k`: x, y, z, xy (parts that mate
-//! in the plane), xyz, a direction, a plane or a rotation. The sense is in world, surface or tool axes, and
-//! measured at the TCP or at another point of the tool. The reading `R` interprets the errors: as one signed
-//! sample, as a tolerance box (worst case), or as random variables ([`reading`]).
+//! The sense `|.|_k` is the component of the error that matters for operation `k`: x, y, z, xy (parts that
+//! mate in the plane), xyz, a direction, a plane or a rotation. The sense is in world, surface or tool axes,
+//! and measured at the TCP or at another point of the tool. The reading `R` interprets the errors: as one
+//! signed sample, as a tolerance box (worst case), or as random variables ([`reading`]).
 //!
 //! # The flow
 //!
@@ -56,8 +56,8 @@
 //! | [`report`] | output | records to JSON, CSV, SVG, TOML, text |
 //! | [`cli`] | command line | arguments, files, progress, exit codes |
 //!
-//! All these modules may also use [`units`] for conversions, [`safe_text`], [`geometry`] for plane geometry and
-//! [`pose`] for rigid transforms.
+//! All these modules may also use [`units`] for conversions, [`safe_text`], [`geometry`] for plane geometry
+//! and [`pose`] for rigid transforms.
 //!
 //! The modules up to [`raster`] compute. They are the package `sweetspot-core`, which the compiler optimises
 //! fully; this package shows them under the same names.
@@ -70,21 +70,21 @@
 //! - SI units inside: m, rad, f64. Millimetres and degrees occur only in files and reports, where every name
 //!   states its unit. Only [`units`] converts.
 //! - The core does no input or output: only [`cli`] touches files, clock and terminal.
-//! - A [`cell::Cell`] is valid by construction. The reader reports all faults at once. Each fault states file,
-//!   line and column, what is wrong and what to do.
+//! - A [`cell::Cell`] is valid by construction. The reader reports all faults at once. Each fault states
+//!   file, line and column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
 //!   cost and a reason, never a panic, an `Err`, NaN or infinity.
 //! - Out of reach, joint limit, orientation, not converged and collision are different results. A joint limit
-//!   comes with the joint, a collision with the solids.
+//!   names the joint, a collision names the solids.
 //! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two
 //!   types.
 //! - Errors are computed directly as small motions, never as the difference of two nearly equal numbers.
-//! - Results are deterministic: the seed is explicit, every restart has its own random stream, and results keep
-//!   their order. Any number of threads gives the same bytes.
-//! - The optimizer only proposes layouts; `evaluate` alone decides which is better.
+//! - Results are deterministic: the seed is explicit, every restart has its own random stream, and results
+//!   keep their order. Any number of threads gives the same bytes.
+//! - The optimizer only proposes layouts; `evaluate` alone decides which layout is better.
 //!
-//! CONTRIBUTING.md has a glossary and our rules for texts. It also says how to add a robot, an error source, a
-//! sense, a family of inverse kinematics or an exporter.
+//! CONTRIBUTING.md has a glossary and our rules for texts. It also says how to add a robot, an error source,
+//! a sense, a family of inverse kinematics or an exporter.
 //!
 //! # Example
 //!

@@ -17,7 +17,7 @@ pub enum Severity {
 /// Kind of a fault, which decides the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FaultKind {
-    /// Any other fault: wrong content, or another file that cannot be read.
+    /// Wrong content, or an unreadable file other than the cell or robot file itself.
     #[default]
     Content,
     /// The cell or robot file itself cannot be read.
@@ -87,7 +87,8 @@ impl Fault {
     }
 }
 
-/// Largest number of characters shown before the fault. If more precede it, the start of the line is cut off.
+/// Largest number of characters shown before the fault. If more characters precede the fault, the start of
+/// the line is cut off.
 const WIDEST: usize = 100;
 
 impl fmt::Display for Fault {

@@ -1,8 +1,8 @@
 //! Readers that turn cell, robot, equipment and tool files into a validated [`Cell`].
 //!
 //! Files are TOML. Lengths are in mm and angles in degrees. The name of a key with a unit ends with that
-//! unit. [`load`] never touches the file system: the caller passes a function that reads a file. It reports
-//! every fault of every file in one pass, each with file, line, column, message and help.
+//! unit. [`load`] never touches the file system: the caller passes a function that reads a file. [`load`]
+//! reports every fault of every file in one pass, each with file, line, column, message and help.
 
 pub mod fault;
 mod keys;
@@ -34,7 +34,7 @@ pub struct Loaded {
     /// Every file read, the cell file first, in the order of reading.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
-    /// Whether neither the files nor the command line states the reading. The error sets in use then decide it.
+    /// Whether the kind of the error sets in use decides the reading, because no file and no flag states it.
     pub follows_errors: bool,
 }
 
@@ -52,7 +52,8 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
 /// Reads a cell as [`load`] does. The keys in `settings` come from the command line and override the file.
 ///
 /// # Errors
-/// Returns faults as [`load`] does. A fault of a setting names its flag instead of a file; its line is 0.
+/// Returns faults as [`load`] does. A fault of a setting has the flag of the setting in place of the file,
+/// and line 0.
 pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, settings, &mut lib);
@@ -105,16 +106,16 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
     }
 }
 
-/// Returns whether the file at `path` is a robot file. Its own `schema` states that, or the `schema` of a file
-/// that it names with `from`.
+/// Returns whether the file at `path` is a robot file. The key `schema` of the file states that, or the
+/// `schema` that the file inherits through `from`.
 pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
     let root = from::load(path, &[], &mut Library::new(read));
     let schema = root.as_ref().and_then(|root| root.value.get("schema"));
     schema.is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "sweetspot/robot/1"))
 }
 
-/// Returns the faults in the order of files and lines. Of several equal faults at one place, as in a file that
-/// is named twice, only one is listed.
+/// Returns the faults in the order of files and lines. A file that is named twice gives equal faults at one
+/// place; only one of them is listed.
 fn sorted(lib: &mut Library<'_>) -> Vec<Fault> {
     let mut faults = std::mem::take(&mut lib.faults);
     let order: HashMap<_, _> = lib.sources.iter().enumerate().map(|(i, s)| (&s.path, i)).collect();

@@ -48,8 +48,8 @@ pub struct OperationBudget {
     /// Whether the linear worst case is exact; otherwise it is an upper bound.
     pub worst_linear_exact: bool,
     pub total: TotalEntry,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null without a limit,
-    /// and if the quantity is the yield.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
+    /// has no limit, or if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
@@ -90,13 +90,16 @@ pub struct ShareEntry {
     /// Linear position error of the TCP that the parameter causes, world frame. In the signed reading the
     /// parameter has its signed value, otherwise the upper limit of its tolerance.
     pub linear_term_mm: [f64; 3],
-    /// Size of the linear error in the sense of the operation if only this parameter errs, by its tolerance.
+    /// Linear error in the sense of the operation if this parameter is at its tolerance and all others are 0.
     pub alone: f64,
     pub share_of_worst: f64,
     pub share_of_variance: f64,
 }
 
-/// Change of the minimized figure, from `of` to `to`, if the tolerances of the parameters in `halved` are halved.
+/// Gain from halving the tolerances of the parameters in `halved`.
+///
+/// In the statistical reading, `of` and `to` are the first-order quantity before and after the halving. In
+/// any other reading, they are the worst case before and after the halving.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TightenEntry {

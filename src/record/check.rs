@@ -22,7 +22,8 @@ pub struct CheckDocument {
     pub schema: String,
     pub valid: bool,
     pub faults: Vec<Fault>,
-    /// Pairs of the robot's solids. Each pair that may touch has the reason.
+    /// Pairs of the robot's solids, with the reason for each pair that may touch. Empty if self-collision is
+    /// not checked.
     pub self_collision: Vec<OwnPairEntry>,
     /// Facts derived from a URDF; left out for a robot given by Denavit-Hartenberg rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -40,7 +41,7 @@ pub struct OwnPairEntry {
 }
 
 impl OwnPairEntry {
-    /// Returns every pair of solids of the robot.
+    /// Returns every pair of robot solids that exist at the same time; none if self-collision is not checked.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
         let pair = |p: &SelfCollisionPair| {
             let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell).to_string());

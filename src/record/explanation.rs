@@ -55,8 +55,8 @@ pub struct ExplanationDocument {
     pub convention: String,
     /// Rows of the Denavit-Hartenberg table at the posture, always in standard convention.
     ///
-    /// If the robot file has modified rows, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file. The
-    /// values of row 1 of the file are part of frame 0, and both are 0 in the last row.
+    /// If the robot file has modified rows, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file.
+    /// The values of row 1 of the file are part of frame 0, and both are 0 in the last row.
     pub dh: Vec<DhEntry>,
     /// Link frames and the TCP in the base frame.
     pub frames: Vec<FrameEntry>,
@@ -72,8 +72,8 @@ pub struct ExplanationDocument {
     /// Nonlinear error of the robot alone: registration, pick and equipment errors are not subtracted. World
     /// frame.
     pub robot_alone_nonlinear: DisplacementEntry,
-    /// Displacement that registration, pick and the errors of the equipment subtract from the nonlinear error
-    /// of the robot alone, world frame.
+    /// Displacement that is subtracted from the nonlinear error of the robot alone, world frame.
+    /// Registration, pick and errors of the equipment cause this displacement.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
     /// Rows of the sense, each with its error.
@@ -81,8 +81,8 @@ pub struct ExplanationDocument {
     /// Sign of every parameter at the worst corner of the tolerance box.
     pub worst_corner: ByName<i8>,
     pub total: TotalEntry,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null without a limit,
-    /// and if the quantity is the yield.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
+    /// has no limit, or if the quantity is the yield.
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,

@@ -38,7 +38,8 @@ pub struct ManifestDocument {
     pub inputs: Vec<HashedFile>,
     /// Files that were written.
     pub outputs: Vec<HashedFile>,
-    /// SHA-256 of the text of the file before this key, in hexadecimal. Only the written file has this key.
+    /// SHA-256, in hexadecimal, of all text of the manifest that precedes this key. Only the written file has
+    /// this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }

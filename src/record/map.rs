@@ -45,8 +45,8 @@ pub struct MapDocument<'a> {
     pub cell_yield: Option<CellYieldEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion prevents
-    /// them. Left out if the cell does not check motions.
+    /// Motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion
+    /// prevents them. Left out if the cell does not check motions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
     /// Placement of every piece of equipment, without obstacles.
@@ -96,7 +96,8 @@ pub struct OperationMapEntry<'a> {
     pub registration: Registration,
     /// Largest allowed error of the operation, in the unit of its sense.
     pub limit: Option<f64>,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
+    /// has no limit or no value, or if the quantity is the yield.
     pub margin: Option<f64>,
     pub over: NodeAggregation,
     /// Value of the operation: the value of its best node, or the combined value of all its nodes.
@@ -253,9 +254,9 @@ pub struct MonteCarloEntry {
     /// Share of samples within the limit; null if the operation has no limit.
     pub r#yield: Option<EstimateEntry>,
     pub share_above_first_order_p95: EstimateEntry,
-    /// Whether the samples confirm the first-order figures. If not, the figures of the samples replace them at
-    /// the spot, and in value and margin of the operation. A value that is robust or combines several nodes
-    /// stays first-order.
+    /// Whether the samples confirm the first-order figures. If they do not, figures of the samples replace
+    /// the first-order figures of the spot, and value and margin of the operation. A value that is robust or
+    /// combines several nodes stays first-order.
     pub first_order_holds: Option<bool>,
 }
 
@@ -293,12 +294,12 @@ pub struct TransferEntry {
     /// Measure of the transfer time, degrees: the largest joint travel of each straight move, summed over all
     /// moves.
     pub travel_deg: f64,
-    /// Joint vectors along the motion, with straight moves between them.
+    /// Joint vectors along the motion, which is a straight line in joint space from each vector to the next.
     pub joints_deg: Vec<Vec<f64>>,
 }
 
-/// Returns the motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion
-/// prevents them.
+/// Returns the motions between consecutive operations; empty if an overlap, a missing spot or a blocked
+/// motion prevents them.
 fn transfers(a: &Assessment<'_>) -> Vec<TransferEntry> {
     let name = |k: usize| a.cell.operations[k].name.clone();
     let entry = |t: &Transfer| TransferEntry {

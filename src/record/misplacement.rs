@@ -57,18 +57,21 @@ pub struct MisplacedOperation {
 pub struct RobustnessEntry {
     /// Value as drawn, in the unit of the objective.
     pub value: f64,
-    /// Placement tolerances: half widths of the box of misplacements; empty if no placement has a tolerance.
+    /// Half widths of the tolerance box of the robot base and the equipment on which the operation depends.
+    /// Empty if their placements have no tolerance.
     pub tolerance: MovesByName,
-    /// Number of evaluated corners of the box of misplacements.
+    /// Number of evaluated corners, including those of the tolerance boxes of all other bodies.
     pub corners: usize,
-    /// Corner of the box with the greatest value. Null without tolerances, or if the operation cannot be done
-    /// at any corner.
+    /// Evaluated corner with the greatest value. Null if `tolerance` is empty, or if the operation cannot be
+    /// done at any corner.
     pub worst: Option<CornerEntry>,
-    /// Corners of the box of placement tolerances at which the operation cannot be done.
+    /// Evaluated corners at which the operation cannot be done.
     pub lost: Vec<LostEntry>,
-    /// Gradient: change of the value per mm or degree of each coordinate of the equipment and of `tolerance`.
+    /// Gradient of the value per mm or degree: coordinates of the equipment, then the other coordinates in
+    /// `tolerance`.
     pub gradient: Vec<SlopeEntry>,
-    /// Largest multiple of the tolerances that the operation withstands; null without tolerances.
+    /// Largest multiple of the tolerances that the operation withstands; null if no placement has a
+    /// tolerance.
     pub largest_times_tolerance: Option<LargestEntry>,
     /// Largest displacement of the equipment in the horizontal plane that the operation withstands in every
     /// direction.
@@ -121,7 +124,8 @@ pub struct SlopeEntry {
     pub of: String,
     /// Name of the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
     pub number: String,
-    /// Change of the value per unit of the coordinate; null if a small change is already out of reach.
+    /// Change of the value per unit of the coordinate; null if a small change of the coordinate puts the
+    /// operation out of reach.
     pub value: Option<f64>,
     /// Unit of the coordinate.
     pub per: Unit,

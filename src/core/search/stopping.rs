@@ -7,11 +7,12 @@ use crate::cell::{Goals, SearchSettings};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Share of the budget for the polish.
+/// Fraction of the evaluation budget for the final Nelder-Mead polish, if the search keeps only the best
+/// layout.
 const POLISH_SHARE: f64 = 0.1;
-/// Share of the budget for polish and local search, if the search keeps a front or a shortlist.
+/// Fraction of the evaluation budget for polish and local search, if the search keeps a front or a shortlist.
 const POLISH_AND_LOCAL_SHARE: f64 = 0.25;
-/// Part of [`POLISH_AND_LOCAL_SHARE`] that the polish may use.
+/// Fraction of the evaluations for polish and local search that the polish may use.
 const POLISH_PART: f64 = 0.3;
 
 /// End of a search.
@@ -29,11 +30,11 @@ pub enum SearchEnd {
     /// The time limit was reached. The caller sets this variant, because the search itself sees only an
     /// interruption.
     TimeLimit,
-    /// The resumed search evaluated other points than its checkpoint says.
+    /// The resumed search did not evaluate the points that its checkpoint records.
     ///
     /// The checkpoint comes from another build, or from a machine that rounds differently.
     Diverged,
-    /// Every placement is fixed.
+    /// Every placement and attitude is fixed.
     NothingToSearch,
 }
 
@@ -74,7 +75,8 @@ pub struct Stopping {
     pub gap: Option<f64>,
     /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
-    /// Number of evaluations without a relative improvement by 1e-6 after which the polish begins.
+    /// Number of consecutive evaluations after which the polish begins, if none improves the best cost by a
+    /// relative 1e-6.
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search that minimizes the error alone.
     ///
@@ -82,7 +84,7 @@ pub struct Stopping {
     /// member of the front counts as an improvement.
     #[serde(default)]
     pub pareto: Goals,
-    /// Number of layouts to keep; 0 keeps only the best one, or the whole front of a Pareto search.
+    /// Number of layouts to keep; 0 keeps only the best layout, or the whole front of a Pareto search.
     #[serde(default)]
     pub keep: usize,
 }

@@ -40,10 +40,11 @@ const SIGMAS: Key = number(
 )
 .default(Literal::Number(Spread::SIGMAS));
 
-/// One word for all joints, or a list with one word for each joint.
+/// Distributions of one D-H error, such as dq: one word for all joints, or a list with one word for each
+/// joint.
 const BY_JOINT: ValueKind = ValueKind::Either(&[SPREAD, ValueKind::List(&SPREAD, (1, MAX_JOINTS), "words")]);
 
-/// One word for a frame, or a list with one word for each component of the frame.
+/// Distributions of a frame error: one word, or a list with one word for each of the six components.
 const BY_COMPONENT: ValueKind =
     ValueKind::Either(&[SPREAD, ValueKind::List(&SPREAD, (PER_FRAME, PER_FRAME), "words")]);
 

@@ -1,4 +1,4 @@
-//! Key of a TOML table in the files: name, kind of value, need, default, help and example.
+//! Key of a TOML table in the files: name, kind of value, whether it is required, default, help and example.
 
 pub use super::range::{LARGEST, NumberRange, SMALLEST};
 pub use super::unit::KeyUnit;
@@ -35,9 +35,11 @@ pub enum ValueKind {
     /// Coordinate within these bounds: a fixed number, a range to search, or a list of values to choose from.
     Coordinate(f64, f64),
     Table(&'static KeyTable),
-    /// Table of values under names that the user chooses: kind of the values and least number of entries.
+    /// Table whose keys are names chosen by the user. The fields are the kind of the values and the least
+    /// number of entries.
     Named(&'static ValueKind, usize),
-    /// List of items: kind of the items, least and greatest number of items, and noun for messages.
+    /// List of items. The fields are the kind of the items, their least and greatest number, and the noun for
+    /// items in messages.
     List(&'static ValueKind, (usize, usize), &'static str),
     Either(&'static [ValueKind]),
     /// Value of another kind, with additions to its JSON Schema.
@@ -133,7 +135,7 @@ impl Key {
 /// Keys of one kind of table: no other key is accepted in such a table.
 #[derive(Debug)]
 pub struct KeyTable {
-    /// Name of such a table in messages, with its article.
+    /// Name of such a table in messages, with the indefinite article.
     pub what: &'static str,
     /// Explanation of the table for users: a sentence.
     pub help: &'static str,
@@ -207,7 +209,8 @@ pub enum Rule {
     OnlyWith(&'static str, &'static [&'static str]),
     /// If the first key is given, the second must be given.
     Needs(&'static str, &'static str),
-    /// If the value of `key` is one of `words`, the keys `needs` must be given and the keys `never` must not.
+    /// If the value of `key` is one of `words`, the keys `needs` must be given and the keys `never` must not
+    /// be given.
     When {
         key: &'static str,
         words: fn() -> Vec<String>,
@@ -238,7 +241,8 @@ impl ValueKind {
         if let ValueKind::Checked(kind, _) = self { kind.plain() } else { self }
     }
 
-    /// Returns the keys of a value of this kind, or of its items, if they are tables; otherwise None.
+    /// Returns the key table of a value of this kind, or of its items; None if neither the value nor the
+    /// items are tables.
     pub fn table(&self) -> Option<&'static KeyTable> {
         match self {
             ValueKind::Table(table) => Some(table),

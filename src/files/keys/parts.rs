@@ -82,7 +82,7 @@ pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
     Key::new(name, ValueKind::word::<W>(), help)
 }
 
-/// Returns the key `from`, which names the file whose keys this table takes over.
+/// Returns the key `from`, which names the file from which a table takes the keys that it lacks.
 pub const fn from(example: &'static str) -> Key {
     let help =
         "File that this one builds on; keys given here override its keys, and lists are replaced as a whole.";

@@ -6,7 +6,8 @@ pub const LARGEST: f64 = 1e7;
 /// Smallest number that a file may contain if the number must be positive, such as a size or a weight.
 pub const SMALLEST: f64 = 1e-6;
 
-/// Values that a number may have, in the unit of the file. Every number is finite and at most 1e7 in size.
+/// Values that a number may have, in the unit of the file. Every number is finite and at most 1e7 in absolute
+/// value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NumberRange {
     Finite,
@@ -55,7 +56,7 @@ impl NumberRange {
         Some((wrong.to_string(), remedy.to_string()))
     }
 
-    /// Returns a number that a message suggests for a missing key.
+    /// Returns the number that messages suggest as the value of a missing key.
     pub fn example(self) -> &'static str {
         if self == Self::Positive { "100" } else { "0" }
     }

@@ -70,7 +70,7 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
 /// Settings that define how the errors of a cell are modelled and interpreted.
 struct Question {
     model: Model,
-    /// Reading that the file states; None if the kind of the error sets decides it.
+    /// Reading that the file states; None if the kind of the error sets decides the reading.
     reading: Option<Reading>,
     quantity: Quantity,
     registration: Registration,
@@ -104,7 +104,7 @@ fn read_robot(t: &mut Table) -> Option<Based> {
     })
 }
 
-/// Refuses a robust search of a cell in which every placement is exact.
+/// Refuses a robust search of a cell in which no placement has a tolerance.
 fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
     if let Some(node) = t.get(&cell::SEARCH).and_then(|settings| settings.value.get(search::ROBUST.name))
         && read.search.robust

@@ -49,7 +49,8 @@ fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
     }
 }
 
-/// Returns the names in `parameters`. Records a fault if there are none, or more than the robot has parameters.
+/// Returns the names in `parameters`. Records a fault if there are none, or more than the robot has
+/// parameters.
 fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n [Node]> {
     let most = Parameter::count(arm.axes);
     if let Some(items) = node.value.items().filter(|items| (1..=most).contains(&items.len())) {
@@ -180,7 +181,7 @@ impl<'n> Matrix<'n> {
         }
     }
 
-    /// Checks that an entry below the diagonal equals its mirror image, and that its correlation is at most 1.
+    /// Checks that the entries (i, j) and (j, i) are equal, and that their correlation is from -1 to 1.
     fn check_pair(&self, i: usize, j: usize, names: &[String], t: &mut Table) {
         let (a, b) = (self.at(i, j), self.at(j, i));
         let (of, and) = (&names[i], &names[j]);

@@ -40,7 +40,7 @@ fn read(name: &str, t: &mut Table, arm: ErrorRows<'_>) -> Option<ErrorSet> {
     values.map(ErrorSet::Signed)
 }
 
-/// Reads the values of the rows and frames: one number for each parameter.
+/// Reads the errors of the D-H rows and frames: one number for each parameter.
 fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<SignedErrors> {
     let n = arm.axes;
     let keys = [
@@ -73,7 +73,8 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
 
 /// Refuses errors of the base and of joint 1 that duplicate errors of row 1 in modified convention.
 ///
-/// Modified rows begin with the common normal. So dalpha, dl and dbeta of row 1 already describe these errors.
+/// A modified row begins with its common normal and twist. So dalpha of row 1 already describes rx of the
+/// base, and dl and dbeta describe x and ry of joint 1.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
     let of_base = (
         error_set::BASE,
@@ -92,7 +93,7 @@ fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_
     }
 }
 
-/// Checks that an error of a joint coordinate is given in the unit of that joint.
+/// Records a fault for every nonzero number of `key` that belongs to a joint whose kind is not `kind`.
 fn check_joint_kinds(t: &mut Table, key: &Key, values: &[f64], arm: ErrorRows<'_>, kind: JointKind) {
     let Some(node) = t.get(key) else { return };
     let (is, right) = match kind {

@@ -10,7 +10,7 @@ use crate::files::toml::value;
 /// Reads `schema` and `units`.
 ///
 /// Returns None for a file of another kind; its other keys are then not read. A part that is written inside a
-/// cell has neither key, because those of the cell apply.
+/// cell needs neither key, because the keys of the cell apply.
 pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
     let given = t.get(schema);
     if given.is_some_and(|node| !is_schema(node, t, schema)) {
@@ -35,7 +35,7 @@ pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
 
 /// Returns whether the file is of the required kind; records a fault if not.
 ///
-/// If an included file has the wrong kind, the fault is at the table of the including file that names it.
+/// If a file included with `from` has another kind, the fault is at the table that contains this `from`.
 fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     let ValueKind::Exactly(wanted) = schema.kind else { return false };
     let Some(given) = value::text(node, "schema", t.lib) else { return false };
@@ -52,6 +52,6 @@ fn is_schema(node: &Node, t: &mut Table, schema: &Key) -> bool {
     false
 }
 
-/// Kinds of files, each also with its article.
+/// Kinds of files: the word in `schema`, and this word with the indefinite article.
 const KINDS: [(&str, &str); 4] =
     [("cell", "a cell"), ("robot", "a robot"), ("tool", "a tool"), ("equipment", "an equipment")];

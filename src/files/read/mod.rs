@@ -1,4 +1,5 @@
-//! Readers of each kind of file. They build the model from the tree of values by the tables of keys.
+//! Readers of each kind of file. They convert trees of TOML values to the model; tables of keys define names,
+//! kinds and ranges.
 
 pub mod attitude;
 pub mod cell;

@@ -4,7 +4,8 @@ use crate::cell::{About, Cell};
 use crate::files::toml::document::Library;
 use crate::files::toml::tree::Node;
 
-/// Records a fault for every combination of settings that cannot be evaluated, at the key concerned.
+/// Records a fault for every combination of settings that cannot be evaluated. The fault is at the key of one
+/// of these settings.
 pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     for fault in cell.interpretation_faults() {
         let at = match fault.about {

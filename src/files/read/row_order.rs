@@ -3,7 +3,7 @@
 use crate::cell::{Joint, JointKind};
 use crate::cell::{PER_LINK, Parameter};
 
-/// Joints of the robot whose errors are read.
+/// Robot whose errors are read: number of axes, joints, and convention of the rows.
 #[derive(Clone, Copy)]
 pub struct ErrorRows<'j> {
     pub axes: usize,
@@ -18,8 +18,8 @@ impl ErrorRows<'_> {
     ///
     /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T translates along an axis and R
     /// rotates about an axis. dl and dbeta become errors of the frame of joint 1, after the twist. dalpha
-    /// becomes an error of the base frame, before the twist. This is exact, because Tx and Rx commute and each
-    /// of the two frames takes only one rotation of the row.
+    /// becomes an error of the base frame, before the twist. The conversion is exact, because Tx and Rx
+    /// commute, and because each of these two frames takes only one rotation.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         [joint, base + 3, joint + 4]
@@ -41,7 +41,7 @@ impl ErrorRows<'_> {
     /// Reorders a list from the rows of the file to the order of [`Parameter::of_robot`].
     ///
     /// dl, dalpha and dbeta of a modified row belong to the standard row before it. Values of the first row
-    /// move to the parameters of [`Self::of_first_row`]; the values that these parameters had move to
+    /// move to the parameters of [`Self::of_first_row`]. The former values of these parameters move to
     /// [`Self::unused`].
     pub fn in_order<T>(&self, list: &mut [T]) {
         let Some(last) = self.unused() else { return };

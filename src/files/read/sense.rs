@@ -129,8 +129,8 @@ fn read_axes(node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     rows
 }
 
-/// Reads a vector. Returns the rows that measure the error along the vector (`direction`), in the plane
-/// perpendicular to it (`plane`), or about it (`axis`).
+/// Reads a vector and returns the rows of a term. The rows measure the error along the vector (`direction`),
+/// in the plane perpendicular to it (`plane`), or about it (`axis`).
 fn read_rows(key: &Key, node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     let way = key.name;
     let vector = value::numbers(node, &format!("`{way}`"), 3, NumberRange::Finite, t.lib)?;

@@ -98,8 +98,8 @@ fn read_leg(t: &mut Table) -> Option<Shape> {
     Some(Shape::Leg { x, y, size: size?, top: top? })
 }
 
-/// Reads `mesh = { file, units, centre_mm, rpy_deg }`; `file` is relative to the folder of the file that names
-/// the mesh.
+/// Reads `mesh = { file, units, centre_mm, rpy_deg }`; `file` is relative to the folder of the file that
+/// names the mesh.
 fn read_mesh(t: &mut Table) -> Option<Shape> {
     let pose = t.pose(&mesh::CENTRE, &mesh::RPY);
     let unit: Option<MeshUnit> = t.word(&mesh::UNITS);
@@ -125,7 +125,8 @@ fn read_bar(kind: &str, t: &mut Table) -> Option<Shape> {
 /// Reads `footprint`; if it is missing, returns the plan extent of the solids and the surface.
 ///
 /// Records a fault if a solid or the surface reaches beyond the footprint. Also records a fault if nothing
-/// defines a footprint and `needed` is not empty. Its message says that one of the keys `needed` must be given.
+/// defines a footprint and `needed` is not empty. The message of this fault says that one of the keys
+/// `needed` must be given.
 pub fn read_footprint(
     t: &mut Table,
     key: &Key,

@@ -89,8 +89,7 @@ fn of_table(table: &'static KeyTable) -> Value {
     schema
 }
 
-/// Returns the other key that [`Need::Unless`] names; None for any other need. The key with this need is
-/// required if that other key is missing.
+/// Returns the key whose absence makes a key with [`Need::Unless`] required; None if `need` is not `Unless`.
 fn other_key(need: Need) -> Option<&'static str> {
     if let Need::Unless(other) = need { Some(other) } else { None }
 }
@@ -261,8 +260,8 @@ fn without(keys: &[&str]) -> Value {
     json!({ "properties": none })
 }
 
-/// Returns the property schemas that forbid negative numbers in lists of numbers, also in nested tables. Returns
-/// None if the table has no such list.
+/// Returns the property schemas that forbid negative numbers in lists of numbers, also in nested tables.
+/// Returns None if the table has no such list.
 fn not_negative(table: &'static KeyTable) -> Option<Value> {
     let list = json!({ "items": { "minimum": 0 } });
     let rules = table.keys().filter_map(|key| {

@@ -19,13 +19,14 @@ pub fn unless(key: &str, then: Value) -> Value {
     json!({ "if": { "not": { "required": [key] } }, "then": then })
 }
 
-/// Moves the requirements of a schema into a separate schema and returns that schema; None if there are none.
+/// Moves the requirements of a schema into a separate schema and returns the separate schema. Returns None if
+/// there are no requirements.
 ///
 /// A table that is merged over another file may lack required keys, because the other file may have them. The
 /// returned schema applies to tables that are complete by themselves.
 ///
-/// `merges` is false for items of lists and ranges. They are replaced and never merged, so their requirements
-/// stay.
+/// `merges` states whether the tables of the schema can be merged over another file. It is false for items of
+/// lists and for ranges. Items and ranges are replaced as a whole, so their requirements stay.
 pub fn separated(schema: &mut Value, merges: bool) -> Option<Value> {
     let keys = schema.as_object_mut()?;
     let mut whole = Map::new();

@@ -23,9 +23,9 @@ pub fn reference(kind: FileKind) -> String {
 
 struct Document {
     text: String,
-    /// Tables that are described so far or in [`Self::next`], each with the heading of its description.
+    /// Tables that have a description or will get one, each with the heading of this description.
     known: Vec<(&'static KeyTable, String)>,
-    /// Tables in the order of their descriptions, with their headings.
+    /// Tables in the order of their descriptions, each with the heading of its description.
     next: Vec<(&'static KeyTable, String)>,
 }
 

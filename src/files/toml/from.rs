@@ -1,4 +1,4 @@
-//! The key `from = "other.toml"`: a table takes the keys that it does not have from another file.
+//! The key `from = "other.toml"` names a file from which a table takes every key that it lacks.
 //!
 //! A table that states its own `from` does not take the `from` of the included table. So a cell may include
 //! another cell and name a robot file of its own. It then takes nothing from the robot file of the other
@@ -37,7 +37,7 @@ pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<N
     Some(root)
 }
 
-/// Takes the missing keys of a robot and of its tool from the files that their `from` names.
+/// Takes the missing keys of a robot and of its tool from the files that their `from` keys name.
 ///
 /// A tool with its own `from` replaces the tool of the robot file completely. A mix of both tools would
 /// describe neither.

@@ -24,7 +24,7 @@ pub struct Table<'n, 'l, 'a> {
     entries: &'n [Entry],
     /// Keys that do not apply, such as the limits in mm of a revolute joint.
     excluded: Vec<&'static str>,
-    /// Groups of keys, each with a remedy. One key of the group is required, but none is given.
+    /// Groups of keys, each with a remedy. The table must have one key of each group, but has none.
     missing: Vec<(Vec<&'static str>, String)>,
     /// Whether keys may be missing because a file could not be read, or because [`Self::give_up`] was called.
     pub partial: bool,
@@ -96,7 +96,8 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         self.missing.push((names.to_vec(), remedy.into()));
     }
 
-    /// Applies the rules for a key with this word: some keys become required, others are excluded.
+    /// Applies every [`Rule::When`] for the value `word` of the key `chosen`: some keys become required,
+    /// others are excluded.
     pub fn apply_rules(&mut self, chosen: &Key, word: &str) {
         for rule in self.keys.rules_of_keys() {
             let Rule::When { key, words, needs, never } = rule else { continue };
@@ -152,7 +153,8 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         value.map(|value| key.unit().si(value))
     }
 
-    /// Reads a list of numbers and converts them to SI units. The kind of the key states how many there must be.
+    /// Reads a list of numbers and converts them to SI units. The kind of the key states how many there must
+    /// be.
     pub fn numbers(&mut self, key: &Key) -> Option<Vec<f64>> {
         match key.kind.plain() {
             ValueKind::List(ValueKind::Number(range), (len, _), _) => self.numbers_of(key, *len, *range),
@@ -268,8 +270,8 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         Some(items.iter().map(|item| Table::read(item, keys.what, keys, self.lib, &mut read)).collect())
     }
 
-    /// Reads a table of named tables. Returns those with a valid name that could be read; none if the key is
-    /// missing.
+    /// Reads a table of named tables. Returns the tables that have a valid name and could be read; none if
+    /// the key is missing.
     pub fn named<T>(
         &mut self,
         key: &Key,

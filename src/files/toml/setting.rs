@@ -41,7 +41,7 @@ impl Setting {
         Self { flag: Some(flag.to_string()), ..Self::new(path, value) }
     }
 
-    /// Returns the setting of a flag that gives the key `key` of every operation; `value` is TOML.
+    /// Returns the setting of a flag that gives `key` the value `value` (TOML) in every operation.
     pub fn of_every_operation(flag: &str, key: &str, value: impl Into<String>) -> Self {
         Self::of_flag(flag, &format!("operation.\"{EVERY}\".{key}"), value)
     }
@@ -51,7 +51,7 @@ impl Setting {
         format!("{}={}", self.path, self.value)
     }
 
-    /// Returns the setting as typed. Faults of the setting give this text as their place.
+    /// Returns the setting as typed. Faults of the setting state this text in place of a file.
     fn place(&self) -> String {
         self.flag.clone().unwrap_or_else(|| format!("--set {}", self.words()))
     }
@@ -138,7 +138,7 @@ fn keys(path: &str) -> Vec<String> {
     keys
 }
 
-/// Splits a text at marks outside of brackets, braces and quotes, into at most `most` parts.
+/// Splits a text at every `mark` outside of brackets, braces and quotes, into at most `most` parts.
 fn parted(text: &str, mark: char, most: usize) -> Vec<&str> {
     let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0, None);
     for (at, c) in text.char_indices() {
@@ -176,8 +176,8 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     merge_over(entries, under);
 }
 
-/// Removes `reading = "signed"` of the file if a flag chooses the error set or the registration, and no setting
-/// chooses a reading.
+/// Removes `reading = "signed"` of the file if a flag chooses the error set or the registration. The key
+/// stays if a setting chooses a reading.
 ///
 /// The kind of the error sets then decides the reading, because a tolerance has no signed sample.
 fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
@@ -189,9 +189,10 @@ fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     }
 }
 
-/// Removes the named tables that the cell does not have from a setting, and records a fault for each.
+/// Checks the named tables of a setting: a table that the cell does not have is removed and recorded as a
+/// fault.
 ///
-/// A named table that a setting gives as a whole is kept, and so added to the cell.
+/// If a setting gives such a table as a whole, the table is kept and added to the cell.
 fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &mut Library<'_>) -> Entry {
     let (key, at, mut node) = entry;
     if !cell::TABLE.keys().any(|k| k.name == key && k.kind.is_named()) {
@@ -217,7 +218,8 @@ fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &
     (key, at, node)
 }
 
-/// Replaces the entry named `*` by one entry for each known name. An entry for a single name takes precedence.
+/// Replaces the entry named `*` by one entry for each known name. An entry for a single name takes
+/// precedence.
 fn spread<'n>(named: &mut Vec<Entry>, known: impl Iterator<Item = &'n str>) {
     let Some(place) = named.iter().position(|(name, ..)| name == EVERY) else { return };
     let (_, at, every) = named.remove(place);
@@ -236,7 +238,7 @@ fn spread<'n>(named: &mut Vec<Entry>, known: impl Iterator<Item = &'n str>) {
 
 /// Merges settings over entries, like `from`: tables are merged, everything else is replaced.
 ///
-/// A table keeps its place, so that faults of its other keys still point to the file.
+/// A merged table keeps its place in the file, so that faults of its other keys still point to the file.
 fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     for (key, at, node) in settings {
         match under.iter_mut().find(|e| e.0 == key) {
@@ -249,8 +251,8 @@ fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     }
 }
 
-/// Replaces the place of each fault of a setting by the flag that states the setting. Also removes the settings
-/// from the sources.
+/// Replaces the place of each fault of a setting by the flag that states the setting. Also removes the
+/// settings from the sources.
 pub fn put_in_words(settings: &[Setting], faults: &mut [Fault], sources: &mut Vec<Source>) {
     sources.retain(|s| s.path != PLACE);
     for fault in faults.iter_mut().filter(|f| f.file == PLACE) {

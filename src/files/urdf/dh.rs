@@ -1,8 +1,8 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! If all joint coordinates are 0, the joint axes are fixed lines. Row k leads from a frame with z along axis k to
-//! a frame with z along the next axis. The x axis of the second frame lies along the common normal of the two
-//! axes. If this leaves a choice, the following rules apply:
+//! If all joint coordinates are 0, the joint axes are fixed lines. Row k leads from a frame with z along axis
+//! k to a frame with z along the next axis. The x axis of the second frame lies along the common normal of
+//! the two axes. If this leaves a choice, the following rules apply:
 //!
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is as near as
 //!   possible to the base x axis. If axis 1 is within 26 degrees of x, the base y axis replaces the x axis;
@@ -64,8 +64,8 @@ const SHORTEST: f64 = 1e-13;
 /// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Least sine of the angle between last joint axis and z axis of the tip for a last row along their common
-/// normal. Below this sine, the last row is empty, unless the axes are parallel.
+/// Least sine of the angle between last joint axis and tip z axis at which a row connects them. At a smaller
+/// angle the last row is empty, unless the axes are parallel.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.
@@ -153,8 +153,8 @@ impl ArmModel<'_> {
         derived
     }
 
-    /// Rounds lengths near 0 to 0, and angles near a multiple of a right angle to that multiple. A value stays
-    /// unrounded if the rows would be less exact with it.
+    /// Rounds lengths near 0 to 0, and angles near a multiple of a right angle to that multiple. Rounding is
+    /// kept only if the new gap is below [`MAX_EXACT_GAP`] or below the old gap.
     fn rounded(&self, derived: Derived) -> Derived {
         let mut best = self.derived(tidy(derived.mount), derived.rows);
         for k in 0..best.rows.len() {
@@ -217,7 +217,7 @@ fn moved(axis: &Axis, q: f64) -> Pose {
 }
 
 /// Returns the transform of a row: `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`, where R rotates about an
-/// axis and T translates along one.
+/// axis and T translates along an axis.
 fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     let (s, c) = (row.theta + turn).sin_cos();
     let (sa, ca) = exact(row.alpha);
@@ -253,7 +253,8 @@ fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
 
 /// Returns the D-H row that leads to an axis parallel to z through `(x, y)`, with the axial offset `r`.
 ///
-/// If that axis is the z axis itself, `along` is the x axis of the new frame.
+/// The axis points along -z if `up` is negative. If the axis is the z axis itself, `along` is the x axis of
+/// the new frame.
 fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     let alpha = if up < 0.0 { PI } else { 0.0 };
     let l = x.hypot(y);
@@ -263,8 +264,8 @@ fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     in_sense(r, l, alpha, (x / l, y / l))
 }
 
-/// Returns a D-H row that rotates x by at most a right angle; reverses the new x axis if necessary. The module
-/// documentation gives the rule for right angles.
+/// Returns a D-H row that rotates x by at most a right angle; reverses the new x axis if necessary. The
+/// module documentation gives the rule for right angles.
 fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     let square = x.abs() <= MAX_ROUNDING;
     let turn_round = if !square {

@@ -1,4 +1,4 @@
-//! Collision shapes of the links that the chain carries, in its D-H frames.
+//! Collision shapes of the links of the chain and of the links fixed to them, in D-H frames.
 
 use super::dh::Derived;
 use super::model::*;
@@ -44,7 +44,7 @@ pub fn carried(urdf: &Urdf, tree: &Tree<'_>, way: &LinkChain, lib: &mut Library<
     all
 }
 
-/// Reads the collision shapes of the carried links, named after the links.
+/// Reads the collision shapes of the carried links; each solid is named after its link.
 pub fn read(
     urdf: &Urdf,
     carried: &[Carried],
