@@ -1,4 +1,5 @@
-//! Records: one serde type for every machine-readable document. This type writes and reads the document.
+//! Records: the serde types of the machine-readable documents. Each document has one type, for writing and
+//! for reading.
 //!
 //! JSON, CSV, Parquet, pages and the published JSON Schemas all come from these types. Lengths are in mm and
 //! angles in degrees, rounded to 1e-9. Vectors are in the world frame, unless the field names another frame.

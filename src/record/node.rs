@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 
-/// Values by the name of the sense.
+/// Values in several senses, each under the name of its sense.
 pub type BySense = ByName<f64>;
 
 /// One node of a map: world frame, mm and degrees. A node without a posture has no errors.
@@ -34,7 +34,7 @@ pub struct MapNode {
     pub error_sense_mm: Option<f64>,
     /// Error in the sense of the operation, if that is an angle.
     pub error_sense_deg: Option<f64>,
-    /// Figure that the search minimizes, in the unit of the document.
+    /// Value of the node in the document's `unit`: the figure that the search minimizes.
     pub value: Option<f64>,
     /// Whether the robot touched the node to teach the surface frame. Such a node cannot be the spot.
     pub touched: Option<bool>,
@@ -126,7 +126,8 @@ impl MapNode {
     }
 }
 
-/// Returns a figure in every reported sense that has the unit `unit`; None if there is no such sense.
+/// Returns a figure of a posture in every reported sense whose unit is `unit`; None if no sense has this
+/// unit.
 fn by_sense(
     map: &OperationMap,
     p: &PostureRecord,

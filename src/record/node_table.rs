@@ -30,8 +30,8 @@ pub enum TableValue {
     Number(Option<f64>),
 }
 
-/// Name of a statistical or worst-case figure, and a function that returns its values at a node. The first values
-/// are for the senses in mm, the second for the senses in degrees.
+/// Name of a statistical or worst-case figure, and a function that returns its values at a node. The function
+/// returns the values in the senses measured in mm, then those in the senses measured in degrees.
 type FigureColumns = (&'static str, fn(&MapNode) -> [&Option<BySense>; 2]);
 
 const FIGURES: [FigureColumns; 5] = [

@@ -9,22 +9,22 @@ pub fn nine_digits(value: f64) -> f64 {
     rounded(value, 9)
 }
 
-/// Converts metres to the millimetres of documents.
+/// Converts metres to millimetres, rounded to 9 decimals.
 pub fn millimetres(m: f64) -> f64 {
     nine_digits(mm_from_m(m))
 }
 
-/// Converts radians to the degrees of documents.
+/// Converts radians to degrees, rounded to 9 decimals.
 pub fn degrees(rad: f64) -> f64 {
     nine_digits(deg_from_rad(rad))
 }
 
-/// Converts a share to the percent of documents.
+/// Converts a share to percent, rounded to 9 decimals.
 pub fn percent(share: f64) -> f64 {
     nine_digits(percent_from_share(share))
 }
 
-/// Converts an SI value to its unit in documents.
+/// Converts an SI value to `unit` (mm, degrees or share), rounded to 9 decimals.
 pub fn in_unit(unit: Unit, si: f64) -> f64 {
     nine_digits(unit.from_si(si))
 }
@@ -57,7 +57,7 @@ pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
     cell.robot.joints.iter().zip(q).map(|(joint, &q)| joint_coordinate(joint.kind, q)).collect()
 }
 
-/// Rounds a lower bound down, because a number rounded up would not be proven.
+/// Rounds a lower bound down to 9 decimals, because a bound rounded up would not be proven.
 pub fn rounded_down(bound: f64) -> f64 {
     (bound * 1e9).floor() / 1e9
 }

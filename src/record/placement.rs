@@ -1,4 +1,5 @@
-//! Layouts in documents: placements by the name of the equipment, and free angles by that of the operation.
+//! Layouts in documents: placements under the names of the equipment, free angles under the names of the
+//! operations.
 
 use super::numbers::{degrees, millimetres};
 use crate::cell::{Cell, Layout, Placement, Role, Slot};

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `readings --json`.
 pub const READINGS_SCHEMA: &str = "sweetspot/readings/1";
 
-/// Layout as drawn in every reading and registration. World frame, mm and degrees.
+/// Results of evaluating the drawn layout under every reading and registration. World frame, mm and degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReadingsDocument {
@@ -28,7 +28,7 @@ pub struct ReadingsDocument {
     pub findings: Vec<String>,
 }
 
-/// Readings of one operation.
+/// Results of one operation under every reading and registration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OperationReadings {
@@ -40,7 +40,7 @@ pub struct OperationReadings {
     pub readings: Vec<ReadingEntry>,
 }
 
-/// One operation in one reading and registration.
+/// Result of one operation under one reading and one registration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReadingEntry {
@@ -50,23 +50,23 @@ pub struct ReadingEntry {
     pub quantity: String,
     pub registration: Registration,
     pub unit: Unit,
-    /// Best node; null if no node can be used.
+    /// Node with the least value; null if no node can be used.
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
-    /// Value at the posture that is best for the signed sample.
+    /// Value under this reading at the posture that the signed reading chooses with the same registration.
     pub at_signed_choice: Option<f64>,
-    /// Value at the posture that is best without registration.
+    /// Value under this registration at the posture that the same reading chooses without registration.
     pub at_unregistered_choice: Option<f64>,
-    /// Value at the posture that is best for the signed sample, divided by the least value.
+    /// Regret of the signed spot: `at_signed_choice` divided by `value`.
     pub ratio: Option<f64>,
-    /// Distance between the best nodes of this reading and of the signed sample.
+    /// Distance between the best nodes of this reading and of the signed reading.
     pub moved_mm: Option<f64>,
     /// Reason why no node can be used.
     pub reason: Option<String>,
 }
 
-/// Largest regret: the reading in which choosing the spot by the signed sample costs most.
+/// Largest regret of the signed spot, with its operation, reading and registration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegretEntry {
@@ -75,7 +75,8 @@ pub struct RegretEntry {
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
-    /// Value at the posture that is best for the signed sample, divided by the least value.
+    /// Regret: value under `reading` at the spot of the signed reading, divided by the least value under
+    /// `reading`.
     pub ratio: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Part of several documents: the spot refined between the nodes of the grid.
+//! Entry of several documents: the spot refined between the nodes of the grid.
 
 use super::numbers::{in_unit, joints, millimetres, percent, position_mm};
 use crate::assess::Assessment;
@@ -23,7 +23,7 @@ pub struct RefinedEntry {
 }
 
 impl RefinedEntry {
-    /// Makes the entry; None for an operation without a spot, with listed points or at every node.
+    /// Makes the entry; None if the operation has no spot, states a list of points, or happens at every node.
     pub fn new(a: &Assessment<'_>, operation: usize) -> Option<Self> {
         let refined = a.refined[operation].as_ref()?;
         let unit = a.cell.unit();

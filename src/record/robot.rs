@@ -118,7 +118,7 @@ pub struct ErrorSetEntry {
     pub kind: ErrorSetKind,
 }
 
-/// Whether an error set is one signed sample or a tolerance.
+/// Whether an error set is one signed sample or consists of tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ErrorSetKind {
@@ -149,7 +149,7 @@ pub struct SizeEntry {
     pub radius_mm: Option<[f64; 2]>,
     /// Least and greatest height above the origin of the base; null if nothing is reached.
     pub height_mm: Option<[f64; 2]>,
-    /// Largest error of radius and height: the distance between the sample points.
+    /// Bound of the error of `radius_mm` and `height_mm`, equal to the distance between the sample points.
     pub extent_within_mm: Option<f64>,
 }
 

@@ -74,8 +74,8 @@ pub struct SearchResult {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
-    /// Yield of all operations together. Left out unless the reading is statistical and an operation has a
-    /// limit.
+    /// Share of arms that keep the limits of all operations. Left out unless the reading is statistical,
+    /// every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     pub start: StartEntry,
@@ -131,8 +131,8 @@ pub struct StartEntry {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
-    /// Yield of all operations together. Left out unless the reading is statistical and an operation has a
-    /// limit.
+    /// Share of arms that keep the limits of all operations. Left out unless the reading is statistical,
+    /// every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
 }
@@ -204,7 +204,7 @@ impl SearchResult {
         }
     }
 
-    /// Makes the result of a search from a comparison of the layout as drawn with the best layout, in this order.
+    /// Makes the result of a search from a comparison: first the layout as drawn, then the best layout.
     ///
     /// Returns None unless the comparison has exactly two layouts.
     pub fn of_comparison(record: &SearchRecord, proof: &Proof, comparison: &Comparison<'_>) -> Option<Self> {

@@ -1,4 +1,4 @@
-//! Documents of a sweep: the plan, one row per combination of settings, the table of all rows.
+//! Documents of a sweep: the plan, the row of each combination of settings, and the table of all rows.
 
 use super::manifest::HashedFile;
 use super::numbers::{in_unit, nine_digits, position_mm, rounded_down};
@@ -18,7 +18,7 @@ pub const SWEEP_PLAN_SCHEMA: &str = "sweetspot/sweep-plan/1";
 /// Name and version of the table of a sweep.
 pub const SWEEP_SCHEMA: &str = "sweetspot/sweep/1";
 
-/// Plan of a sweep, `plan.json`. Equal plans give equal files.
+/// Plan of a sweep, `plan.json`. Plans with equal fields give files with equal bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepPlan {
@@ -28,7 +28,7 @@ pub struct SweepPlan {
     pub version: String,
     /// Cell file.
     pub cell: PathBuf,
-    /// Folders of the packages that URDF files name.
+    /// Name and folder of each ROS package that the option `--package` gives.
     pub packages: Vec<(String, PathBuf)>,
     /// Whether a search runs for every combination; otherwise the layout as drawn is mapped.
     pub search: bool,
@@ -38,9 +38,10 @@ pub struct SweepPlan {
     pub budget: Option<u64>,
     pub solver: Option<Solver>,
     pub combinations: usize,
-    /// Files that any combination reads; empty until they have been read.
+    /// Hashes of the files that the combinations read; empty until the program has read these files.
     pub inputs: Vec<HashedFile>,
-    /// SHA-256 of the text of the file before this key, in hexadecimal. Only the written file has this key.
+    /// SHA-256 of the bytes of the file before the comma in front of this key, in hexadecimal. Only the
+    /// written file has this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -91,9 +92,11 @@ pub struct SweepRow {
     pub layout: ByName<PlacementEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
-    /// Files of the combination besides this row: its settings, and its cell with the layout fixed.
+    /// Hashes of the settings file and of the cell file with fixed layout; empty if the layout is not
+    /// feasible.
     pub files: Vec<HashedFile>,
-    /// SHA-256 of the text of the file before this key, in hexadecimal. Only the written file has this key.
+    /// SHA-256 of the bytes of the file before the comma in front of this key, in hexadecimal. Only the
+    /// written file has this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -169,7 +172,8 @@ pub struct SweepTable {
     pub mode: SweepMode,
     pub combinations: usize,
     pub feasible: usize,
-    /// Index of the row with the least objective; null if no row is feasible, or if units differ.
+    /// Index of the row with the least objective; null if no row is feasible, or if the units of feasible
+    /// rows differ.
     pub best: Option<usize>,
     /// Best row for every value of every `--set` option.
     pub best_of: Vec<SweepGroup>,
@@ -190,10 +194,11 @@ pub enum SweepMode {
 pub struct SweepGroup {
     pub path: String,
     pub value: Value,
-    /// Number of combinations with the value.
+    /// Number of combinations with this value of the option.
     pub combinations: usize,
     pub feasible: usize,
-    /// Index of the best row with the value; null if none is feasible, or if units differ.
+    /// Index of the best row with this value; null if no such row is feasible, or if the units of feasible
+    /// ones differ.
     pub best: Option<usize>,
     pub objective: Option<f64>,
 }
@@ -212,7 +217,7 @@ impl SweepTable {
         }
     }
 
-    /// Returns the row with an index.
+    /// Returns the row of the combination `index`; None if the table does not contain that row.
     pub fn row(&self, index: usize) -> Option<&SweepRow> {
         self.rows.iter().find(|row| row.index == index)
     }

@@ -37,8 +37,8 @@ pub struct VerdictDocument {
     pub requirement: RequirementState,
     pub runner_up: Option<RunnerUpEntry>,
     pub facts: Vec<FactEntry>,
-    /// Yield of all operations together. Left out unless the reading is statistical and an operation has a
-    /// limit.
+    /// Share of arms that keep the limits of all operations. Left out unless the reading is statistical,
+    /// every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     pub operations: Vec<VerdictSpot>,
@@ -100,7 +100,7 @@ pub enum FactMood {
 #[serde(deny_unknown_fields)]
 pub struct RunnerUpEntry {
     pub kind: RunnerUpKind,
-    /// Value in the unit of the verdict.
+    /// Objective of the next best layout, or of this layout with the next best node, in the verdict's `unit`.
     pub value: f64,
     pub text: String,
     pub note: String,

@@ -3,7 +3,8 @@
 use crate::cell::{Cell, ErrorSet, Objective, Quantity, Reading, Spread};
 use crate::files::shown;
 
-/// Returns the name of the figure that a cell minimizes: "error", "worst case", "p95" and so on.
+/// Returns the name of the figure that a search of the cell minimizes: "error", "worst case", "p95" and so
+/// on.
 pub fn value_word(cell: &Cell) -> &'static str {
     match (cell.reading, cell.quantity) {
         (Reading::Signed, _) => "error",
@@ -13,10 +14,11 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Returns the name of the objective: [`value_word`], or the way in which the figures of operations combine.
+/// Returns the name of the objective: [`value_word`], or a phrase such as "sum of the operations' worst
+/// cases".
 ///
-/// Statistical or worst-case figures of several operations belong to different arms. So their combination has
-/// a name of its own.
+/// The phrase is used if a worst-case or statistical reading combines several operations. Each figure may
+/// then belong to a different arm, so no arm need have the combined value.
 pub fn objective_word(cell: &Cell) -> String {
     let word = value_word(cell);
     if cell.operations.len() < 2 || cell.reading == Reading::Signed {

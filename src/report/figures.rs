@@ -141,7 +141,7 @@ fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
 }
 
 /// Returns the least value of a map in a sense, the greatest value, and the node with the least value. Values
-/// are in the unit of the sense; a yield is in the unit of the cell.
+/// are in the unit of the sense, or are shares of failures if the cell minimizes those.
 fn range(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> Option<(f64, f64, usize)> {
     let sense = map.sense(sense)?;
     let unit = match (a.cell.reading, a.cell.quantity) {

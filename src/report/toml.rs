@@ -76,14 +76,14 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// Rounding error of a coordinate after conversion to another frame and back, m or rad.
+/// Largest rounding error of a coordinate after conversion to another frame and back, m or rad.
 const ROUNDING: f64 = 1e-13;
 
 /// Largest number of decimals of a value in mm or degrees.
 const MAX_DIGITS: i32 = 12;
 
-/// Returns an SI value in the unit of the file, with the fewest digits that preserve it. TOML reads it as a
-/// float.
+/// Returns an SI value in the unit of the file, with the fewest digits that preserve it. The text contains a
+/// decimal point, so TOML reads a float.
 fn shortest(si: f64, to_file: fn(f64) -> f64, from_file: fn(f64) -> f64, digits: i32) -> String {
     let few = rounded(to_file(si), digits);
     let is_near = (from_file(few) - si).abs() <= ROUNDING;

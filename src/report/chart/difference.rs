@@ -92,7 +92,8 @@ fn told(pair: &NodePair, unit: Unit) -> String {
     format!("{} against {}{}", value(pair.other), value(pair.first), by.unwrap_or_default())
 }
 
-/// Returns the colour of a difference divided by the end of the scale: from -1 (better) to 1 (worse).
+/// Returns the colour of `share`: a difference divided by the end of the scale, from -1 (better) to 1
+/// (worse).
 pub fn colour(share: f64) -> String {
     let t = share.clamp(-1.0, 1.0);
     let end = if t < 0.0 { BETTER } else { WORSE };

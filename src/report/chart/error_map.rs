@@ -1,7 +1,7 @@
 //! Picture of the error maps of a layout in plan (Figs. 4 to 7 of the seed paper).
 //!
-//! Nodes have the colour of their error, and arrows show the error in the plane. A symbol on every unusable
-//! node tells why the node cannot be used.
+//! The colour of a node shows its value, and its arrow shows the x and y components of its error. A symbol on
+//! every unusable node tells why the node cannot be used.
 
 use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::error_map_legend::{draw_legend, reach_line};
@@ -98,7 +98,7 @@ impl<'a> ErrorMapPicture<'a> {
         self.canvas.put(&format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" {}/>", Ink::Vermilion.fill()));
     }
 
-    /// Returns the path data through points of the world plan.
+    /// Returns SVG path data through points of the plan, given as x and y of the world frame, m.
     fn path(&self, points: &[PlanePoint], end: PathEnd) -> String {
         path_data(points.iter().map(|p| self.view.at(p)), end, 1)
     }
@@ -163,8 +163,8 @@ impl<'a> ErrorMapPicture<'a> {
         self.canvas.label((x, free.unwrap_or(y)), Anchor::Middle, Ink::Text, &said);
     }
 
-    /// Returns the factor by which arrows are longer than the errors at the scale of the picture. The longest
-    /// arrow has about the length [`LONGEST_ARROW`].
+    /// Returns the enlargement of the arrows: drawn length divided by the length of the error at the
+    /// picture's scale. The longest arrow has about the length [`LONGEST_ARROW`].
     fn enlargement(&self) -> f64 {
         let errors = self.a.maps.iter().flat_map(OperationMap::usable).map(|(_, _, p)| p.error.xy().norm());
         let longest = errors.fold(0.0, f64::max);

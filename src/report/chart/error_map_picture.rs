@@ -23,7 +23,7 @@ pub(super) struct ErrorMapPicture<'a> {
 pub(super) struct MapScales {
     /// Ends of the colour scale in the unit of the cell.
     pub range: (f64, f64),
-    /// Factor by which arrows are longer than the errors at the scale of the picture.
+    /// Enlargement of the arrows: drawn length divided by the length of the error at the picture's scale.
     pub enlarged: f64,
     /// Names of the operations that share each drawn outline of the reach.
     pub reach: Vec<String>,

@@ -17,8 +17,8 @@ use nalgebra::Vector3;
 
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
-/// Least length that determines the margin of the plot, mm. The margin is 6 % of the longer side of the mapped
-/// area, but at least 6 % of this length.
+/// Least span from which the margin of the plot is computed, mm. The margin is 6 % of this span or of the
+/// longer side of the mapped area, whichever is longer.
 const MIN_SPAN: f64 = 100.0;
 /// Largest number of nodes with tooltips. A map with more nodes has none.
 const MAX_TITLES: usize = 400;
@@ -149,8 +149,8 @@ impl<'a> HeatMap<'a> {
         canvas.path(&outline, &Ink::Axis.line(1.2));
     }
 
-    /// Draws the colour bands, the lowest values first. Each band covers the bands below it, so no seam is
-    /// visible.
+    /// Draws the colour bands, the lowest values first. The area of a band extends under all bands of higher
+    /// values, so no seam is visible.
     fn draw_bands(&self, canvas: &mut ChartCanvas, surface: &IsoSurface) {
         let Some((least, most)) = surface.range() else { return };
         let bands = self.scale.bands();
@@ -244,7 +244,7 @@ impl<'a> HeatMap<'a> {
         canvas.label((x + dx, y + 4.3), anchor, Ink::Spot, &said);
     }
 
-    /// Returns the spot under this model and reading, if it differs from the chosen spot.
+    /// Returns the index of the best node under this model and reading, unless that node is the chosen spot.
     fn other_spot(&self) -> Option<usize> {
         self.take.best.filter(|k| Some(*k) != self.field.best)
     }

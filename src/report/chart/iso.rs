@@ -1,4 +1,4 @@
-//! Iso-lines of a field on a grid with holes, and the areas above them.
+//! Iso-lines of a field on a grid with holes, and areas where the field is at least a given level.
 //!
 //! A grid cell with four values consists of four triangles round its centre. The value at the centre is the
 //! mean of the four (the bilinear value). A cell with three values is one triangle; a cell with fewer is a
@@ -71,7 +71,7 @@ impl IsoSurface {
         values.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
     }
 
-    /// Returns the area where the field is at least a level, as polygons of equal orientation that do not
+    /// Returns the area where the field is at least `level`, as polygons of equal orientation that do not
     /// overlap.
     pub fn above(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let mut polygons: Vec<Vec<PlanePoint>> = Vec::new();
@@ -109,14 +109,14 @@ impl IsoSurface {
         part
     }
 
-    /// Returns the point on an edge at which the field has the value of a level.
+    /// Returns the point at which the field equals `level` on the edge between two nodes.
     fn crossing(&self, a: usize, b: usize, level: f64) -> PlanePoint {
         let t = (level - self.values[a]) / (self.values[b] - self.values[a]);
         let ((ax, ay), (bx, by)) = (self.points[a], self.points[b]);
         (ax + t * (bx - ax), ay + t * (by - ay))
     }
 
-    /// Returns the lines along which the field has a value; a closed line repeats its first point.
+    /// Returns the lines along which the field equals `level`; a closed line repeats its first point.
     pub fn lines(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let is_in = |k: usize| self.values[k] >= level;
         // A level crosses two edges of a triangle or none. Each segment runs from the edge that leaves the area

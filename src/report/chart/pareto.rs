@@ -13,8 +13,9 @@ use crate::units::rounded;
 
 const HEIGHT: f64 = 330.0;
 
-/// Draws the front with the error upwards and the first other goal to the right. If the error is not a goal,
-/// draws the first two goals. Returns None if the search had no goals or the front is empty.
+/// Draws the Pareto front with the error upwards and the first goal other than the error to the right. If the
+/// error is not a goal, draws the first goal upwards and the second to the right. Returns None if the search
+/// had fewer than two goals or the front is empty.
 pub fn pareto(cell: &Cell, record: &SearchRecord) -> Option<String> {
     let asked: Vec<Goal> = cell.search.pareto.iter().collect();
     let up = *asked.iter().find(|g| **g == Goal::Error).or(asked.first())?;

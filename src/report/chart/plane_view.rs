@@ -55,12 +55,12 @@ impl PlaneView {
     }
 }
 
-/// Returns the bounds moved outwards by a margin.
+/// Returns a bounding rectangle enlarged by a margin on every side.
 pub fn widened((low, high): (PlanePoint, PlanePoint), margin: f64) -> (PlanePoint, PlanePoint) {
     ((low.0 - margin, low.1 - margin), (high.0 + margin, high.1 + margin))
 }
 
-/// Returns the length of the longer side of bounds.
+/// Returns the length of the longer side of a bounding rectangle.
 pub fn longer_side((low, high): (PlanePoint, PlanePoint)) -> f64 {
     (high.0 - low.0).max(high.1 - low.1)
 }

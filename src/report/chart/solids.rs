@@ -20,8 +20,8 @@ pub fn rank(kind: PartKind) -> usize {
     KINDS.iter().position(|k| *k == kind).unwrap_or(KINDS.len())
 }
 
-/// Returns the fill and line attributes of a kind of part. A fill covers the inner half of its line. Such a line
-/// is therefore drawn twice as wide as it looks.
+/// Returns the fill and line attributes of a kind of part. The fill of a part covers the inner half of its
+/// line. The line of a filled part is therefore drawn twice as wide as it looks.
 fn look(kind: PartKind) -> (String, String) {
     let none = "fill=\"none\"".to_string();
     match kind {

@@ -55,8 +55,8 @@ pub fn tornado(a: &BudgetReport<'_>) -> String {
     canvas.finish()
 }
 
-/// Returns the function that picks the share to draw: of the variance under the statistical reading,
-/// otherwise of the worst case.
+/// Returns the function that picks the share to draw. The statistical reading draws the share of the
+/// variance, any other reading the share of the worst case.
 fn share_of(a: &BudgetReport<'_>) -> fn(&Share) -> f64 {
     match a.context.evaluator.reading {
         Reading::Statistical => |s| s.of_variance,
@@ -76,7 +76,7 @@ fn under(a: &BudgetReport<'_>, count: usize) -> Vec<String> {
     )]
 }
 
-/// Returns the name of a bar with its tolerance, the drawn share, and the label with the gain of halving.
+/// Returns the name of a bar with the tolerance, the drawn share, and the gain of halving the tolerance.
 fn row(a: &BudgetReport<'_>, share: &Share, part: f64) -> (String, f64, String) {
     let cell = a.context.cell;
     let unit = names::unit(cell, share.parameter);
@@ -114,7 +114,7 @@ fn bar(
     canvas.text((WIDTH - EDGE, base), Anchor::End, Ink::Faint, gain);
 }
 
-/// Returns one line on halving several tolerances together.
+/// Returns the line on the gain of halving several tolerances together, if the report states that gain.
 fn gains(a: &BudgetReport<'_>) -> Vec<String> {
     let Some(all) = a.tighter.iter().find(|t| t.parameters.len() > 1) else { return Vec::new() };
     let (unit, cell) = (a.unit(), a.context.cell);

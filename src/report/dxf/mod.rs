@@ -71,7 +71,8 @@ pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     file.bytes(&used(drawing))
 }
 
-/// Returns all layers except those of obstacles, fence and keep-out spaces that the cell does not have.
+/// Returns the layers to write. The layers of obstacles, fence and keep-out spaces are left out if they would
+/// be empty.
 fn used(drawing: &Drawing<'_>) -> Vec<Layer> {
     let has = |kind: PartKind| drawing.parts.iter().any(|p| p.kind == kind);
     let idle = |name: &str| match name {

@@ -2,9 +2,9 @@
 
 use crate::files::shown;
 
-/// Returns a text of one line without the characters that a CAD program reads as commands: control
-/// characters, `%%` and `^` codes, and backslashes. Characters outside ASCII become `\U+` and their code
-/// point; those beyond U+FFFF become `?`.
+/// Returns a text of one line that a CAD program reads without commands. Control characters are escaped,
+/// backslashes become slashes, and a space breaks `^` and `%%` codes. Characters outside ASCII become `\U+`
+/// and their code point; those beyond U+FFFF become `?`.
 pub fn safe(text: &str) -> String {
     let mut safe = String::new();
     for c in shown(text).chars() {

@@ -22,7 +22,8 @@ use nalgebra::Vector3;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Least time between two sent frames of a motion, s. The viewer interpolates between the frames.
+/// Least time between two sent frames of a motion, s; frames at and after a stop may be nearer. The viewer
+/// interpolates between the frames.
 const TICK: f64 = 0.099;
 /// Tolerance of the simplified outlines of the envelope, m.
 const STRAIGHT: f64 = 1e-3;
@@ -222,8 +223,8 @@ fn movement<'a>(m: &Movement, cell: &'a Cell) -> MovementRecord<'a> {
     }
 }
 
-/// Returns the indices of the frames that are sent: every stop and the frame after it, the last frame, and
-/// frames more than [`TICK`] apart.
+/// Returns the indices of the frames that are sent. A frame is sent if it is at a stop, follows a stop, or is
+/// the last frame. A frame is also sent if it is more than [`TICK`] later than the last sent frame.
 fn kept(m: &Movement) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for (k, t) in m.times.iter().enumerate() {

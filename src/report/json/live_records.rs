@@ -41,7 +41,7 @@ pub struct FormEquipment<'a> {
 pub struct FormGroup<'a> {
     pub group: &'static str,
     pub name: &'a str,
-    /// Index of the equipment that owns the coordinates; None for another owner.
+    /// Index of the equipment that owns the coordinates; None if an operation or the robot base owns them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub index: Option<usize>,
     pub numbers: Vec<FormNumber>,
@@ -73,7 +73,7 @@ pub struct AnswerRecord<'a> {
     pub met: bool,
     pub objective: Option<f64>,
     pub unit: Unit,
-    /// Name of the figure that the search minimizes.
+    /// Name of the objective, such as "p95".
     pub word: String,
     pub reasons: Vec<String>,
     pub placements: Vec<[f64; 4]>,

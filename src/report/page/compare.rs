@@ -18,7 +18,8 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SearchFacts {
     pub gap_percent: Option<f64>,
-    /// Clearance from search.json: least distance of the robot and the floor spaces from everything else, mm.
+    /// Clearance goal from search.json, mm: least distance of the robot from other objects, and between floor
+    /// spaces.
     pub clearance_mm: Option<f64>,
 }
 

@@ -9,8 +9,9 @@ use crate::layout::combined;
 use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
 
-/// Returns the best other layout that the search kept. If there is none, compares the spot of each operation
-/// with its next best node. Returns the next best node at which the value increases least.
+/// Returns the best other layout that the search kept. If the search kept no other layout, returns a node of
+/// the recommended layout. Among the second-best nodes of all operations, this node raises the value of its
+/// operation least.
 pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;

@@ -29,7 +29,8 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// Returns the layout that the report recommends: the best, or the only one.
+    /// Returns the layout that the report recommends: the best layout of the search, otherwise the layout as
+    /// drawn.
     pub fn shown(&self) -> &Assessment<'a> {
         self.best.as_ref().unwrap_or(&self.start)
     }
@@ -62,9 +63,9 @@ pub struct Manifest {
     pub inputs: Vec<(String, String)>,
     /// Path and SHA-256 of every file that the search wrote; empty for a layout as drawn.
     pub outputs: Vec<(String, String)>,
-    /// File with every node, or the command that writes one.
+    /// Name of the file that lists every node, or the command that writes that file.
     pub csv: String,
-    /// Folder or file, as the user named it.
+    /// Result folder or cell file of the report, as the user named it.
     pub source: String,
     /// Whether the search has ended, so that its folder is complete.
     pub is_complete: bool,

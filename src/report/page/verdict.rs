@@ -155,8 +155,8 @@ fn summed(cell: &Cell) -> String {
 
 /// Describes the meaning of a figure under the reading.
 ///
-/// A figure over the arms, such as p95, holds for a single spot. If the objective combines several spots, the
-/// corresponding share of the arms is not known.
+/// A statistic over all arms, such as p95, describes the error at one spot. If the objective combines several
+/// spots, the share of arms with a smaller objective is not known.
 pub fn reading_in_words(cell: &Cell) -> String {
     let set = shown(cell.error_set().name());
     let every_node = cell.operations.iter().any(|o| o.over.needs_every_node());

@@ -144,7 +144,8 @@ fn bounds(drawing: &Drawing<'_>, view: &[SheetSolid], is_plan: bool) -> (Vector2
     pairs.reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q))).unwrap_or_default()
 }
 
-/// Returns the largest scale at which the views fit the larger paper, and the smallest paper that holds them.
+/// Returns the paper and the scale. The scale is the largest at which the views fit the larger paper; the
+/// paper is the smallest that holds the views at this scale.
 fn fitting(
     [plan, front]: &[(Vector2<f64>, Vector2<f64>); 2],
     (rows, away): (usize, f64),

@@ -91,7 +91,7 @@ fn totals(a: &BudgetReport<'_>) -> String {
     )
 }
 
-/// Returns the verdicts on the limit and on the first-order figures, as in a map.
+/// Returns a line on the limit, and a line on the Monte Carlo check of the first-order figures.
 fn verdicts(a: &BudgetReport<'_>) -> String {
     let unit = a.context.evaluator.sense.unit;
     let limit = a.context.requirement(a.judged.value).map(|r| requirement_line(r, unit));

@@ -7,7 +7,7 @@ use crate::files::shown;
 use crate::reading::{Estimate, MonteCarlo};
 use crate::units::percent_from_share;
 
-/// Returns a limit and the margin that is left.
+/// Returns a limit and the margin of the value to this limit.
 pub fn requirement_line(r: Requirement, unit: Unit) -> String {
     format!("limit {:.4} {}: {}", unit.from_si(r.limit), unit.word(), margin(unit, r))
 }

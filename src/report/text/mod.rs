@@ -61,7 +61,7 @@ pub fn headline(cell: &Cell) -> String {
     format!("{}{reading}{registration}", question(cell))
 }
 
-/// Kinds of nodes whose number is printed even if it is 0.
+/// Kinds of nodes whose count is printed even if it is 0.
 const ALWAYS_COUNTED: [NodeSign; 4] =
     [NodeSign::Usable, NodeSign::Collision, NodeSign::JointLimit, NodeSign::OutOfReach];
 
@@ -110,7 +110,7 @@ fn place_words(context: &PostureContext<'_>) -> String {
     format!("{} on {surface}: {at}, x {x} y {y} z {z} mm\n", shown(&operation.name))
 }
 
-/// Returns the name of the figure that tightening a tolerance reduces, with its article.
+/// Returns the name of the figure that a tighter tolerance reduces, with the definite article.
 fn tightened_word(context: &PostureContext<'_>) -> &'static str {
     match (context.evaluator.reading, context.evaluator.quantity) {
         (Reading::Statistical, Quantity::Yield) => "the share of failures",

@@ -9,8 +9,8 @@ use crate::record::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Largest number of lost corners in the list. The operation cannot be done at such a corner of the placement
-/// tolerances.
+/// Largest number of lost corners that are listed. A lost corner is a corner of the placement tolerances at
+/// which the operation cannot be done.
 const MAX_LOST_SHOWN: usize = 3;
 
 /// Returns the effect of misplacement on each operation of a layout; empty if misplacement was not computed.
@@ -78,7 +78,7 @@ fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
     said(largest.most) + more
 }
 
-/// Returns the reason that limits the allowed misplacement; empty if nothing limits it.
+/// Returns the reason why a larger misplacement is not allowed; empty if the largest value tried is allowed.
 fn because(cell: &Cell, largest: &Largest) -> String {
     match &largest.ended {
         None => String::new(),

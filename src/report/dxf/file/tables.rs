@@ -134,7 +134,8 @@ impl DxfFile {
     }
 }
 
-/// Begins a record of a table with its handle (under the table's group code), owner and name.
+/// Begins a record of a table with its handle, owner and name. The group code of the handle depends on the
+/// table.
 fn begun(table: &str, (code, handle): (u16, u64), owner: u64, subclass: &str, name: &str) -> Codes {
     let mut out = Codes::default();
     out.put(0, table);
