@@ -238,8 +238,9 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
 fn changes(then: &[InputHash], now: &[InputHash]) -> Vec<String> {
     let mut said = Vec::new();
     for (path, hash) in then {
+        let found = now.iter().find(|(p, _)| p == path);
         let path = shown(path);
-        match now.iter().find(|(p, _)| shown(p) == path) {
+        match found {
             Some((_, same)) if same == hash => {}
             Some(_) => said.push(format!("{path} has changed since the search began")),
             None => said.push(format!("{path} is no longer read, but the search began with it")),

@@ -1,6 +1,6 @@
 //! Colours that colour-blind readers can tell apart, even in a grey print.
 
-/// Colour map viridis (M. Bigot, S. van der Walt and N. Smith; CC0), sampled at equal steps. Its lightness
+/// Colour map viridis (N. Smith, S. van der Walt and E. Firing; CC0), sampled at equal steps. Its lightness
 /// rises evenly.
 const VIRIDIS: [[f64; 3]; 6] = [
     [68.0, 1.0, 84.0],

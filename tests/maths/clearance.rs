@@ -749,6 +749,45 @@ fn a_solid_inside_another_collides_with_it() {
     assert!(hit(&cell, &cell.start(), &at(0.1, 0.8, 0.75)).is_some());
 }
 
+/// The origin of a mesh may lie outside the mesh, as in a file that was exported in world coordinates.
+#[test]
+fn the_origin_of_a_mesh_does_not_collide() {
+    let ring = std::fs::read_to_string(root().join("cells/equipment/machine.obj")).unwrap();
+    let ring = mesh_cell(BALL, &ring).equipment[0].solids[0].shape.clone();
+    // An L of two boxes is not convex; a box is.
+    let box_of = |x: [i32; 2], y: [i32; 2], first: usize| {
+        let corner = |k: usize| format!("v {} {} {}\n", x[k & 1], y[k >> 1 & 1], (k >> 2 & 1) * 2);
+        let faces = [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
+        let face = |q: &[usize; 4]| {
+            format!("f {} {} {} {}\n", q[0] + first, q[1] + first, q[2] + first, q[3] + first)
+        };
+        (0..8).map(corner).chain(faces.iter().map(face)).collect::<String>()
+    };
+    let convex = box_of([0, 2], [0, 2], 0);
+    let bent = box_of([0, 2], [0, 2], 0) + &box_of([3, 9], [0, 2], 8);
+    for obj in [convex, bent] {
+        for away in [0.0, 3.0] {
+            let mut cell = mesh_cell(BALL, &obj);
+            cell.robot.solids[0].solid.shape = ring.clone();
+            let Shape::Mesh { vertices, .. } = &mut cell.equipment[0].solids[0].shape else {
+                panic!("no mesh")
+            };
+            vertices.iter_mut().for_each(|v| v.x += away);
+            let origin = cell.start().placements[0].pose().translation;
+            let (scene, mut placed) = (Scene::new(&cell), PlacedSolids::default());
+            scene.place(&cell.start(), &mut placed);
+            // The material of the ring lies 350 mm from its axis.
+            let hits = |x: f64| {
+                let mut frames: Frames = [Pose::identity(); MAX_JOINTS + 1];
+                frames[4].translation = origin + V::new(x - 0.35, 0.0, 0.0);
+                scene.hit(&placed, &frames, None).is_some()
+            };
+            assert!(hits(away), "the mesh is {away} m from its origin, inside the link");
+            assert!(!hits(3.0 - away), "only the origin of the mesh is inside the link");
+        }
+    }
+}
+
 /// The shipped ring is not convex: its hole is outside. The reference is the winding number of the surface
 /// round the point, a sum of solid angles (van Oosterom and Strackee).
 #[test]

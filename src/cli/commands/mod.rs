@@ -98,7 +98,7 @@ fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
     if is_page {
         return Ok(());
     }
-    output::error(&format!("{}: the name of an HTML page must end in .html", path_word(out)));
+    output::error(&format!("{}: the name of an HTML page must end in .html or .htm", path_word(out)));
     Err(Exit::BadInput)
 }
 

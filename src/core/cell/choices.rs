@@ -147,7 +147,7 @@ impl NodeAggregation {
             NodeAggregation::Max => values.last().copied().unwrap_or(0.0),
             NodeAggregation::Mean => values.iter().sum::<f64>() / count.max(1) as f64,
             // The least value that at least 95 % of the nodes do not exceed.
-            NodeAggregation::P95 => values[(count * 19).div_ceil(20).max(1) - 1],
+            NodeAggregation::P95 => values.get((count * 19).div_ceil(20).max(1) - 1).copied().unwrap_or(0.0),
         }
     }
 }

@@ -141,7 +141,8 @@ pub(super) fn body(shape: &Shape) -> CollisionBody {
         }
         Shape::Leg { x, y, top, .. } => ball(&Vector3::new(*x, *y, *top), 0.0),
         Shape::Mesh { pose, vertices, triangles, closed } => {
-            centred(mesh(vertices, triangles, *closed), *pose)
+            let inside = first_corner(vertices, triangles);
+            CollisionBody { inside, ..centred(mesh(vertices, triangles, *closed), *pose) }
         }
     }
 }
@@ -157,7 +158,8 @@ pub(super) fn part(shape: &Shape) -> EquipmentSolid {
         Shape::Mesh { pose, vertices, triangles, closed } => {
             match convex(vertices, triangles).filter(|_| *closed) {
                 Some(solid) => {
-                    EquipmentSolid::Convex(CollisionBody { is_hull: true, ..centred(solid, *pose) })
+                    let inside = first_corner(vertices, triangles);
+                    EquipmentSolid::Convex(CollisionBody { is_hull: true, inside, ..centred(solid, *pose) })
                 }
                 None => EquipmentSolid::Mesh { body: body(shape), closed: *closed },
             }
@@ -166,6 +168,13 @@ pub(super) fn part(shape: &Shape) -> EquipmentSolid {
     }
 }
 
+/// Returns a point of a mesh; the origin of the mesh frame may lie anywhere.
+fn first_corner(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> pm::Vector {
+    let corner = triangles.first().and_then(|[first, ..]| vertices.get(*first as usize));
+    corner.map_or(pm::Vector::ZERO, vector)
+}
+
+/// Returns the body of a shape that contains the origin of its frame.
 fn centred(shape: SharedShape, local: Pose) -> CollisionBody {
     let bounds = shape.compute_local_aabb();
     let (inside, pieces, unswollen) = (pm::Vector::ZERO, Vec::new(), None);

@@ -65,12 +65,15 @@ fn apart(a: &PlacedRectangle, b: &PlacedRectangle) -> f64 {
 
 /// Returns the distance of a floor space from the fence around it, m; `max` without a fence.
 ///
-/// The distance is 0 if a corner of the floor space is outside.
+/// The distance is 0 if a part of the floor space is outside.
 fn within(cell: &Cell, stand: &PlacedRectangle, max: f64) -> f64 {
     let Some(fence) = &cell.fence else { return max };
     let corners = stand.corners();
-    let inside = corners.iter().all(|corner| fence::locate(&fence.corners, *corner).0);
-    if inside { boundaries_apart(&corners, &fence.corners) } else { 0.0 }
+    let is_in = |polygon: &[PlanePoint], point: &PlanePoint| fence::locate(polygon, *point).0;
+    let inside = corners.iter().all(|corner| is_in(&fence.corners, corner));
+    // A corner of a fence that is not convex may cut into the floor space.
+    let cut = fence.corners.iter().any(|corner| is_in(&corners, corner));
+    if inside && !cut { boundaries_apart(&corners, &fence.corners) } else { 0.0 }
 }
 
 /// Returns the distance between the boundaries of two polygons that do not cross.

@@ -132,17 +132,16 @@ impl Field {
     ///
     /// Listed points have no grid: each point is a neighbour of the next one in the list.
     pub fn spacing(&self) -> f64 {
-        let (along, _) = self.size;
+        let along = self.size.0.max(1);
         let mean = |pairs: Vec<(usize, usize)>| {
             let position = |k: usize| self.nodes[k].position;
             let sum: f64 = pairs.iter().map(|(a, b)| (position(*b) - position(*a)).norm()).sum();
             Some(sum / pairs.len() as f64).filter(|mean| *mean > 0.0)
         };
-        let next = |step: usize| {
-            let pairs = (step..self.nodes.len()).map(move |k| (k - step, k));
-            pairs.filter(|(a, b)| step > 1 || a / along == b / along).collect()
-        };
-        let both = [mean(next(1)), mean(next(along.max(2)))];
+        let all = 0..self.nodes.len();
+        let beside = all.clone().skip(1).filter(|k| k % along != 0).map(|k| (k - 1, k));
+        let across = all.skip(along).map(|k| (k - along, k));
+        let both = [mean(beside.collect()), mean(across.collect())];
         both.into_iter().flatten().reduce(f64::min).unwrap_or(LONE_SPACING)
     }
 

@@ -52,13 +52,15 @@ impl Movement {
             movement: Self::empty(is_checked),
         };
         way.halt(None, &a.cell.robot.home);
+        let mut before = None;
         for k in 0..a.maps.len() {
             let Some((_, posture)) = a.spot(k) else { continue };
             let transfer = a.evaluation.transfers.iter().find(|t| t.to == k && t.from < k);
             let path = transfer.map_or(&[][..], |t| &t.path);
             let joints = transfer.map_or(posture.joints, |t| t.arrival);
-            way.go(path.iter().chain([&joints]), k.checked_sub(1));
+            way.go(path.iter().chain([&joints]), before);
             way.halt(Some(k), &joints);
+            before = Some(k);
         }
         if way.movement.stops.len() > 1 {
             way.go([&a.cell.robot.home].into_iter(), None);

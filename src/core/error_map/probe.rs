@@ -111,15 +111,16 @@ impl<'a> Probe<'a> {
     pub fn holding(&mut self, held: &HeldPosture) -> Result<f64, Status> {
         let target = self.target(held.at);
         let inverse = &self.query.placed.mapper.arm.inverse;
-        let posture = match inverse.cost() {
-            Cost::Numeric => self.branch_near(held).map(|b| b.posture),
-            _ => inverse.usable(&target, &self.query.attitudes, held.branch),
+        let is_numeric = inverse.cost() == Cost::Numeric;
+        let found = match is_numeric {
+            true => self.branch_near(held).map(|b| (b.posture, b.index)),
+            false => inverse.usable(&target, &self.query.attitudes, held.branch).map(|p| (p, held.branch)),
         };
-        let Some(posture) = posture else {
-            return Err(self.query.why_unreached(&target, |branch| branch.index == held.branch));
+        let Some((posture, branch)) = found else {
+            return Err(self.query.why_unreached(&target, |b| is_numeric || b.index == held.branch));
         };
         let value = self.value(&posture)?;
-        match self.query.refusal_status(&target, held.branch, &self.memory) {
+        match self.query.refusal_status(&target, branch, &self.memory) {
             Some(trouble) => Err(trouble),
             None => Ok(value),
         }

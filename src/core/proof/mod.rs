@@ -111,7 +111,7 @@ impl WhyNot {
             Self::ToolAxes => "its sense is in axes of the tool",
             Self::SurfaceAxes => "its sense is in axes of a surface that can rotate",
             Self::WorldAxes => "its sense is in axes of the world, and the robot base can rotate",
-            Self::Rotation => "its sense has rotations, which only the linear model bounds",
+            Self::Rotation => "its sense has rotations, which this model and reading do not bound",
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",

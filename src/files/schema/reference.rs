@@ -153,13 +153,7 @@ fn in_words(rule: &Rule) -> String {
         Rule::OnlyWith(key, others) => format!("- Without `{key}` none of {} may be given.", list(others)),
         Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
         Rule::When { key, words, needs, never } => {
-            let words = words();
-            let words = if words.len() > 12 {
-                "one of certain words (see the JSON Schema)".into()
-            } else {
-                quoted(&words)
-            };
-            let mut rule = format!("- If `{key}` is {words}");
+            let mut rule = format!("- If `{key}` is {}", quoted(&words()));
             if !needs.is_empty() {
                 let _ = write!(rule, ", {} are required", list(needs));
             }

@@ -141,8 +141,11 @@ fn keys(path: &str) -> Vec<String> {
 /// Splits a text at every `mark` outside of brackets, braces and quotes, into at most `most` parts.
 fn parted(text: &str, mark: char, most: usize) -> Vec<&str> {
     let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0, None);
-    for (at, c) in text.char_indices() {
+    let mut characters = text.char_indices();
+    while let Some((at, c)) = characters.next() {
         match (c, quote) {
+            // TOML escapes the next character in double quotes only.
+            ('\\', Some('"')) => drop(characters.next()),
             (c, Some(q)) => quote = (c != q).then_some(q),
             ('"' | '\'', None) => quote = Some(c),
             ('[' | '{', None) => depth += 1,

@@ -3,10 +3,10 @@
 use super::table::TextTable;
 use super::{ALWAYS_COUNTED, fixed, mm, mm1, percent1};
 use crate::assess::{Assessment, Comparison, Requirement};
-use crate::cell::{Coordinate, Slot, Unit};
+use crate::cell::{Coordinate, JointKind, Slot, Unit};
 use crate::error_map::NodeSign;
 use crate::layout::Refined;
-use crate::record::value_word;
+use crate::record::{joints as joint_coordinates, value_word};
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
@@ -152,12 +152,14 @@ fn operation_rows(table: &mut TextTable, k: usize, comparison: &Comparison<'_>) 
     refined_rows(table, k, columns);
     let joints = |a: &Assessment<'_>| match a.spot(k) {
         Some((_, p)) => {
-            let q = p.joints.iter().take(a.cell.robot.axes());
-            q.map(|q| format!("{:.2}", rounded(deg_from_rad(*q), 2))).collect::<Vec<_>>().join(", ")
+            let q = joint_coordinates(a.cell, &p.joints);
+            q.iter().map(|q| format!("{:.2}", rounded(*q, 2))).collect::<Vec<_>>().join(", ")
         }
         None => "-".into(),
     };
-    table.labelled("", "joints deg", columns.iter().map(joints));
+    let slides = columns.iter().any(|a| a.cell.robot.joints.iter().any(|j| j.kind == JointKind::Prismatic));
+    let units = if slides { "joints deg, slides mm" } else { "joints deg" };
+    table.labelled("", units, columns.iter().map(joints));
     attitude_rows(table, k, columns);
     let cell = columns[0].cell;
     let word = if cell.unit() == Unit::Share { "p95" } else { value_word(cell) };

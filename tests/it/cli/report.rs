@@ -216,7 +216,7 @@ fn a_folder_without_a_search_result_is_refused() {
         (&["report", "mapped"][..], "it is not the manifest of a search"),
         (&["report", "cells"], "holds no manifest.json and no checkpoint"),
         (&["report", "found", "--sense", "xyz"], "flags cannot change the settings"),
-        (&["report", "cells/small.toml", "-o", "page.txt"], "must end in .html"),
+        (&["report", "cells/small.toml", "-o", "page.txt"], "must end in .html or .htm"),
     ] {
         let ran = shop.run(args);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?}: {}", ran.err);

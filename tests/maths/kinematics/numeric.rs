@@ -167,6 +167,26 @@ fn poses_of_every_robot_are_solved_numerically() {
     }
 }
 
+/// The chain of an imported arm may begin far from the origin of the base frame.
+#[test]
+fn a_chain_that_begins_away_from_the_base_is_solved() {
+    let robot = five_axes();
+    let shift = vector![0.4, -0.3, 5.0];
+    let mounted = Robot { mount: Pose { translation: shift, ..Pose::identity() }, ..robot.clone() };
+    let (solver, mut rng) = (Numeric::new(&Chain::new(&mounted)), ChaCha8Rng::seed_from_u64(8));
+    let mut missed = 0;
+    for _ in 0..100 {
+        let goal = goal_at(&robot, &random_joints(&robot, &mut rng), 6);
+        let moved = TcpGoal { position: goal.position + shift, ..goal };
+        let mut all = Vec::new();
+        solver.all(&moved, &mut all);
+        all.extend(solver.one(&moved));
+        missed += usize::from(all.len() < 2);
+        all.iter().for_each(|q| check(&robot, q, &goal));
+    }
+    assert!(missed <= 1, "{missed} of 100 missed");
+}
+
 #[test]
 fn a_goal_with_a_free_orientation_is_found() {
     for ((name, robot), rows) in robots().into_iter().flat_map(|r| [3, 4, 5].map(|rows| (r.clone(), rows))) {

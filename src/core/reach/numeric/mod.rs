@@ -120,11 +120,11 @@ impl Numeric {
 
     /// Returns whether the chain is long enough to reach the position of the goal.
     fn spans(&self, goal: &TcpGoal) -> bool {
-        goal.position.norm() * self.scale <= 1.0 + 1e-9
+        (goal.position - self.chain.mount.translation).norm() * self.scale <= 1.0 + 1e-9
     }
 }
 
-/// Returns an upper bound of the distance of the TCP from the origin of the base frame, m.
+/// Returns an upper bound of the distance of the TCP from the mount of the chain, m.
 fn reach(chain: &Chain) -> f64 {
     let links = chain.links.iter().enumerate().map(|(i, link)| {
         let farthest = |j: usize| chain.links[j].limits.0.abs().max(chain.links[j].limits.1.abs());
