@@ -60,8 +60,10 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
     Ok(loaded)
 }
 
-/// Refuses the sense of `cell` if a limit in the cell file `drawn` has another unit. The file best.toml
-/// inherits the limit, and would be invalid with it.
+/// Refuses a sense given by a flag if an operation's limit in the cell file has another unit.
+///
+/// `cell` has the sense of the flag; `drawn` is the cell file without flags. The file best.toml states the
+/// new sense and inherits the limit, so it would be invalid.
 fn refuse_lost_limits(cell: &Cell, drawn: &Cell) -> Result<(), Exit> {
     let pairs = cell.operations.iter().zip(&drawn.operations);
     let Some((lost, _)) = pairs.into_iter().find(|(now, drawn)| now.limit.is_none() && drawn.limit.is_some())

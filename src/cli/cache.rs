@@ -12,7 +12,7 @@ use super::loading::sha256;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Largest cached file, bytes.
+/// Largest number of bytes read from a cached file. A larger file is never used.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Length of a SHA-256 hash in hexadecimal digits.
@@ -66,7 +66,7 @@ fn is_ours(about: &std::fs::Metadata) -> bool {
     about.uid() == rustix::process::geteuid().as_raw() && about.mode() & 0o022 == 0
 }
 
-/// Returns true: on these systems, the cache folder of a user is private.
+/// Returns true: except on Unix, the cache folder of a user is assumed to be private.
 #[cfg(not(unix))]
 fn is_ours(_about: &std::fs::Metadata) -> bool {
     true

@@ -1,4 +1,5 @@
-//! Advisory lock of a result folder, so that two programs never write to the same folder.
+//! Advisory lock that keeps a second program out of a result folder. Only array jobs of one sweep share the
+//! lock ([`Sharing::WithOthers`]).
 //!
 //! The operating system releases the lock when the process that holds it ends, even if that process crashes.
 
@@ -106,7 +107,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     file.metadata().ok().zip(path.metadata().ok()).is_some_and(|(a, b)| same(a, b))
 }
 
-/// Returns true: on these systems, an open file cannot be removed.
+/// Returns true, because the path is compared with the file on Unix only.
 #[cfg(not(unix))]
 fn is_at(_file: &File, _path: &Path) -> bool {
     true

@@ -56,7 +56,7 @@ pub fn unsealed(bytes: &[u8]) -> Option<Vec<u8>> {
     (end == seal(content)).then(|| [content, END].concat())
 }
 
-/// Returns the text after the content: the key `sha256`, and the end of the object.
+/// Returns the end of a sealed text: the key `sha256` with the hash of `content`, and the closing brace.
 fn seal(content: &[u8]) -> Vec<u8> {
     let mut seal = format!(",\n  \"sha256\": \"{}\"", sha256(content)).into_bytes();
     seal.extend(END);

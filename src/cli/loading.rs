@@ -13,7 +13,7 @@ use std::sync::Mutex;
 /// Prefix of the names of unfinished files.
 pub const UNFINISHED: &str = ".sweetspot-";
 
-/// Name of the locked file in a result folder that is being written.
+/// Name of the lock file that a result folder contains while a command writes to the folder.
 pub const LOCK: &str = ".sweetspot-lock";
 
 /// Name of the checkpoint in the folder of a search.
@@ -27,7 +27,7 @@ pub fn load(path: &Path, packages: &PackageFolders) -> Result<Loaded, Exit> {
     load_with(path, packages, &[])
 }
 
-/// Loads a cell as [`load`] does, with some keys stated on the command line.
+/// Loads a cell as [`load`] does; `settings` override keys of the cell file.
 pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
     let loaded = read_cell_with(path, packages, settings, &FileSnapshot::default()).map_err(|faults| {
         output::faults(&faults);
@@ -54,14 +54,15 @@ pub fn read_cell(path: &Path, packages: &PackageFolders) -> Result<Loaded, Vec<F
 pub struct FileSnapshot(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
 
 impl FileSnapshot {
-    /// Returns a snapshot that contains one file, which does not exist on disk yet.
+    /// Returns a snapshot that contains one file. This file need not exist on disk.
     #[cfg(feature = "view")]
     pub fn with(name: &str, bytes: &[u8]) -> Self {
         Self(Mutex::new(HashMap::from([(name.to_string(), Ok(bytes.to_vec()))])))
     }
 }
 
-/// Reads a cell with some keys stated on the command line, and everything it refers to.
+/// Reads a cell and everything it refers to. `settings` override keys of the cell file. Files in the
+/// snapshot `kept` are not read again.
 pub fn read_cell_with(
     path: &Path,
     packages: &PackageFolders,
@@ -105,7 +106,7 @@ fn parted(path: &Path) -> (PathBuf, String) {
     }
 }
 
-/// Prefixes the file names of faults with the folder of `path`, so that an editor can jump to them.
+/// Prefixes the file name of every fault with the folder of `path`, so that an editor can open the file.
 fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
     let prefix = path.parent().unwrap_or(Path::new(""));
     // A fault without a line is in a setting, not in a file.
@@ -185,7 +186,7 @@ fn sync(_folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Removes the unfinished files of a process that was killed.
+/// Removes unfinished files, which killed processes have left, from a folder and its subfolders.
 pub fn sweep(folder: &Path) {
     for entry in folder.read_dir().into_iter().flatten().flatten() {
         let path = entry.path();

@@ -12,7 +12,7 @@ pub fn data(text: &str) -> Result<(), Exit> {
     written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
-/// Prints the error of a failed write to stdout. A closed pipe (`| head`) is no error.
+/// Reports on stderr if a write to stdout has failed. A closed pipe (`| head`) is no error.
 pub fn written(result: std::io::Result<()>) -> Result<(), Exit> {
     match result {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -44,7 +44,7 @@ pub fn faults(faults: &[Fault]) {
     }
 }
 
-/// Returns a progress bar of layouts on stderr, hidden if stderr is no terminal.
+/// Returns a progress bar on stderr that counts evaluated layouts; hidden if stderr is no terminal.
 pub fn progress_bar(length: u64) -> ProgressBar {
     let bar = ProgressBar::new(length);
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} layouts, {eta} left, best {msg}") {
@@ -54,7 +54,8 @@ pub fn progress_bar(length: u64) -> ProgressBar {
     bar
 }
 
-/// Returns a progress bar of sample points, hidden if stderr is no terminal; it appears after one second.
+/// Returns a hidden progress bar that counts sample points. [`advance`] shows the bar after one second if
+/// stderr is a terminal.
 pub fn points_bar() -> ProgressBar {
     let bar = ProgressBar::hidden();
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent} %, {eta} left") {
@@ -63,7 +64,8 @@ pub fn points_bar() -> ProgressBar {
     bar
 }
 
-/// Returns a progress bar of combinations, hidden if stderr is no terminal; it appears after one second.
+/// Returns a hidden progress bar that counts combinations. [`advance`] shows the bar after one second if
+/// stderr is a terminal.
 pub fn combinations_bar() -> ProgressBar {
     let bar = ProgressBar::hidden();
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} combinations, {eta} left") {
@@ -72,7 +74,8 @@ pub fn combinations_bar() -> ProgressBar {
     bar
 }
 
-/// Advances a bar of length `of` by `count`, and shows the bar after one second.
+/// Sets the length of a progress bar to `of` and advances the bar by `count`. Shows a hidden bar that is at
+/// least one second old.
 pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
     if bar.is_hidden() && bar.elapsed().as_secs() >= 1 {
         bar.set_draw_target(ProgressDrawTarget::stderr());

@@ -205,7 +205,7 @@ pub fn write<N: AsRef<str>>(
     write_outputs(folder, &outputs)?.sealed(cell, sources, run, &outputs)
 }
 
-/// Returns a file with its hash.
+/// Returns the path of a file with the SHA-256 hash of its content `bytes`.
 pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
     HashedFile { path: path.to_string(), sha256: loading::sha256(bytes) }
 }

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Folder of a search.
 pub struct SearchFolder {
-    /// Cell with the settings of the search.
+    /// Cell in the folder `inputs`, read with the settings of the search.
     pub loaded: Loaded,
     /// The cell file inside the folder.
     pub file: PathBuf,
@@ -70,7 +70,7 @@ pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns the layout if it belongs to the cell. Otherwise refuses best.toml.
+/// Returns the layout of best.toml if it fits the cell in inputs/. Otherwise refuses best.toml.
 fn fitting(folder: &Path, layout: Layout, loaded: &Loaded) -> Result<Layout, Exit> {
     match loaded.cell.misfit(&layout) {
         None => Ok(layout),

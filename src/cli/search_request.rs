@@ -32,7 +32,7 @@ impl SearchRequest {
         Ok(Self { cell, packages, settings: a.settings(), command: arguments::typed() })
     }
 
-    /// Loads the cell with the settings.
+    /// Loads the cell of this request with [`Self::settings`].
     pub fn load(&self) -> Result<Loaded, Exit> {
         let packages = PackageFolders { folders: self.packages.clone() };
         asked::load_for_search(&self.cell, &packages, &self.settings)
@@ -94,7 +94,8 @@ fn typed(setting: &Setting) -> (String, String) {
     }
 }
 
-/// Replaces the value of a flag in a command line; a `--set` option is only appended.
+/// Removes the flag of a setting from a command line, and appends the flag with its new value. A `--set`
+/// option is appended, and earlier ones remain.
 fn restate(command: &mut Vec<String>, setting: &Setting) {
     if setting.flag.is_none() {
         command.extend(["--set".to_string(), setting.words()]);

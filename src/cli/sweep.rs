@@ -59,7 +59,8 @@ pub fn load(plan: &SweepPlan, index: usize, kept: &FileSnapshot) -> Result<Loade
     loading::read_cell_with(&plan.cell, &packages, &settings, kept)
 }
 
-/// Adds the files read by one more combination to the inputs of the plan.
+/// Adds files that a combination has read (`sources`) to the inputs of the plan and to `all`. Skips files
+/// that `all` already contains.
 pub fn add_inputs(plan: &mut SweepPlan, all: &mut Vec<Source>, sources: Vec<Source>) {
     for source in sources {
         if !all.iter().any(|s| s.path == source.path) {
@@ -69,7 +70,7 @@ pub fn add_inputs(plan: &mut SweepPlan, all: &mut Vec<Source>, sources: Vec<Sour
     }
 }
 
-/// Returns the differences that prevent a plan from continuing the older plan `old`.
+/// Returns what differs between a plan and the earlier plan `old`; any difference prevents a resumption.
 fn changes(plan: &SweepPlan, old: &SweepPlan) -> Vec<String> {
     let mut changed = Vec::new();
     let mut note = |same: bool, what: &str| {

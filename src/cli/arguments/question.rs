@@ -1,4 +1,5 @@
-//! Flags that override keys of the cell file. Each becomes a setting that the reader of the file validates.
+//! Flags that override keys of the cell file. Each flag becomes a [`Setting`], which the reader of the cell
+//! file validates.
 
 use super::value_parsers::{number, setting};
 use crate::cell::{Model, Quantity, Reading, Registration};
@@ -45,12 +46,13 @@ pub struct QuestionFlags {
     pub registration: Option<String>,
 }
 
-/// Returns the setting of a flag whose value is a word.
+/// Returns the setting that the flag `--name` states: the key `path` gets the text `value`. Returns None
+/// without a value.
 pub fn word(name: &str, path: &str, value: Option<&String>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, toml_string(value)))
 }
 
-/// Returns a number as TOML writes it.
+/// Formats a number as a TOML float, for example `10.0` or `inf`.
 pub fn toml_number(value: f64) -> String {
     format!("{value:?}").to_lowercase()
 }
@@ -100,7 +102,7 @@ impl QuestionFlags {
 }
 
 impl QuestionFlags {
-    /// Returns the flags that were given, quoted for a shell, each with a space before it.
+    /// Returns the given flags and their values as one text for a shell; a space precedes each flag.
     pub fn words(&self) -> String {
         let Self {
             errors: ErrorFlags { errors, model, sense, limit, sets },
@@ -124,7 +126,7 @@ impl QuestionFlags {
     }
 }
 
-/// Returns a number as a user types it: whole numbers have no decimal point.
+/// Formats a number as a user types it: a whole number below 1e15 has no decimal point.
 pub fn typed(value: f64) -> String {
     if value.fract() == 0.0 && value.abs() < 1e15 { value.to_string() } else { toml_number(value) }
 }

@@ -42,7 +42,7 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     Ok(if report.verdict.answer == VerdictAnswer::Yes { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// Data that a report has read from files, before its layouts are assessed.
+/// Data for a report, as read from files; no layout is assessed yet.
 struct ReportSource {
     loaded: Loaded,
     file: PathBuf,
@@ -86,8 +86,7 @@ fn warning(fault: &Fault) -> String {
     format!("{}:{}: {}", fault.file, fault.line, fault.message)
 }
 
-/// Refuses a search.json whose objectives or limits differ from those that this program computes for its
-/// layouts.
+/// Refuses a search.json if its objectives or limits differ from those that this program computes.
 fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit> {
     let Some(found) = &subject.found else { return Ok(()) };
     let best = subject.best.as_ref().and_then(Assessment::objective);

@@ -57,7 +57,7 @@ fn references(a: &SchemaArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Returns the schema of a kind of file or document, by its name.
+/// Returns the schema of the kind of file or document with the given name.
 fn schema_of(name: &str) -> Value {
     let document = DocumentKind::ALL.into_iter().find(|kind| kind.name() == name);
     let file = FileKind::ALL.into_iter().find(|kind| kind.name() == name).unwrap_or(FileKind::Cell);

@@ -32,7 +32,8 @@ pub fn search(a: &SearchArguments) -> Result<Exit, Exit> {
     }
 }
 
-/// Runs the search of a request. Threads, time limit and output follow the current arguments `now`.
+/// Runs the search of a request, or resumes the stopped search `kept`. The current command line `now`
+/// states threads, time limit and output.
 fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSearch>) -> Result<Exit, Exit> {
     let file = &request.cell;
     let Loaded { cell, sources, .. } = request.load()?;

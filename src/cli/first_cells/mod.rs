@@ -8,7 +8,7 @@ use super::library::ROBOTS;
 
 /// Content of the first cell file for a robot: name, errors and equipment.
 pub struct Sketch {
-    /// Short name, or the name of the robot.
+    /// Name for `sweetspot init`: a short name, or the name of the robot.
     pub name: &'static str,
     pub robot: &'static str,
     /// Description in one line.
@@ -45,7 +45,7 @@ impl SketchedEquipment {
     }
 }
 
-/// Name, description, robot and error set.
+/// Name, description, robot and error set of a [`Sketch`].
 type SketchHead = [&'static str; 4];
 
 const fn sketch(
@@ -190,7 +190,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     ),
 ];
 
-/// Returns the [`Sketch`] with this short name, or for the robot with this name.
+/// Returns the [`Sketch`] whose own name or whose robot's name is `name`.
 pub fn find(name: &str) -> Option<&'static Sketch> {
     SKETCHES.iter().find(|s| s.name == name || s.robot == name)
 }

@@ -1,9 +1,10 @@
 //! Access control of the local server: secret URL, checks of Host (DNS rebinding) and Origin (CSRF).
 //!
-//! The URL contains 128 random bits; a request without these bits gets status 404. A page of another site may
-//! make its own domain name resolve to 127.0.0.1 (DNS rebinding). The Host header must therefore name this server.
-//! Such a page may also post to this server from the user's browser (cross-site request forgery, CSRF). The
-//! Origin header of every POST must therefore be that of our page. All checks precede the reading of a body.
+//! The URL contains 128 random bits; a request without these bits gets status 404. A page of another site
+//! may make its own domain name resolve to 127.0.0.1 (DNS rebinding). The Host header must therefore name
+//! this server. Such a page may also post to this server from the user's browser (cross-site request
+//! forgery, CSRF). The Origin header of every POST must therefore be that of our page. All checks precede
+//! the reading of a body.
 
 use super::http_response::HttpResponse;
 use hyper::body::Incoming;
@@ -28,7 +29,7 @@ pub fn secret() -> Result<String, String> {
 }
 
 impl AccessControl {
-    /// Returns the access control of a server on a port, with its secret.
+    /// Returns the access control of the server on `port`, whose URL contains the secret `token`.
     pub fn new(token: String, port: u16) -> Self {
         Self { token, port }
     }
@@ -72,7 +73,8 @@ impl AccessControl {
     }
 }
 
-/// Returns whether a header occurs once and has one of the values, in upper or lower case.
+/// Returns whether a header occurs exactly once and equals one of `values`, which are in lower case. The
+/// case of the header is ignored.
 fn is_one_of(request: &Request<Incoming>, name: HeaderName, values: &[String]) -> bool {
     let mut found = request.headers().get_all(name).iter();
     let (Some(only), None) = (found.next(), found.next()) else { return false };

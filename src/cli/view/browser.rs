@@ -6,7 +6,8 @@ use tempfile::TempPath;
 /// Opens a URL in the user's browser through a temporary file that redirects to the URL. Only the user can
 /// read this file.
 ///
-/// The file is deleted when the returned path is dropped; a slow browser needs it until then.
+/// Dropping the returned path deletes the file. The caller must keep the path until the browser has read
+/// the file.
 ///
 /// # Errors
 /// Fails with the reason if the file cannot be written or no browser can be started.

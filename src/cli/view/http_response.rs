@@ -1,4 +1,5 @@
-//! Responses of the local server. A content security policy keeps the page from loading anything from other sites.
+//! Responses of the local server. A content security policy keeps the page from loading anything from other
+//! sites.
 
 use http_body_util::Full;
 use hyper::body::Bytes;
@@ -27,7 +28,8 @@ impl HttpResponse {
         Self { status, kind: "application/json; charset=utf-8", policy, body: value.to_string().into_bytes() }
     }
 
-    /// Returns a response with a page whose scripts and styles carry the nonce.
+    /// Returns a response with the page `html`. The content security policy admits only scripts and styles
+    /// that carry `nonce`.
     ///
     /// # Errors
     /// Fails if the nonce cannot be part of a header.

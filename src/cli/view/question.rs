@@ -22,7 +22,7 @@ impl EvaluationSettings {
         Self { sense: None, model: cell.model, reading: cell.reading }
     }
 
-    /// Returns how these settings interpret the errors of a cell.
+    /// Returns the [`Interpretation`] of the errors of `cell` under these settings.
     ///
     /// # Errors
     /// Fails if the cell has no sense of that name.

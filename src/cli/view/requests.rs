@@ -1,4 +1,5 @@
-//! Bodies of the requests that change something, as types. A request whose body does not fit its type is refused.
+//! Bodies of the requests that change something, as types. A request whose body does not fit its type is
+//! refused.
 
 use crate::files::shown;
 use serde::Deserialize;
@@ -50,7 +51,7 @@ pub fn object(body: &[u8]) -> Result<Map<String, Value>, String> {
     }
 }
 
-/// Returns the object as the body of type `T`.
+/// Parses a JSON object as a request body of type `T`.
 ///
 /// # Errors
 /// Fails with a message for the page that names the key and what is wrong with it.

@@ -1,4 +1,4 @@
-//! Saving of the layout on the page as a cell file, in the folder of the file shown.
+//! Saving of the layout on the page as a cell file, in the folder of the cell file that the page shows.
 
 use super::values::LayoutValues;
 use crate::cell::Cell;
@@ -24,7 +24,7 @@ pub enum Unsaved {
     Io,
 }
 
-/// Returns a file name with the extension `.toml`.
+/// Returns the requested file name with the extension `.toml`, which is added if missing.
 ///
 /// # Errors
 /// Fails with the reason if the name is refused.
@@ -66,7 +66,8 @@ impl Origin {
         self.file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
     }
 
-    /// Writes the layout `values` with the evaluation settings of `cell`, and returns the path.
+    /// Writes the layout `values`, with the evaluation settings of `cell`, to the file named `asked`.
+    /// Returns the path of the file.
     ///
     /// # Errors
     /// Returns the reason if nothing was written.

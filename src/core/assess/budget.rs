@@ -28,8 +28,9 @@ pub struct BudgetReport<'a> {
     /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, or the
     /// worst case in any other reading.
     pub figure: f64,
-    /// Trials on the parameters with the largest shares of the budget. Each trial halves one tolerance. If
-    /// there are several parameters, a last trial halves the tolerances of all of them.
+    /// Results of trials with halved tolerances. The trials concern up to three parameters: those with the
+    /// largest shares of the budget. Each trial halves the tolerance of one of these parameters. If there
+    /// are several, a last trial halves the tolerances of all of them.
     pub tighter: Vec<Tighter>,
 }
 

@@ -45,7 +45,7 @@ impl ErrorDistribution {
     }
 }
 
-/// Returns the workcell with another model and reading, and the error figures of `posture` in that workcell.
+/// Returns a workcell that uses `model` and `reading`, and the error figures of `posture` in that workcell.
 fn judged(
     a: &Assessment<'_>,
     operation: usize,

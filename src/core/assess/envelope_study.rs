@@ -144,8 +144,8 @@ pub struct RobotDataSheet<'a> {
 impl<'a> RobotDataSheet<'a> {
     /// Computes the data sheet of a robot.
     ///
-    /// If the construction of the arm fixes the elevation of the tool, the envelope has this elevation.
-    /// Otherwise the tool points down.
+    /// If the construction of the arm fixes the elevation of the tool, the envelope is computed at this
+    /// elevation. Otherwise the envelope is computed for a tool that points down.
     pub fn new(robot: &'a Robot, progress: &(dyn Fn(u64, u64) + Sync)) -> Self {
         let chain = Chain::new(robot);
         let inverse = Inverse::new(&chain);

@@ -31,10 +31,11 @@ pub struct ParameterEffect {
     pub motions: Vec<ParameterMotion>,
     /// Value of the parameter in the explained sample (the signed sample or the worst corner), m or rad.
     pub value: f64,
-    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP; registration and pick are ignored.
+    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP. Registration is ignored, and so is
+    /// the error at the pick of the part.
     pub alone: Displacement,
-    /// Effect of one unit of the parameter on the TCP after registration, and relative to the pick of the
-    /// part, if any.
+    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP after registration. If the operation
+    /// places a picked part, the effect at the pick is subtracted.
     pub left: Displacement,
 }
 
@@ -77,7 +78,8 @@ pub struct Explanation<'a> {
     /// Monte Carlo check of the posture; None unless the reading is statistical.
     pub check: Option<PostureCheck>,
     pub worst: WorstCase,
-    /// Nonlinear error of the robot alone; registration, pick and errors of the equipment are ignored.
+    /// Nonlinear error of the robot alone. Registration, the error at the pick of the part and errors of
+    /// the equipment are ignored.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
     /// Deviation of the linear model from the nonlinear model, as a share of the nonlinear error.
@@ -142,7 +144,8 @@ impl<'a> Explanation<'a> {
 
     /// Returns whether the explained error differs from the error of the robot alone.
     ///
-    /// A registration, a pick or an error of the equipment makes the two errors differ.
+    /// The two errors differ if a frame is registered, if the operation places a picked part, or if
+    /// equipment has errors.
     pub fn takes_off(&self) -> bool {
         let situation = &self.context.situation;
         situation.reference.is_some()

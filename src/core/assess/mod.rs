@@ -73,8 +73,8 @@ pub struct Assessment<'a> {
 impl<'a> Assessment<'a> {
     /// Evaluates one layout, maps its operations and refines their spots.
     ///
-    /// If the layout does not belong to the cell, the evaluation says why. The layout of the cell file is
-    /// then stored in [`Self::layout`].
+    /// If the layout does not fit the cell, [`Evaluation::misfit`] states the reason. [`Self::layout`] is
+    /// then the layout of the cell file.
     pub fn new(label: &str, workcell: &'a Workcell, layout: Layout) -> Self {
         let mut evaluation = evaluate(workcell, &layout);
         let mut maps = workcell.maps(&layout);
@@ -100,7 +100,7 @@ impl<'a> Assessment<'a> {
         }
     }
 
-    /// Adds the effect of the placement tolerances ([`Self::robustness`]).
+    /// Computes [`Self::robustness`]: the effect of the placement tolerances on every operation.
     pub fn misplaced(mut self) -> Self {
         self.robustness = self.workcell.robustness(&self.layout, &self.maps);
         self
@@ -116,8 +116,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns coarse outlines of the region that the arm reaches at the height of an operation's TCP.
     ///
-    /// Points are (x, y) in the world frame, m. The tool has the attitude of the operation. The list is empty
-    /// if the layout does not belong to the cell.
+    /// Points are (x, y) in the world frame, m. The tool has the attitude of the operation. The list is
+    /// empty if the layout does not fit the cell ([`Evaluation::misfit`]).
     pub fn reachable(&self, operation: usize) -> Vec<Vec<(f64, f64)>> {
         if self.evaluation.misfit.is_some() {
             return Vec::new();
@@ -197,8 +197,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns the limit of an operation and the margin that is left.
     ///
-    /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the yield,
-    /// which already contains the limit.
+    /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
+    /// yield, whose definition already contains the limit.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit() != Unit::Share)?;
         let value = self.maps[operation].value?;
@@ -221,12 +221,12 @@ impl<'a> Assessment<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirement {
     pub limit: f64,
-    /// Limit minus the value of the operation; negative if the limit is exceeded.
+    /// Limit minus the error of the operation under the reading; negative if the limit is exceeded.
     pub margin: f64,
 }
 
 impl Requirement {
-    /// Returns whether the value of the operation is at most the limit.
+    /// Returns whether the error of the operation is at most the limit.
     pub fn is_met(self) -> bool {
         self.margin >= 0.0
     }

@@ -22,7 +22,7 @@ pub struct NodePair {
 }
 
 impl NodePair {
-    /// Returns the value in the other layout minus the value in the first; negative if the other is better.
+    /// Returns [`Self::other`] minus [`Self::first`]; negative if the other layout is better.
     ///
     /// Returns None if the node is unusable in either layout.
     pub fn difference(&self) -> Option<f64> {
@@ -38,8 +38,8 @@ pub struct OperationDifference {
 }
 
 impl OperationDifference {
-    /// Returns the number of nodes with a smaller error in the other layout, and the number of nodes with a
-    /// larger one.
+    /// Returns how many nodes have a smaller error in the other layout, and how many have a larger error
+    /// there.
     ///
     /// Only nodes that are usable in both layouts count.
     pub fn better_and_worse(&self) -> (usize, usize) {
@@ -86,7 +86,8 @@ impl Comparison<'_> {
         .collect()
     }
 
-    /// Returns one sentence per operation of each layout after the first: which of the two layouts is better.
+    /// Compares each later layout with the first in words. One sentence per operation says which of the two
+    /// layouts is better.
     pub fn in_words(&self) -> Vec<String> {
         let Some((first, others)) = self.columns.split_first() else { return Vec::new() };
         let all = others

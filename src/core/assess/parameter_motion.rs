@@ -36,8 +36,9 @@ pub struct ParameterMotion {
 impl ParameterMotion {
     /// Returns the displacement of the TCP per unit of the parameter.
     ///
-    /// A rotation moves the TCP by `w x (p - o)`, a translation by `w`. Here `w` is the axis, `p` the TCP and
-    /// `o` the origin of the frame. The result is multiplied by [`Self::factor`].
+    /// A rotation moves the TCP by `w x (p - o)`, a translation by `w`. Here `w` is the unit vector
+    /// [`Self::direction`], `p` the TCP and `o` the origin of [`Self::place`]. The result is multiplied by
+    /// [`Self::factor`].
     pub fn effect(&self) -> Displacement {
         let unit = match self.turns {
             true => Displacement { position: self.direction.cross(&self.lever), rotation: self.direction },
@@ -49,7 +50,8 @@ impl ParameterMotion {
 
 /// Returns the small motions that one unit of a parameter causes at a posture (given by `frames`).
 ///
-/// If the parameter belongs to equipment, the frame that moves is `work`.
+/// `work` is the pose of the operation's equipment in the base frame. A parameter of equipment moves this
+/// frame.
 pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter) -> Vec<ParameterMotion> {
     let one = |place: MotionFrame, axis: usize, turns: bool, factor: f64| {
         let frame = match place {

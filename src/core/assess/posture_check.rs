@@ -1,4 +1,5 @@
-//! Monte Carlo check of one posture. At the spot of a map, the result equals that of the check of the map.
+//! Monte Carlo check of one posture. At the spot of an operation, the samples equal those in
+//! [`super::Assessment::samples`].
 
 use super::SAMPLES;
 use super::posture_context::PostureContext;
@@ -15,9 +16,10 @@ pub struct PostureCheck {
 }
 
 impl PostureCheck {
-    /// Returns the figures of a posture, checked by samples in the statistical reading.
+    /// Returns the error figures of a posture. In the statistical reading, Monte Carlo samples check these
+    /// figures.
     ///
-    /// At the spot of a map, the samples equal those of the check of the map.
+    /// At the spot of an operation, the samples equal those in [`super::Assessment::samples`].
     pub fn judged(
         context: &PostureContext<'_>,
         memory: &mut EvaluatorScratch,

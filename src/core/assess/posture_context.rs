@@ -9,7 +9,7 @@ use crate::robot::Frames;
 use crate::safe_text::shown;
 use nalgebra::Vector3;
 
-/// Choice of a node of the grid: the best one, or the one with given indices.
+/// Choice of a node of the grid: the best node, or the node with given indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodeChoice {
     Best,
@@ -92,7 +92,7 @@ impl<'a> PostureContext<'a> {
     /// Returns the posture with given joint coordinates, with its context in the layout of the cell file.
     ///
     /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. The workcell is needed
-    /// only for a taught frame or a pick, which depend on the inverse kinematics.
+    /// only for a taught frame or for the pick of a placed part. Both depend on the inverse kinematics.
     ///
     /// # Errors
     /// Returns the reason if the taught frame or the pick of the operation cannot be computed.
@@ -123,18 +123,19 @@ impl<'a> PostureContext<'a> {
 }
 
 impl PostureContext<'_> {
-    /// Returns the limit of the operation and the margin that a value of the reading leaves.
+    /// Returns the limit of the operation and the margin: limit minus `value`, the error under the reading,
+    /// m or rad.
     ///
-    /// Returns None without a limit. Also returns None if the quantity is the yield, which already contains
-    /// the limit.
+    /// Returns None without a limit. Also returns None if the quantity is the yield, whose definition
+    /// already contains the limit.
     pub fn requirement(&self, value: f64) -> Option<Requirement> {
         let limit = self.evaluator.limit.filter(|_| self.cell.unit() != Unit::Share)?;
         Some(Requirement { limit, margin: limit - value })
     }
 }
 
-/// Returns the context of the errors of an operation that has a taught frame or a pick. Both are computed
-/// from postures other than that of the operation.
+/// Returns the context of the errors of an operation that uses a taught frame or places a picked part. The
+/// taught frame and the pick are computed from postures other than that of the operation.
 fn situation_elsewhere(
     cell: &Cell,
     workcell: Result<&Workcell, &str>,

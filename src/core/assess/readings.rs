@@ -31,10 +31,10 @@ pub struct ReadingRow {
     pub registration: Registration,
     /// Best node, or the reason why no node can be used.
     pub choice: Result<ReadingChoice, String>,
-    /// Value, by the reading of this row, at the posture that the signed reading chooses under the same
+    /// Value under the reading of this row, at the posture that the signed reading chooses with the same
     /// registration.
     pub at_signed: Option<f64>,
-    /// Value, under the registration of this row, at the posture that this reading chooses without
+    /// Value with the registration of this row, at the posture that this reading chooses without
     /// registration.
     pub at_unregistered: Option<f64>,
     pub unit: Unit,
@@ -147,7 +147,7 @@ fn answerable(cell: &Cell, registration: Registration) -> Vec<Interpretation> {
 /// Returns the result of operation `k` under the reading of the workcell; `maps` holds the maps under this
 /// reading.
 ///
-/// The maps of the signed reading are `signed`; the maps without registration are `plain`.
+/// `signed` holds the maps of the signed reading, and `plain` the maps without registration.
 fn row(
     workcell: &Workcell,
     maps: &Maps,
@@ -176,7 +176,8 @@ fn row(
     }
 }
 
-/// Returns the value of the posture at the best node of the maps `chosen`, by the reading of the workcell.
+/// Returns the value of operation `k` under the reading of the workcell, whose maps are `maps`. The posture
+/// is that of the best node of the maps `chosen`.
 fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) -> Option<f64> {
     let place = chosen[k].best?;
     let posture = chosen[k].nodes[place].posture.as_ref()?;

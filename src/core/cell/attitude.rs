@@ -27,8 +27,8 @@ const RIGHT_ANGLE: f64 = 1e-12;
 pub enum Azimuth {
     /// Any azimuth is allowed.
     Free,
-    /// The tool axis lies in the vertical plane through the TCP and the robot's base axis. It points outward,
-    /// or inward if the arm allows that.
+    /// The tool axis lies in the vertical plane through the TCP and the robot's base axis. It points
+    /// outward or inward; both headings are tried.
     Radial,
     /// The tool axis heads at this angle from the x axis of the surface, rad.
     Surface(f64),
@@ -54,7 +54,7 @@ pub struct Attitude {
     pub spin: Spin,
     /// Largest allowed tilt of the tool axis, rad.
     ///
-    /// If the arm cannot choose azimuth and spin, they may differ from the required ones by this angle, too.
+    /// If the arm cannot choose azimuth and spin, the tolerance also applies to these two angles.
     pub tolerance: f64,
 }
 
@@ -91,8 +91,8 @@ fn free_step(k: usize) -> f64 {
     std::f64::consts::TAU * k as f64 / FREE_STEPS as f64
 }
 
-/// Returns the rotation matrix of a tool with these angles (rad), where the azimuth is measured from the x
-/// axis.
+/// Returns the rotation matrix of a tool with these angles, rad. The azimuth is measured from the x axis of
+/// the frame in which the matrix is expressed.
 ///
 /// The columns are r, d x r and d: r is the reference axis, d the tool axis.
 pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {

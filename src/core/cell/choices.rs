@@ -104,7 +104,7 @@ impl Registration {
     }
 }
 
-/// Rule that combines the values of an operation's nodes into one.
+/// Rule that combines the values of an operation's nodes into one value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NodeAggregation {
@@ -210,8 +210,8 @@ pub struct SearchSettings {
     /// Whether the search minimizes the worst value over the placement tolerances instead of the value as
     /// drawn.
     pub robust: bool,
-    /// Relative optimality gap (best value to proven lower bound) at which the search ends; None if no gap
-    /// ends it.
+    /// Optimality gap at which the search ends, as a share of the proven lower bound. None means that no
+    /// gap ends the search.
     pub gap: Option<f64>,
     /// Number of evaluations without improvement after which the global solver ends; None for no such limit.
     pub stagnation: Option<u64>,

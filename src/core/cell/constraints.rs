@@ -9,7 +9,8 @@ pub struct Margins {
     pub turn: f64,
     /// Least distance from the limits of prismatic joints, m.
     pub slide: f64,
-    /// Lower limit of the least singular value of the Jacobian, with lengths divided by the arm reach.
+    /// Least allowed value of the smallest singular value of the Jacobian, with lengths divided by the arm
+    /// reach.
     pub singularity: f64,
 }
 
@@ -24,7 +25,7 @@ impl Margins {
         (joint.limits.0 + margin, joint.limits.1 - margin)
     }
 
-    /// Returns the margin to the limits of a joint, rad or m.
+    /// Returns the distance that a joint must keep from its limits: rad if revolute, m if prismatic.
     pub fn of(&self, joint: &Joint) -> f64 {
         match joint.kind {
             JointKind::Revolute => self.turn,

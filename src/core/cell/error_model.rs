@@ -41,7 +41,8 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Returns the parameters of a robot with `axes` joints, in the order that all lists of values use.
+    /// Returns the parameters of a robot with `axes` joints, in the order of every list of parameter
+    /// values.
     ///
     /// The order is link by link, then base, then tool, then joint frame by joint frame.
     pub fn of_robot(axes: usize) -> impl Iterator<Item = Parameter> {

@@ -21,7 +21,7 @@ pub enum Goal {
     Singularity,
     /// Joint travel from operation to operation, rad, minimized.
     Travel,
-    /// Floor area, m^2, minimized.
+    /// Area of the convex hull of all floor spaces (robot base and equipment), m^2, minimized.
     Footprint,
 }
 
