@@ -38,8 +38,8 @@ pub struct Layout {
 impl Layout {
     /// Returns the value of a coordinate, m or rad.
     ///
-    /// A layout that does not belong to the cell may lack the coordinate. The value is then that of the cell
-    /// as drawn.
+    /// A layout that does not belong to the cell may lack a placement or an attitude. The result is then the
+    /// value as drawn.
     pub fn value(&self, cell: &Cell, slot: Slot) -> f64 {
         match slot {
             Slot::Base(axis) => self.base.values()[axis],

@@ -17,12 +17,13 @@ pub enum Misfit {
     Placements { given: usize, needed: usize },
     /// The layout has `given` attitudes, but the cell has `needed` operations.
     Attitudes { given: usize, needed: usize },
-    /// A coordinate in the world, or an angle of an attitude, is NaN or beyond [`MAX_COORDINATE`].
+    /// A world coordinate of a placement or an angle of an attitude is NaN, or its absolute value exceeds
+    /// [`MAX_COORDINATE`].
     Coordinate(Slot),
-    /// The attitude of the operation with this index does not fit the cell.
+    /// The attitude of the operation with this index does not fit the cell, for one of two reasons:
     ///
-    /// Either a fixed angle or the tolerance differs from the cell. Or an angle that a search may change does
-    /// not have exactly one value.
+    /// - a fixed angle or the tolerance differs from that of the operation in the cell;
+    /// - an angle that a search may change does not have exactly one value.
     Attitude(usize),
 }
 

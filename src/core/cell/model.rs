@@ -64,8 +64,8 @@ impl Placement {
 /// Placement tolerance: half widths of x, y, z (m) and yaw (rad), in the frame in which the placement is
 /// given.
 ///
-/// The programmer of the robot knows the actual placement and adapts the program to it. A placement error
-/// that stays unknown belongs to the `errors` of the equipment instead.
+/// The tolerance assumes that the robot's programmer knows the actual placement and adapts the program to it.
+/// A placement error that stays unknown belongs to the `errors` of the equipment instead.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlacementTolerance(pub [f64; 4]);
 
@@ -104,10 +104,10 @@ pub struct KeepOut {
     pub max: Vector3<f64>,
 }
 
-/// Least height, m, of the triangle formed by the three points at which a frame is taught.
+/// Least height, m, of the triangle whose corners are the three points at which a frame is taught.
 ///
-/// The rotation error of a taught frame is about the error of its points divided by the height of the
-/// triangle. So a flatter triangle is refused.
+/// The height is measured perpendicular to the longest side. The rotation error of a taught frame is about
+/// the error of its points divided by this height. So a flatter triangle is refused.
 pub const TEACH_HEIGHT: f64 = 0.02;
 
 /// Part that the robot carries to or from an operation.

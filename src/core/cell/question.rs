@@ -1,8 +1,7 @@
 //! Interpretation of a cell's errors: error model, reading, quantity, registration and sense together.
 //!
-//! Cell files, flags, the page of `view` and every table of readings are checked by
-//! [`Cell::with_interpretation`] or [`Cell::interpretation_faults`]. So the rules are stated only in this
-//! file.
+//! Every interpretation, whether from a cell file, a flag or the page of `view`, is checked by
+//! [`Cell::faults_of`]. So the rules are stated only in this file.
 
 use super::choices::{Model, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
@@ -158,9 +157,9 @@ impl Cell {
         faults
     }
 
-    /// Returns the error sets in use that state tolerances.
+    /// Returns one text for each error set in use that states tolerances.
     ///
-    /// Each is named as the beginning of a message: "`name` is" or "the errors of `name` are".
+    /// The text is the beginning of a message: "`name` is" or "the errors of `name` are".
     fn tolerances(&self, registration: Registration) -> Vec<String> {
         let robot = self.robot.errors.get(self.errors);
         let robot = robot.filter(|set| matches!(set, ErrorSet::Tolerance(_)));

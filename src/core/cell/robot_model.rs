@@ -131,7 +131,7 @@ pub struct Robot {
     /// Floor space of the robot base, in the base frame.
     pub footprint: Rectangle,
     pub errors: Vec<ErrorSet>,
-    /// URDF from which the rows were derived; None for a robot written as Denavit-Hartenberg rows.
+    /// URDF from which the Denavit-Hartenberg rows were derived; None if the robot file states the rows.
     pub urdf: Option<UrdfOrigin>,
 }
 
@@ -180,9 +180,10 @@ impl Robot {
         aside + links.sum::<f64>() + self.tool.translation.norm()
     }
 
-    /// Returns the largest absolute value of the Denavit-Hartenberg coordinate `i`, m.
+    /// Returns an upper bound of the absolute value of the Denavit-Hartenberg coordinate `i`, m.
     ///
-    /// All actuators that the coupling maps to this coordinate count, each at its farther limit.
+    /// The bound is a sum over all actuators. Each term is the absolute value of the coupling coefficient
+    /// times the greatest absolute value of the actuator coordinate.
     ///
     /// Returns 0 for a revolute joint.
     fn travel(&self, i: usize) -> f64 {

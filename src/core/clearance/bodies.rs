@@ -14,7 +14,7 @@ pub(super) struct CollisionBody {
     pub(super) shape: SharedShape,
     /// Pose of the shape in the frame that carries it.
     pub(super) local: Pose,
-    /// Point that shows whether the solid lies wholly inside a closed mesh, in the frame of the shape.
+    /// Point, in the frame of the shape, for the test whether the solid lies wholly inside a closed mesh.
     ///
     /// For an equipment mesh it is the origin of the mesh frame, which may lie outside the mesh. Otherwise it
     /// is a point of the solid.
@@ -92,7 +92,9 @@ pub(super) enum EquipmentSolid {
     Leg { x: f64, y: f64, half: (f64, f64), top: f64 },
 }
 
-/// Returns the bodies of a link solid enlarged by `by` (m): one per convex part of a mesh, otherwise one.
+/// Returns the bodies of a link solid, each enlarged by `by` (m).
+///
+/// A mesh gives one body for each of its convex parts `parts`. Any other shape gives one body.
 pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<CollisionBody> {
     let Shape::Mesh { pose, .. } = shape else { return vec![swollen(shape, by)] };
     let body = |hull: &Hull| {

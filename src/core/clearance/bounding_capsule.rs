@@ -26,7 +26,7 @@ pub(super) enum ContactVerdict {
     Unclear,
 }
 
-/// Capsule that is a solid or contains one: all points within `radius` of the segment from `a` to `b`, m.
+/// Capsule that equals or contains a solid: all points within `radius` of the segment from `a` to `b`, m.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundingCapsule {
     pub(super) a: Vector3<f64>,
@@ -36,7 +36,7 @@ pub(super) struct BoundingCapsule {
     pub(super) is_solid: bool,
 }
 
-/// Box that is a solid or contains one, m. The edges are parallel to the axes of the frame.
+/// Box that equals or contains a solid, m. The edges are parallel to the axes of the frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundingBox {
     pub(super) centre: Vector3<f64>,
@@ -70,12 +70,12 @@ impl BoundingCapsule {
         }
     }
 
-    /// Converts the capsule to a frame in which its present frame has the pose `pose`.
+    /// Converts the capsule to another frame, in which the present frame of the capsule has the pose `pose`.
     pub(super) fn at(&self, pose: &Pose) -> Self {
         Self { a: pose.transform(&self.a), b: pose.transform(&self.b), ..*self }
     }
 
-    /// Converts the capsule to a frame that has the pose `pose` in its present frame.
+    /// Converts the capsule to another frame, whose pose in the present frame of the capsule is `pose`.
     pub(super) fn seen_from(&self, pose: &Pose) -> Self {
         let seen = |p: &Vector3<f64>| pose.rotation.tr_mul(&(p - pose.translation));
         Self { a: seen(&self.a), b: seen(&self.b), ..*self }

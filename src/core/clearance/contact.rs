@@ -7,12 +7,12 @@ use crate::cell::Cell;
 pub enum SolidRef {
     /// Index into [`crate::cell::Robot::solids`].
     Robot(usize),
-    /// Index into [`Cell::operations`], and index of the solid among those of the part held there.
+    /// Index into [`Cell::operations`], and index of a solid of the part held during that operation.
     HeldPart(usize, usize),
     /// Index into [`Cell::equipment`], and index of the solid of that equipment.
     Equipment(usize, usize),
     Floor,
-    /// Index of the edge of the fence, which starts at the corner of the same index.
+    /// Wall on the edge of the fence with this index; the edge starts at the corner with the same index.
     Fence(usize),
 }
 

@@ -27,13 +27,15 @@ pub type Remember<'a> = dyn FnMut(&[u8], &dyn Fn() -> Vec<u8>) -> Vec<u8> + 'a;
 
 /// Convex solid that contains the points of one part of a mesh.
 pub(super) struct Hull {
-    /// Convex hull of the points; None if parry3d cannot compute it.
+    /// Convex hull of the points of the part, or their bounding box if they span no volume.
+    ///
+    /// The field is None if parry3d can compute neither.
     solid: Option<ConvexPolyhedron>,
     /// Largest distance, m, by which a point of the part lies outside the hull.
     slack: f64,
-    /// Distance from the origin to the farthest of the points, m.
+    /// Distance from the origin of the mesh frame to the farthest point of the part, m.
     reach: f64,
-    /// First of the points; it represents the hull in tests whether one solid lies inside another.
+    /// First point of the part; it represents the hull in tests whether one solid lies inside another.
     pub(super) inside: pm::Vector,
 }
 

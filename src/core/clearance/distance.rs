@@ -6,7 +6,8 @@
 //!
 //! parry3d gives the nearest points of two solids. Between two convex solids lies an empty slab,
 //! bounded by two planes perpendicular to the line through these points. The returned distance is the width
-//! of this slab, which never exceeds the true distance. For a mesh, it is the distance between these points.
+//! of this slab, which never exceeds the true distance. For a mesh, the returned distance is that between the
+//! nearest points.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;
@@ -23,9 +24,9 @@ use parry3d::shape::{Cuboid, Shape, SharedShape};
 /// Largest amount, m, by which a computed distance may exceed the true one.
 pub const ACCURACY: f64 = 1e-6;
 
-/// Sum of clearance and displacement, m, above which a mesh is checked by its bounding box.
+/// Limit of the sum of the clearance and the displacement of the robot solid, m.
 ///
-/// Below this sum, the mesh is checked by its triangles.
+/// Above this limit, a mesh is checked by its bounding box; below it, by its triangles.
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;
 
 /// Result of a distance query: the least distance, and the two solids that have it.
@@ -40,9 +41,9 @@ pub struct Nearness {
 impl Scene {
     /// Returns the least distance of the robot from equipment, floor and fence, at most `max` (m).
     ///
-    /// `frames` are the link frames in the robot base, and `operation` selects the held parts. The solids are
-    /// not enlarged by the clearance. The robot is not checked against itself. The program itself calls
-    /// [`Self::distance_at_work`]; this function is for users of the library.
+    /// `frames` are the link frames in the robot base frame, and `operation` selects the held parts. The
+    /// solids are not enlarged by the clearance. The robot is not checked against itself. The program itself
+    /// calls [`Self::distance_at_work`]; this function is for users of the library.
     pub fn distance(
         &self,
         placed: &PlacedSolids,

@@ -8,9 +8,9 @@ pub(super) type HeightRange = (f64, f64);
 /// Heights of one piece of equipment above the origin of its frame.
 #[derive(Clone, Copy)]
 pub(super) struct Heights {
-    /// Height of the lowest point of solids and surface, m; 0 without either.
+    /// Height of the lowest point of solids and surface, m; 0 if there is neither solid nor surface.
     pub low: f64,
-    /// Height of the highest point of solids and surface, m; 0 without either.
+    /// Height of the highest point of solids and surface, m; 0 if there is neither solid nor surface.
     high: f64,
     /// Whether the equipment has legs, which occupy the space down to the floor.
     legs: bool,

@@ -58,8 +58,8 @@ impl FencePolygon {
     ///
     /// The result is the largest of the following lengths, to each of which the clearance is added:
     ///
-    /// - the distances from the fence to the corners of the floor space outside it;
-    /// - the depths by which edges of the fence enter the floor space.
+    /// - for each corner of the floor space that lies outside the fence, its distance from the fence;
+    /// - for each edge of the fence, the depth by which it enters the floor space.
     fn passed_by(&self, stand: &PlacedRectangle, clearance: f64) -> f64 {
         let outside = stand.corners().map(|corner| match fence::locate(&self.corners, corner) {
             (true, _) => 0.0,
@@ -103,7 +103,7 @@ impl EquipmentFootprint {
 /// Floor spaces of a cell, prepared once for all layouts.
 pub struct FloorPlan {
     equipment: Vec<EquipmentFootprint>,
-    /// Index of the equipment on which each piece of equipment stands, if any.
+    /// For each piece of equipment, the index of the equipment on which it stands, if any.
     on: Vec<Option<usize>>,
     base: Rectangle,
     /// Height of the highest point of the robot base above the origin of its frame, m.
@@ -258,10 +258,10 @@ impl FloorPlan {
         }
     }
 
-    /// Returns the overlap of two objects, given its `depth` in plan (m, clearance included), if there is
-    /// one.
+    /// Returns the overlap of two objects; None if they keep the clearance.
     ///
-    /// `rise` computes their vertical distance, m.
+    /// `depth` is their overlap in plan (m, clearance included), and `rise` computes their vertical distance
+    /// (m).
     fn overlap(&self, a: Party, b: Party, depth: f64, rise: impl Fn() -> f64) -> Option<Overlap> {
         let rise = if depth > TOUCHING { rise() } else { return None };
         let clearance = self.clearance;

@@ -9,14 +9,15 @@ use super::scene::Scene;
 /// Parts that the robot holds during a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Load {
-    /// Index of each operation whose parts are held, and whether these may touch the equipment they rest on.
+    /// Index of each operation whose parts are held. The flag tells whether these parts may touch the
+    /// equipment of that operation.
     held: [Option<(usize, bool)>; 2],
 }
 
 /// Two solids that may collide. The robot moves at least one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
-    /// Index of the first solid in [`Scene::bounding_spheres`].
+    /// First solid of the pair, as an index into [`Scene::bounding_spheres`].
     pub link: usize,
     pub(super) against: Against,
 }
@@ -37,7 +38,7 @@ impl Load {
         Self { held: [operation.map(|o| (o, true)), None] }
     }
 
-    /// Returns the load on the way between two operations: the parts held at either of them.
+    /// Returns the load on the way between two operations: the parts of both operations.
     ///
     /// Each operation comes with a flag that says whether its part still rests on the surface.
     pub fn between(from: (usize, bool), to: (usize, bool)) -> Self {

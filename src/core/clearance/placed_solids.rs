@@ -27,7 +27,7 @@ pub struct ContactMemory {
     ///
     /// This pair is checked first, because it most likely collides in the next posture, too.
     pub(super) suspect: Option<(usize, usize)>,
-    /// Bounding capsules of the links in the last posture, world frame.
+    /// Bounding capsules of the robot solids in the last posture, world frame.
     pub(super) capsules: Vec<BoundingCapsule>,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct EquipmentSolids {
 /// Poses of the link frames in the frame of the robot base.
 pub(super) type LinkFrames = [Pose; MAX_JOINTS + 1];
 
-/// Poses of the link frames in the robot base (`frames`), and pose of the robot base in the world (`base`).
+/// Poses of the link frames in the robot base frame (`frames`), and pose of that frame in the world (`base`).
 ///
 /// `base` is None if the base frame is the world frame.
 #[derive(Clone, Copy)]
@@ -68,14 +68,14 @@ pub(super) struct LinkPoses<'a> {
 }
 
 impl LinkPoses<'_> {
-    /// Returns the pose, in the world, of the frame that carries a link.
+    /// Returns the pose, in the world, of the frame that carries a robot solid.
     #[inline]
     pub(super) fn carrier(&self, link: &RobotSolid) -> Pose {
         let frame = link.carrier(self.frames);
         self.base.map_or(*frame, |base| *base * *frame)
     }
 
-    /// Returns the bounding capsule of a link, in the world.
+    /// Returns the bounding capsule of a robot solid, in the world.
     #[inline]
     pub(super) fn capsule(&self, link: &RobotSolid) -> BoundingCapsule {
         let capsule = link.capsule(link.carrier(self.frames));
@@ -84,7 +84,7 @@ impl LinkPoses<'_> {
 }
 
 impl PlacedSolids {
-    /// Converts the pose of a frame from the robot base to the world.
+    /// Converts the pose of a frame from the robot base frame to the world frame.
     #[inline]
     pub(super) fn in_world(&self, frame: &Pose) -> Pose {
         self.base.map_or(*frame, |base| base * *frame)

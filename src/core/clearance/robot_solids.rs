@@ -97,7 +97,7 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
 }
 
 impl RobotSolid {
-    /// Returns the pose, in the robot base, of the frame that carries the solid.
+    /// Returns the pose, in the robot base frame, of the frame that carries the solid.
     ///
     /// A solid of the base is carried by the base frame, so its pose is the identity. Frame 0 of the chain
     /// may differ from the base frame.
@@ -110,7 +110,7 @@ impl RobotSolid {
         self.operation.is_none() || self.operation == operation
     }
 
-    /// Returns a capsule that contains all bodies of the solid, with the carrier frame at `pose`.
+    /// Returns a capsule that contains all bodies of the solid; `pose` is the pose of the carrier frame.
     pub(super) fn capsule(&self, pose: &Pose) -> BoundingCapsule {
         BoundingCapsule { radius: self.reach, ..self.core.at(pose) }
     }
@@ -162,7 +162,8 @@ impl RobotSolid {
             || other.swallows(other_frame, self, frame)
     }
 
-    /// Returns whether the closed mesh of this solid contains [`CollisionBody::inside`] of a body of `other`.
+    /// Returns whether the closed mesh of this solid contains the point [`CollisionBody::inside`] of any body
+    /// of `other`.
     pub(super) fn swallows(&self, frame: &Pose, other: &RobotSolid, other_frame: &Pose) -> bool {
         let Some(shell) = &self.shell else { return false };
         let inside = |b: &CollisionBody| {

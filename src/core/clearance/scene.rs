@@ -105,8 +105,8 @@ impl Scene {
 
     /// Returns the first contact of the robot with equipment, fence, floor or itself, if there is one.
     ///
-    /// `frames` are the link frames in the robot base. `operation` selects the held parts to check; with None
-    /// the robot holds nothing.
+    /// `frames` are the link frames in the robot base frame. `operation` selects the held parts to check;
+    /// with None the robot holds nothing.
     pub fn hit(&self, placed: &PlacedSolids, frames: &LinkFrames, operation: Option<usize>) -> Option<Hit> {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit;
@@ -178,7 +178,7 @@ impl Scene {
         pairs.find(touch).map(|&(i, j)| Hit { solid: self.links[j].id, other: self.links[i].id })
     }
 
-    /// Returns the first contact of a link with floor, equipment or fence.
+    /// Returns the first contact of a robot solid with floor, equipment or fence.
     ///
     /// The second value is the index of the placed solid; None for the floor.
     fn first_hit(
@@ -206,7 +206,7 @@ impl Scene {
         if e + 1 == self.equipment.len() { SolidRef::Fence(s) } else { SolidRef::Equipment(e, s) }
     }
 
-    /// Returns whether a link, bounded by `capsule`, shares a point with a placed solid.
+    /// Returns whether a robot solid, bounded by `capsule`, shares a point with a placed solid.
     fn touches(
         &self,
         link: &RobotSolid,
@@ -240,9 +240,10 @@ impl Scene {
     }
 }
 
-/// Returns whether the closed mesh of a link contains [`CollisionBody::inside`] of an equipment solid.
+/// Returns whether the closed mesh of a robot solid contains the point [`CollisionBody::inside`] of an
+/// equipment solid.
 ///
-/// For a leg, the tested point is the centre.
+/// For a leg, the tested point is the centre of the leg.
 pub(super) fn swallows(link: &RobotSolid, frame: &Pose, part: &EquipmentSolid, pose: &pm::Pose) -> bool {
     let Some(shell) = &link.shell else { return false };
     let inside = match part {
@@ -252,9 +253,11 @@ pub(super) fn swallows(link: &RobotSolid, frame: &Pose, part: &EquipmentSolid, p
     shell.holds(&(shell.pose_in(frame).inverse() * (*pose * inside)))
 }
 
-/// Returns whether a link body touches another solid: bounding boxes first, then the shapes by parry3d.
+/// Returns whether a body of a robot solid touches an equipment solid.
 ///
-/// `relative` is the pose of the body in the frame of the other solid.
+/// Bounding boxes are checked first, then the shapes by parry3d.
+///
+/// `relative` is the pose of the body in the frame of the equipment solid.
 fn touches_part(
     link: &CollisionBody,
     relative: &pm::Pose,

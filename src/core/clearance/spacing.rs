@@ -76,7 +76,7 @@ fn within(cell: &Cell, stand: &PlacedRectangle, max: f64) -> f64 {
     if inside && !cut { boundaries_apart(&corners, &fence.corners) } else { 0.0 }
 }
 
-/// Returns the distance between the boundaries of two polygons that do not cross.
+/// Returns the distance between the boundaries of two polygons, m; the boundaries must not cross.
 ///
 /// One of the two nearest points is a corner of a polygon.
 fn boundaries_apart(a: &[PlanePoint], b: &[PlanePoint]) -> f64 {

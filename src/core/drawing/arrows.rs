@@ -89,8 +89,7 @@ impl Arrow {
         [neck + level * half, neck - level * half, neck + upright * half, neck - upright * half]
     }
 
-    /// Returns three unit vectors: along the arrow, horizontal and perpendicular to the arrow, and
-    /// perpendicular to both.
+    /// Returns three orthogonal unit vectors: the first is along the arrow, the second is horizontal.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let along = (self.tip - self.tail).try_normalize(0.0).unwrap_or_else(Vector3::z);
         // Every direction perpendicular to a vertical arrow is horizontal, so x is taken.

@@ -82,7 +82,9 @@ impl FieldNode {
     }
 }
 
-/// Errors of all nodes under one model and reading; None for a node without a usable posture.
+/// Errors of the nodes in [`Field::nodes`] under one model and reading.
+///
+/// The entry of a node without a usable posture is None.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewedErrors {
     /// Model and reading of these errors, as an index into [`super::Drawing::lenses`].
@@ -96,7 +98,7 @@ pub struct ViewedErrors {
     pub values: Vec<Vec<Option<f64>>>,
     /// Spot under this model and reading, as an index into [`Field::nodes`].
     ///
-    /// The field is None if there is no spot, or if its node is not kept.
+    /// The field is None if there is no spot, or if [`Field::nodes`] lacks the node of the spot.
     pub best: Option<usize>,
 }
 
@@ -108,20 +110,24 @@ pub struct Field {
     pub senses: Vec<Sense>,
     /// Sense of the operation, as an index into [`Self::senses`].
     pub sense: usize,
-    /// Number of kept nodes along the first and the second axis of the grid; listed points lie along the
-    /// first axis.
+    /// Number of nodes in [`Self::nodes`] along the first and the second axis of the grid; listed points lie
+    /// along the first axis.
     pub size: (usize, usize),
-    /// Kept nodes, row by row; the nodes of a row follow the first axis of the grid.
+    /// Every mapped node, or a regular selection of them: see [`Self::every`].
+    ///
+    /// The nodes are stored row by row; the nodes of a row follow the first axis of the grid.
     pub nodes: Vec<FieldNode>,
     /// Spot of the operation, as an index into [`Self::nodes`].
     ///
-    /// The field is None if there is no spot, or if its node is not kept.
+    /// The field is None if there is no spot, or if [`Self::nodes`] lacks the node of the spot.
     pub best: Option<usize>,
-    /// Position of the spot, world frame, m; present even if the node of the spot is not kept.
+    /// Position of the spot, world frame, m; present even if [`Self::nodes`] lacks the node of the spot.
     pub spot: Option<Vector3<f64>>,
     /// Position of the spot refined between the nodes, world frame, m; None if it was not refined.
     pub refined: Option<Vector3<f64>>,
-    /// Stride of the kept nodes: 1 keeps every mapped node, 2 every second node along each axis, and so on.
+    /// Stride between the nodes in [`Self::nodes`] along each axis.
+    ///
+    /// A stride of 1 keeps every mapped node, 2 every second node along each axis, and so on.
     pub every: usize,
     pub takes: Vec<ViewedErrors>,
 }
@@ -132,9 +138,10 @@ impl Field {
         self.nodes.iter().enumerate().filter(|(_, n)| n.is_ok()).map(|(k, _)| k)
     }
 
-    /// Returns the least and the greatest value of the usable nodes in a sense, m or rad.
+    /// Returns the least and the greatest value of the usable nodes, m or rad.
     ///
-    /// `take` selects model and reading (index into [`Self::takes`]).
+    /// `take` selects model and reading (index into [`Self::takes`]), and `sense` the sense (index into
+    /// [`Self::senses`]).
     pub fn range(&self, take: usize, sense: usize) -> Option<(f64, f64)> {
         let values = &self.takes.get(take)?.values[sense];
         let values = self.usable().filter_map(|k| values[k]).map(|v| (v, v));

@@ -30,9 +30,12 @@ pub struct Movement {
     pub stops: Vec<MovementStop>,
     /// Times for which the animation has a picture, s, in ascending order.
     pub times: Vec<f64>,
-    /// Operation whose part the gripper holds, one entry per time; None if the gripper is empty.
+    /// Operation whose part the gripper holds, one entry per entry of [`Self::times`]; None if the gripper is
+    /// empty.
     pub holding: Vec<Option<usize>>,
-    /// Link frames 0 (base) to N and the TCP frame, world frame, one list per entry of [`Self::times`].
+    /// Poses of the robot base, of the frame after each joint and of the TCP, world frame.
+    ///
+    /// There is one list of these poses per entry of [`Self::times`].
     pub frames: Vec<Vec<Pose>>,
     /// Whether the moves between the spots were checked for collision.
     pub is_checked: bool,

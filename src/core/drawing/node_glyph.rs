@@ -13,7 +13,7 @@ pub enum GlyphRing {
     Dashed,
 }
 
-/// Severity of a glyph; each picture has its own colours for it.
+/// Severity of a glyph; each kind of picture has its own colour for each severity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GlyphTone {
     /// No posture for the node was found, or its error cannot be computed.

@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 
 /// Posture that might be the spot of an operation.
 ///
-/// The best candidate is the greatest one, so a [`std::collections::BinaryHeap`] returns it first.
+/// [`Ord`] ranks the best candidate as the greatest, so a [`std::collections::BinaryHeap`] returns it first.
 ///
 /// A candidate is better if its value is less. If values are equal, the lower node index is better, then the
 /// lower branch index.

@@ -8,7 +8,9 @@ use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
 use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::reach::Gap;
 
-/// Candidates of each node in turn, best first, and the summed gaps of the nodes that cannot be reached.
+/// Candidates of all nodes, and the sums of the [`Gap`]s of the nodes that cannot be reached.
+///
+/// The candidates are sorted by node; those of one node are sorted from best to worst.
 #[derive(Default)]
 struct CandidatesByNode {
     candidates: Vec<PostureCandidate>,

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// least x and y: x varies faster than y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Divisions m and n along x and y. A list of k nodes counts as one row: k - 1 and 0 divisions.
+    /// Numbers of divisions along x and y. A list of k nodes counts as one row: k - 1 and 0 divisions.
     pub divisions: (usize, usize),
     /// Coordinates x of the columns, m; `ys` holds the coordinates y of the rows. For listed nodes both hold
     /// only the least and the greatest coordinate.

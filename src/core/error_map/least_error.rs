@@ -93,9 +93,9 @@ impl OperationQuery<'_> {
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }
 
-    /// Finds the spot by judging only nodes whose error bound is at most the least error found.
+    /// Finds the spot, but judges only nodes whose lower bound of the error is at most the least error found.
     ///
-    /// The bound is a lower bound. Returns None if the nodes cannot be ranked or no node can be reached.
+    /// Returns None if the nodes cannot be ranked, no node can be reached or the errors cannot be computed.
     ///
     /// The spot is bit-identical to the one that [`Self::judged`] finds.
     fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {

@@ -73,8 +73,8 @@ impl OperationQuery<'_> {
 
     /// Judges one node by its candidates, which must be sorted with the best one first.
     ///
-    /// Returns the status. The second value is the context in which errors are computed and the candidate to
-    /// record; None if there is no candidate.
+    /// Returns the status of the node, then the [`WorkContext`] for its errors and the candidate to record.
+    /// The last two are None if the node has no candidate.
     fn judge(
         &self,
         node: &VisitedNode,

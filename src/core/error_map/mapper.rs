@@ -17,11 +17,11 @@ pub struct Mapper {
     pub(super) arm: ArmKinematics,
     pub(super) scene: Arc<Scene>,
     pub(super) setups: Vec<OperationSetup>,
-    /// Motion rules of the cell; None if it has none.
+    /// Motion rules of the cell; None if the cell has no motion rules.
     pub(super) guard: Option<Guard>,
     /// Ranker of the nodes of each operation; None if these nodes cannot be ranked.
     pub(super) rankers: Vec<Option<Ranker>>,
-    /// Spherical shell that bounds the reach of the arm in each operation; None if it would save no time.
+    /// Spherical shell that bounds the reach of the arm in each operation; None if the shell saves no time.
     pub(super) shells: Vec<Option<Shell>>,
 }
 

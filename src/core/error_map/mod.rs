@@ -1,5 +1,5 @@
 //! Section 3 of the seed paper: the error at every node of a work surface, and the node with the least
-//! error in a sense.
+//! error.
 //!
 //! A [`PlacedLayout`] is the context: a layout of a cell with its solids posed. Only `walk.rs` loops over the
 //! nodes of a surface. Several functions use this loop:

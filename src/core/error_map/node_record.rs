@@ -30,8 +30,8 @@ pub enum Status {
         position: f64,
         angle: f64,
     },
-    /// Every posture exceeds a joint limit. `violation` is that of the posture with the least violation.
-    /// `needs` is the coordinate (rad or m) of the violating joint in that posture.
+    /// Every posture exceeds a joint limit. `violation` is the least violation among all postures. `needs` is
+    /// the coordinate (rad or m) of the violating joint in the posture with this violation.
     JointLimit {
         violation: LimitViolation,
         needs: f64,

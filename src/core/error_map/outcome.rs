@@ -25,7 +25,7 @@ pub enum Outcome {
     AllCollide {
         nearest: Spot,
     },
-    /// The motion rules refuse all collision-free postures; `nearest` is the least-error one of these.
+    /// The motion rules refuse all collision-free postures; `nearest` is the least-error posture among them.
     Refused {
         nearest: Spot,
         refusal: PostureRefusal,
@@ -36,7 +36,7 @@ pub enum Outcome {
     Unreachable {
         gap: Gap,
     },
-    /// Nodes can be reached, but their errors depend on something that is missing in this layout.
+    /// Nodes can be reached, but their errors cannot be computed in this layout, for the given reason.
     Unjudged(Unjudged),
 }
 

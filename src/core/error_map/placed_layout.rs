@@ -20,7 +20,7 @@ pub struct PlacedLayout<'a> {
 /// Surface of one operation in one layout, described in the robot base frame.
 pub struct PlacedSurface<'a> {
     pub operation: usize,
-    /// Frame of the equipment in the robot base frame.
+    /// Pose of the equipment in the robot base frame.
     pub at: Placement,
     pub attitude: &'a Attitude,
     /// Rotation from world axes to the robot base frame.

@@ -19,7 +19,7 @@ pub struct PointSpot {
     /// Point in the frame of the equipment, m.
     pub at: (f64, f64),
     pub branch: u32,
-    /// Value to minimize, as [`Spot::value`].
+    /// Value to minimize, defined like [`Spot::value`].
     pub value: f64,
 }
 
@@ -99,7 +99,7 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value at a held point after the layout has changed.
+    /// Computes the operation's value ([`Spot::value`]) at a held point after the layout has changed.
     ///
     /// Closed-form inverse kinematics gives the posture of the held branch at the moved point.
     ///
@@ -126,7 +126,7 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the value with a held posture, even if this posture collides.
+    /// Computes the operation's value ([`Spot::value`]) in a held posture, even if this posture collides.
     ///
     /// The posture may also exceed a joint limit if the inverse kinematics is in closed form.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
