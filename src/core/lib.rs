@@ -2,7 +2,7 @@
 //!
 //! It does no input or output. The crate `sweetspot` adds files, documents, reports and the command. Its
 //! documentation explains the problem and the flow of data. The core is a crate of its own so that the
-//! compiler optimises the mathematics fully and spends little time on the text around it.
+//! compiler optimises the mathematics fully and spends little time on the code for files and reports.
 
 pub mod assess;
 pub mod cell;

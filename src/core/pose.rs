@@ -83,7 +83,8 @@ impl Displacement {
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// Both motions are seen at one point: at its position before the motion `self`.
+    /// Both motions, and the result, are seen at the same place: where the point lies before the motion
+    /// `self`.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();

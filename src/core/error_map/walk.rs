@@ -1,8 +1,8 @@
-//! Walk over all nodes: it judges every branch of every node, and finds the best usable one.
+//! Walk over all nodes: it judges every branch of every node, and finds the best usable posture.
 //!
 //! An [`OperationQuery`] is one operation in one placed layout. Its [walk](OperationQuery::walk) solves the
-//! inverse kinematics of each node. It judges each posture within the joint limits: it computes the value of
-//! the posture and passes posture and value to a [`PostureVisitor`]. [`OperationQuery::first_free`] then
+//! inverse kinematics of each node. For each posture within the joint limits it computes the value that the
+//! search minimizes. It passes posture and value to a [`PostureVisitor`]. [`OperationQuery::first_free`] then
 //! takes candidates, best first, until one is free of collisions and allowed by the motion rules. Search, map
 //! and probe all use these functions, so they apply the same rules.
 

@@ -5,15 +5,15 @@
 //! rad have equal weight. Driels and Pathre (1990) use the condition number of this matrix; Schroer et al.
 //! ask for less than 100.
 //!
-//! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett,
-//! Driels and Mooring 1987). The links alone have 4 n parameters in each of the two sets:
+//! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett, Driels
+//! and Mooring 1987). The links alone have 4 n parameters in each of the following two sets:
 //!
 //! - four parameters per link: the errors dq of the joint coordinate, dr of the axial offset, dl of the
 //!   length and dalpha of the twist. If two neighbouring axes are parallel, their two dr are the same
 //!   translation. If the axes are nearly parallel, the two translations differ only by the small angle
 //!   between the axes;
-//! - five parameters (Hayati 1983): where axes are parallel, dbeta replaces dr. It is the rotation about the
-//!   y axis after the link, which the other four parameters cannot produce.
+//! - five parameters (Hayati 1983): where axes are parallel, dbeta replaces dr. The error dbeta is the
+//!   rotation about the y axis after the link, which the other four parameters cannot produce.
 //!
 //! A prismatic joint has fewer independent parameters. Its dr is the same translation as its dq. The joint
 //! rotates nothing, so all translations between two revolute joints are constant vectors in one frame. At
@@ -29,8 +29,8 @@ use nalgebra::{DMatrix, Vector3};
 
 /// Sine of the angle (6 degrees) below which axes count as parallel.
 ///
-/// At smaller angles the uncertainty of the offset error dr would be more than ten times as large as
-/// necessary.
+/// At smaller angles the uncertainty of the offset error dr would be more than ten times as large as for
+/// perpendicular axes.
 const NEARLY_PARALLEL: f64 = 0.1;
 
 /// Parameters per link that a calibration identifies.

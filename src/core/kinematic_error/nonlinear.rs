@@ -14,7 +14,7 @@ enum SmallMotion<'a> {
     Turn { axis: Vector3<f64>, through: &'a Vector3<f64>, by: &'a Turn },
 }
 
-/// Returns the position error of the TCP, m, base frame. It does not allocate.
+/// Returns the position error of the TCP, m, base frame. The function does not allocate.
 #[inline]
 pub fn position_error(frames: &Frames, errors: &Perturbation) -> Vector3<f64> {
     match errors.joints {

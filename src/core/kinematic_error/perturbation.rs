@@ -140,9 +140,10 @@ impl Perturbation {
 
     /// Returns the sizes of the small motions (m or rad) in the order of [`Parameter::of_robot`].
     ///
-    /// The first slice holds the motions of links, base and tool. Its entries for dq and dr are the errors of
-    /// the D-H coordinates theta and r, which include the joint coupling. The second slice holds the motions
-    /// of the joint frames; it is empty if no joint frame has an error.
+    /// The first slice holds the motions of links, base and tool. In the first slice, the entries at the
+    /// indices of dq and dr are errors of the D-H coordinates theta and r. These errors include the effect of
+    /// the joint coupling. The second slice holds the motions of the joint frames; it is empty if no joint
+    /// frame has an error.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]

@@ -33,13 +33,14 @@ pub struct Evaluation {
     pub overlaps: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
-    /// Moves between consecutive operations; empty if the cell asks for no transfers, or if an overlap, a
-    /// missing spot or a blocked move prevents them.
+    /// Moves between consecutive operations; empty if the cell asks for no transfers.
+    ///
+    /// The list is also empty if an overlap, a missing spot or a blocked move prevents the moves.
     pub transfers: Vec<Transfer>,
     /// The first move that is blocked.
     pub blocked: Option<Blocked>,
-    /// Objective computed from the values of all operations (m, rad or shares); None if the layout is
-    /// infeasible.
+    /// Objective computed from the values of all operations (m, rad, or share of failures); None if the
+    /// layout is infeasible.
     ///
     /// A robust search combines the worst values over the placement tolerances.
     pub objective: Option<f64>,

@@ -18,25 +18,26 @@ struct WorkingPostures<'a> {
     evaluation: &'a Evaluation,
     /// Joint coordinates at the spot of every operation.
     spots: Vec<JointVector>,
-    /// Operation and joint coordinates at every node where an operation happens.
+    /// Index of the operation and joint coordinates, for every node where an operation happens.
     postures: Vec<(usize, JointVector)>,
 }
 
 impl Workcell {
-    /// Computes the values of goals (m, rad, m^2 or shares) of a layout; None if it is not feasible.
+    /// Computes the value of each goal for a layout; None if the layout is not feasible.
     ///
-    /// - error: the objective.
-    /// - clearance: the least distance from the robot and the parts it holds to floor, equipment and fence.
-    ///   It is taken over all nodes where an operation happens. Distances between floor spaces, in plan and
-    ///   height, count, too. The value is at most [`MAX_CLEARANCE`], which is also the value if collision is
-    ///   not checked. Three kinds of pairs do not count: the equipment worked on and solids after the last
-    ///   joint (the standoff sets their distance); the floor and solids that only the first joint moves; two
-    ///   floor spaces that cannot move.
-    /// - joint limits, singularity: the least value of [`measures`] at the nodes where an operation happens,
-    ///   with the joint limits of the robot file.
-    /// - travel: the joint travel of the transfers or, if they are not checked, of direct moves from spot to
-    ///   spot.
-    /// - footprint: area of the convex hull of the floor spaces of robot base and equipment.
+    /// - error: the objective (m, rad, or share of failures).
+    /// - clearance: the least distance (m) from the robot and the parts it holds to floor, equipment and
+    ///   fence. The minimum is taken over all nodes where an operation happens. Distances between floor
+    ///   spaces, in plan and height, count, too. The value is at most [`MAX_CLEARANCE`], which is also the
+    ///   value if collision is not checked. Three kinds of distances do not count. The first is between a
+    ///   solid after the last joint and the equipment of the operation, because the standoff sets this
+    ///   distance. The second is between the floor and a solid that only the first joint moves. The third is
+    ///   between two floor spaces that cannot move.
+    /// - joint limits, singularity: the least value of the measure ([`measures`], a number without unit) at
+    ///   the nodes where an operation happens, with the joint limits of the robot file.
+    /// - travel: the joint travel (rad) of the transfers or, if they are not checked, of direct moves from
+    ///   spot to spot.
+    /// - footprint: area (m^2) of the convex hull of the floor spaces of robot base and equipment.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
         let objective = evaluation.objective.filter(|_| self.cell.misfit(layout).is_none())?;
         let worked = WorkingPostures::new(self, layout, evaluation)?;

@@ -75,7 +75,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the context and the link frames from which the errors of a posture of a map can be computed.
+    /// Returns the data from which the errors of one posture in a map are computed: the context of the
+    /// operation and the link frames.
     ///
     /// # Errors
     /// Returns the reason if the errors cannot be computed in this layout.

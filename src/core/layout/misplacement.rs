@@ -31,7 +31,8 @@ pub struct ToleranceBoxes {
 }
 
 impl ToleranceBoxes {
-    /// Divides the placement tolerances of a cell by whether an operation depends on them.
+    /// Separates the placement tolerances of the bodies on which an operation depends from those of all other
+    /// bodies.
     pub fn of(cell: &Cell, operation: usize) -> Self {
         let operation = &cell.operations[operation];
         let pick = operation.relative_to.map(|pick| cell.operations[pick].equipment);
@@ -82,8 +83,8 @@ pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Mov
 
 /// Returns the misplacements of one body, and of two bodies at once, that can make floor spaces overlap.
 ///
-/// Two bodies at once are misplaced only in plan if both reach down to the floor, because then neither can
-/// pass over the other.
+/// If both bodies of a pair reach down to the floor, the pair is misplaced only in plan, because neither body
+/// can pass over the other.
 pub fn overlapping_moves(cell: &Cell) -> Vec<Moves> {
     let bodies = cell.placement_tolerances();
     let alone = bodies.iter().flat_map(|body| points_of(body, 1.0, BoxPoints::Corners));

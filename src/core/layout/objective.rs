@@ -8,9 +8,10 @@ use crate::cell::{Cell, Objective, Unit};
 /// Such a layout ranks after every layout that keeps its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
-/// Value (m, rad or a share) below which [`lexicographic`] puts all first values into one step.
+/// Lower edge of the first step of [`lexicographic`] (m, rad, or share of failures); first values below it
+/// also belong to this step.
 const LEAST_STEP: f64 = 1e-9;
-/// Combined value of the later operations (m, rad or a share) that puts the result of [`lexicographic`] in
+/// Combined value of the later operations (m, rad, or share of failures) for which [`lexicographic`] returns
 /// the middle of a step.
 const HALF_STEP: f64 = 1e-3;
 
@@ -39,7 +40,7 @@ impl Workcell {
     }
 }
 
-/// Combines the values of all operations (m, rad or shares) into the objective of the cell.
+/// Combines the values of all operations (m, rad, or share of failures) into the objective of the cell.
 ///
 /// The objective never rises when a value falls. Lower bounds of the values therefore give a lower bound of
 /// the objective.
@@ -54,9 +55,9 @@ pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
 
 /// Combines values so that an earlier operation takes priority over all later operations.
 ///
-/// The range of the first value is divided into steps of relative width `indifference`. Among first values in
-/// one step, the second value decides in the same way, and so on for later values. The result is near the
-/// first value, and never falls if a value rises.
+/// The range of the first value is divided into steps of relative width `indifference`. If the first values
+/// of two layouts are in the same step, the second values decide. The later values follow in the same way.
+/// The result is near the first value, and never falls if a value rises.
 fn lexicographic(values: &[f64], indifference: f64) -> f64 {
     let [first, later @ ..] = values else { return 0.0 };
     if later.is_empty() {

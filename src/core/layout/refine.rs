@@ -40,7 +40,7 @@ const MAX_POLLS: usize = 1000;
 /// Spot of an operation, refined between the nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refined {
-    /// Point in the frame of the equipment, m.
+    /// Coordinates x and y of the refined spot in the frame of the equipment, m.
     pub at: (f64, f64),
     /// Coordinates x and y of the best node in the frame of the equipment, m.
     pub node_at: (f64, f64),

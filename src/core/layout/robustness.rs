@@ -1,23 +1,24 @@
 //! Tolerance analysis of a layout: what misplaced equipment does to every operation.
 //!
 //! The point on the surface and the branch of the posture stay the same. Several bodies move inside their
-//! placement tolerances: the robot base, the equipment with the point, and the equipment that carries it. If
-//! the operation is relative to a pick, the equipment of the pick and its carriers move, too. The controller
-//! is assumed to know where the bodies are. Placement errors that the controller does not know are given as
-//! `errors` of the equipment. Whatever the registration, a misplacement therefore acts only through the
-//! posture. For a taught frame, the postures in which the robot touches the taught points change, too.
+//! placement tolerances: the robot base, the equipment on which the point lies, and the equipment that
+//! carries it. If the operation is relative to a pick, the equipment of the pick and its carriers move, too.
+//! The controller is assumed to know where the bodies are. Placement errors that the controller does not know
+//! are given as `errors` of the equipment. Whatever the registration, a misplacement therefore acts only
+//! through the posture. For a taught frame, the postures in which the robot touches the taught points change,
+//! too.
 //!
 //! - Worst corner: all corners of the box of tolerances are checked, up to 8 dimensions. For a larger box,
-//!   the corners of each body are checked with the other bodies as drawn. In addition, the corner of the
-//!   whole box that is worst to first order is checked. A corner is called lost if the posture cannot be used
-//!   there, or if floor spaces overlap. The corners of every other body are checked, too, because it may get
-//!   in the way.
+//!   the corners of the box of each body are checked, with the other bodies as drawn. In addition, the corner
+//!   of the whole box that is worst to first order is checked. A corner is called lost if the posture cannot
+//!   be used there, or if floor spaces overlap. The corners of the box of every other body are checked, too,
+//!   because this body may get in the way.
 //! - Gradient: central differences.
 //! - Largest allowed misplacement: a multiple of the box, a distance in plan and a yaw. A misplacement is
 //!   allowed if no floor spaces overlap, the posture is usable and the value is within its limit. The checks
 //!   are made at the corners and the middles of all edges and faces of the box, in 16 directions in plan, and
-//!   in both directions of yaw. The scale grows by the factor [`STRIDE`] until a check fails, then bisection
-//!   follows. A failure that occurs only between two scales is missed.
+//!   in both directions of yaw. Each of these three sizes grows by the factor [`STRIDE`] until a check fails,
+//!   then bisection follows. A failure that occurs only between two checked sizes is missed.
 
 use super::misplaced_overlaps::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -34,11 +35,14 @@ const MAX_SCALE: f64 = 100.0;
 const MAX_SHIFT: f64 = 0.25;
 /// Largest yaw that is checked, degrees.
 const MAX_TURN_DEG: f64 = 30.0;
-/// Ratio of each checked scale to the scale before it.
+/// Ratio of each checked size of a misplacement to the size checked before it.
 const STRIDE: f64 = 1.6;
-/// Number of steps from the first scale to the last: the first is 1/7500 of the last.
+/// Number of steps from the smallest checked size of a misplacement to the largest; each multiplies the size
+/// by [`STRIDE`].
+///
+/// The smallest size is therefore 1/7500 of the largest.
 const SCALE_STEPS: i32 = 19;
-/// Number of bisection steps between the last scale that is allowed and the first that is not.
+/// Number of bisection steps between the last allowed size of a misplacement and the first refused size.
 const BISECTIONS: usize = 26;
 /// Number of directions of a displacement in plan.
 const DIRECTIONS: usize = 16;
@@ -50,7 +54,7 @@ const DIRECTIONS: usize = 16;
 /// neighbouring directions.
 const DIRECTION_FACTOR: f64 = 0.98; // cos(11.25 deg) = 0.9808
 
-/// Misplacement, with the value of the operation at it (m, rad or a share).
+/// Misplacement, and the value of the operation there (m, rad, or share of failures).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corner {
     pub moves: Moves,
@@ -85,7 +89,7 @@ pub struct Largest {
 /// Tolerance analysis of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robustness {
-    /// Value as drawn, m, rad or a share.
+    /// Value of the operation in the layout as drawn (m, rad, or share of failures).
     pub value: f64,
     /// Box of the tolerances on which the operation depends: coordinates with half widths (m, rad).
     pub tolerance: Moves,
@@ -95,13 +99,13 @@ pub struct Robustness {
     pub worst: Option<Corner>,
     /// Corners of the placement tolerances at which floor spaces overlap or the posture cannot be used.
     pub lost: Vec<Lost>,
-    /// Derivative of the value with respect to each coordinate, per m or rad; None if the arm cannot reach
-    /// one of the two points of the central difference.
+    /// Derivative of the value with respect to each listed coordinate, per m or rad; None if the arm cannot
+    /// reach one of the two points of the central difference.
     ///
     /// Joint limits are ignored. The list has an entry for x, y, z and yaw of the equipment, and for every
     /// other coordinate in `tolerance`.
     pub gradient: Vec<(Slot, Option<f64>)>,
-    /// Largest allowed multiple of the placement tolerances; None if the cell has none.
+    /// Largest allowed multiple of the placement tolerances; None if the cell has no placement tolerances.
     pub scale: Option<Largest>,
     /// Largest displacement of the equipment in plan that is allowed in every direction, m.
     pub shift: Largest,
@@ -267,7 +271,7 @@ fn uphill(tolerance: &[(Slot, f64)], gradient: &[(Slot, Option<f64>)]) -> Moves 
     tolerance.iter().map(|(slot, half)| (*slot, half.copysign(slope(*slot)))).collect()
 }
 
-/// Finds the largest scale up to `max` that is allowed, that is for which `ends` returns None.
+/// Finds the largest size of a misplacement, up to `max`, for which `ends` returns None.
 fn largest(max: f64, ends: impl Fn(f64) -> Option<MisplacementEnd>) -> Largest {
     if let Some(ended) = ends(0.0) {
         return Largest { most: 0.0, ended: Some(ended) };

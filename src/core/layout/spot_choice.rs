@@ -32,8 +32,8 @@ pub struct SpotQuery<'a> {
 
 /// Contribution of an operation's spot to the objective.
 pub enum SpotValue {
-    /// Value of the spot (m, rad or a share); in a robust search, the worst value over the placement
-    /// tolerances.
+    /// Value of the spot (m, rad, or share of failures); in a robust search, the worst value over the
+    /// placement tolerances.
     Kept(f64),
     /// Penalty (m) of a spot whose posture cannot be used at a corner of the placement tolerances.
     Lost(f64),
@@ -85,7 +85,8 @@ fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) ->
     }
 }
 
-/// Least worst value so far with its spot, or the least penalty if no judged spot can be used at all corners.
+/// Least worst value so far with its spot, or the least penalty if every judged spot is unusable at some
+/// corner.
 struct LeastWorst {
     best: Option<(f64, Spot)>,
     lost: f64,

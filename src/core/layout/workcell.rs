@@ -13,7 +13,8 @@ pub struct Workcell {
     pub cell: Cell,
     pub(super) mapper: Mapper,
     pub(super) plan: Arc<FloorPlan>,
-    /// Floor plan with the largest misplacement as extra clearance; None unless the search is robust.
+    /// Floor plan whose clearance is increased by the distance that [`misplacement::slack`] returns; None
+    /// unless the search is robust.
     ///
     /// A layout without overlap in this plan has no overlap at any misplacement.
     pub(super) wide: Option<Arc<FloorPlan>>,
@@ -51,7 +52,8 @@ impl Workcell {
         self.sharing(self.cell.with_interpretation(interpretation).map_err(|faults| first_of(&faults))?)
     }
 
-    /// Returns this workcell under another interpretation, for uses that do not combine operations.
+    /// Returns this workcell under another interpretation of its errors, for uses that do not combine the
+    /// values of the operations.
     ///
     /// # Errors
     /// Returns the reason as [`Workcell::interpreted`] does, but allows senses in different units.
@@ -89,8 +91,8 @@ impl Workcell {
         self.mapper.is_ranked()
     }
 
-    /// Returns every pair of robot solids that exist at the same time, with the reason if a contact is
-    /// allowed.
+    /// Returns every pair of robot solids that are present in the same operation. Each pair states whether a
+    /// contact is allowed, and why.
     ///
     /// The list is empty if self-collision is not checked.
     pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {

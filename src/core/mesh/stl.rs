@@ -49,7 +49,8 @@ fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
 
 /// Returns the triangles of a file that [`binary`] or [`plain`] has prepared.
 ///
-/// `place` gives the place of triangle k in the file, for messages.
+/// For messages, `place` returns the line (from 0) of triangle k in a text file, or a description of its
+/// place in a binary file.
 fn triangles_of(
     file: Vec<u8>,
     scale: f64,

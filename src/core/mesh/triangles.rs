@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// Largest number of triangles of one mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
-/// Limit of the absolute coordinates of a vertex, m; a vertex of a workcell is always nearer.
+/// Upper limit of the absolute value of each vertex coordinate, m, far larger than any workcell.
 const MAX_COORDINATE: f64 = 1e4;
 
 pub const BEYOND: &str = "a vertex is not finite, or too far away for a workcell; is the unit right?";

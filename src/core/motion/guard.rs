@@ -113,7 +113,7 @@ impl Guard {
         straight(&self.chain, joints, &(axis * -length), self.reach)
     }
 
-    /// Returns the first contact along several moves, with its share of the whole path.
+    /// Returns the first contact along several moves. Its field [`PathHit::at`] is a share of the whole path.
     ///
     /// The share is computed as if all moves were equally long.
     pub(super) fn first_hit(

@@ -5,7 +5,8 @@ use crate::reach::jacobian;
 use crate::robot::{Chain, Frames};
 use nalgebra::{SMatrix, Vector3};
 
-/// Geometric Jacobian: rows x, y, z as shares of the arm's reach, then rotation in rad.
+/// Geometric Jacobian: three rows for the position, divided by the reach of the arm, then three rows for the
+/// rotation.
 pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 
 /// Measures of a posture that a search may maximize besides minimizing the error.

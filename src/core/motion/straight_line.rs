@@ -22,7 +22,8 @@ const CONVERGED: f64 = 1e-10;
 
 const MAX_ITERATIONS: usize = 20;
 
-/// Singular value of the Jacobian below which the arm counts as unable to move in its singular direction.
+/// Threshold of the singular values of the Jacobian: below it, the arm counts as unable to move in that
+/// singular direction.
 const RANK_TOLERANCE: f64 = 1e-9;
 
 /// Tolerance of a joint limit, rad or m, for rounding errors of a posture at its limit.
@@ -90,7 +91,8 @@ fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
     chain.links.iter().zip(q).position(outside)
 }
 
-/// Solves for joint coordinates at a pose by Newton's method with least-norm steps from a nearby posture.
+/// Solves for the joint coordinates at the pose `to` by Newton's method, starting from the nearby posture
+/// `from`. Each step is the least-norm solution of the linearized equations.
 ///
 /// Returns None if the method does not converge. It also returns None if a joint coordinate changes by 1 rad
 /// or 1 m or more, since the solution then belongs to another branch.

@@ -32,9 +32,9 @@ pub struct OperationPosture {
 /// Collision-free path from the end of one operation's retract to the start of the next operation's approach.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer {
-    /// Index of the operation before.
+    /// Index of the operation that precedes the transfer.
     pub from: usize,
-    /// Index of the operation after.
+    /// Index of the operation that follows the transfer.
     pub to: usize,
     pub way: TransferRoute,
     /// Joint vectors (rad or m) of the path, which consists of straight moves between them.

@@ -29,7 +29,7 @@ const WITNESSES_PER_ROUND: usize = 8;
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;
-/// Margin subtracted from the bound for rounding: this share of the bound, plus this value in m or rad.
+/// Margin subtracted from the bound for rounding: the bound times this number, plus this number in m or rad.
 ///
 /// The values that are bounded are accurate to 1e-13.
 const ROUNDING: f64 = 1e-11;

@@ -4,8 +4,9 @@
 //! the sum of the angles from the first of these joints to this one. If such a sum changes alone, it rotates
 //! one link and shifts the links after it. So a planar arm decouples into independent links, and the
 //! elevation of its tool is a coordinate. Let `y` be the coordinates and `theta` the displacements of the
-//! joints from the middle of their limits. Then `theta = D y`. The actuator coordinates are `q = q_0 + G y`,
-//! each between its limits, where `q_0` is the middle of the limits.
+//! joints from the middle of their limits. Then `theta = D y` with a constant matrix D. Let C be the matrix
+//! of the joint coupling, and `q_0` the middle of the joint limits. The actuator coordinates are
+//! `q = q_0 + C^-1 D y`, each between its limits.
 
 use super::screws::{JointValues, Screws};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
@@ -35,9 +36,9 @@ pub(super) struct Coordinates {
     pub low: JointValues,
     /// Greatest value of each coordinate in the box that holds all postures within the limits.
     pub high: JointValues,
-    /// Coordinates that rotate link k, as bits; link k comes after k joints.
+    /// Bit mask, for each link k, of the coordinates that rotate it; link k comes after k joints.
     pub turning: [u8; MAX_JOINTS + 1],
-    /// Sum of the absolute changes of all joint angles per unit of each coordinate.
+    /// For each coordinate, the sum of the absolute changes of all joint angles per unit of the coordinate.
     pub angles: JointValues,
 }
 
@@ -92,8 +93,8 @@ impl Coordinates {
 
     /// Sets the actuator limits as inequalities in the coordinates `y`, and a box that holds all allowed `y`.
     ///
-    /// The actuators are `q = q_0 + G y` with `G = C^-1 D`, where C is the joint coupling, D is `to_theta`,
-    /// and `q_0` is the middle of the limits.
+    /// The actuator coordinates are `q = q_0 + G y` with `G = C^-1 D`, where C is the joint coupling, D is
+    /// `to_theta`, and `q_0` is the middle of the limits.
     fn set_limits(&mut self, chain: &Chain, held: &[bool; MAX_JOINTS]) {
         let mut half = [0.0; MAX_JOINTS];
         let mut rows = [[0.0; MAX_JOINTS]; MAX_JOINTS];
@@ -135,7 +136,7 @@ impl Coordinates {
         theta
     }
 
-    /// Returns the actuator displacements from the middle of the limits at the coordinates `y`.
+    /// Returns the displacement of each actuator from the middle of its limits, for the coordinates `y`.
     pub fn actuators(&self, y: &JointValues) -> JointValues {
         let mut q = [0.0; MAX_JOINTS];
         for (q, (row, ..)) in q.iter_mut().zip(&self.limits) {

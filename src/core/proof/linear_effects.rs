@@ -49,7 +49,8 @@ pub(super) struct WeightedMotions<'a> {
     pub weights: &'a [(Vector3<f64>, Vector3<f64>)],
 }
 
-/// Expands the weighted sum of effects over a box of the given radii about a posture, as a Taylor model.
+/// Expands the weighted sum of effects over a box with the half widths `radii` about a posture, as a Taylor
+/// model.
 ///
 /// The sum is `phi = sum eta_k . g_k + zeta_k . w_k` over the motions k, with the weights (eta, zeta) and the
 /// effects (g, w).

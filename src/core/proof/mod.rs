@@ -5,8 +5,8 @@
 //! ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over joint
 //! coordinates within their limits. If the first joint axis is vertical, errors that come after this axis in
 //! the chain rotate with it. Then the first joint does not matter, with two exceptions. The sense may
-//! distinguish horizontal directions, or an error that precedes this joint may act along or about another
-//! axis.
+//! distinguish horizontal directions, or an error that precedes this joint may act along or about an axis
+//! other than the first joint axis.
 //!
 //! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
 //! found. The files of this module:
@@ -51,13 +51,13 @@ use task::Task;
 /// Limits on the effort of a proof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProofOptions {
-    /// Relative gap between the lower bound and the least value found at which the proof of an operation
-    /// ends.
+    /// Relative gap between the lower bound and the least value found; the proof of an operation ends when
+    /// the gap is at most this number.
     pub gap: f64,
     /// Largest number of boxes of joint coordinates that are examined per operation.
     pub boxes: u64,
-    /// Values of the operations in a known layout, if any. The proof discards postures with larger lower
-    /// bounds.
+    /// Values of the operations in a known layout, if any. A box of joint coordinates is not bisected further
+    /// once its lower bound reaches the known value, up to `gap`.
     pub known: Option<Vec<f64>>,
 }
 
@@ -96,7 +96,7 @@ pub enum WhyNot {
     Share,
     /// The lower bound did not rise above 0 within the allowed number of boxes of joint coordinates.
     Boxes,
-    /// Samples refute the first-order figure to which the bound applies.
+    /// Monte Carlo samples refute the first-order value of the operation, to which the bound applies.
     Refuted,
 }
 
@@ -185,9 +185,10 @@ impl Proof {
         Self { bound, operations, covers, interrupted }
     }
 
-    /// Returns this proof without the bounds of the operations whose figures the samples refute.
+    /// Returns this proof without the bounds of the operations for which `is_refuted` returns true: those
+    /// with a first-order value that Monte Carlo samples refute.
     ///
-    /// The bounds apply to first-order figures, and say nothing about the figures of samples.
+    /// The bounds apply to first-order values, and say nothing about values computed from samples.
     pub fn without(&self, workcell: &Workcell, is_refuted: impl Fn(usize) -> bool) -> Self {
         let mut operations = self.operations.clone();
         let bounded = operations.iter_mut().enumerate().filter(|(_, bound)| bound.value.is_ok());

@@ -24,7 +24,8 @@ pub(super) struct ChainDifference {
     shifts: [f64; MAX_JOINTS + 1],
     /// Upper bound of the part of the difference that is of second order in the small motions, m.
     second: f64,
-    /// Upper bound of the second-order part per metre of prismatic travel.
+    /// Upper bound of the change, per metre of prismatic travel, of the part of the difference that is of
+    /// second order in the small motions.
     second_per_slide: f64,
 }
 
@@ -59,8 +60,8 @@ impl ChainDifference {
         self.turns[0] < 1e-12 && self.shifts[0] < 1e-12
     }
 
-    /// Expands `eta . d` over a box of the given radii about a posture, where `d` is the difference of the
-    /// end points.
+    /// Expands `eta . d` over a box with the half widths `radii` about a posture, where `d` is the difference
+    /// of the end points.
     ///
     /// `at` is the nominal chain at this posture, and `with` is the chain with errors at this posture.
     pub fn expand(

@@ -9,7 +9,8 @@ use std::f64::consts::FRAC_PI_2;
 /// all sizes that matter.
 const SLACK: f64 = 1e-6;
 
-/// Region in which the TCP of one operation can be in any layout. Azimuth and spin are free.
+/// Region that contains the TCP position and the tool elevation of one operation in every layout. Azimuth and
+/// spin are free.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperationRegion {
     pub operation: usize,
@@ -24,7 +25,8 @@ pub struct OperationRegion {
 }
 
 impl OperationRegion {
-    /// Returns the regions of an operation: one for each listed height of its equipment, or a single one.
+    /// Returns the regions of an operation: one for each listed height of its equipment, or a single region
+    /// if no heights are listed.
     ///
     /// `kept` is the elevation (rad) that the construction of the arm fixes; None if the arm can change it.
     pub fn all(cell: &Cell, operation: usize, kept: Option<f64>) -> Vec<Self> {

@@ -31,9 +31,10 @@ pub(super) struct Task<'a> {
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,
-    /// Upper bound, m, of the difference between the value by the cell's model and the value from `error`.
+    /// Upper bound, m, of the amount by which the value by the cell's model may be below the value computed
+    /// from the field `error`.
     ///
-    /// This difference is subtracted from the bound.
+    /// This amount is subtracted from the bound.
     lost: f64,
     pub constraints: Vec<Constraint>,
 }
@@ -127,16 +128,17 @@ impl<'a> Task<'a> {
         Ok(task)
     }
 
-    /// Returns an upper bound, m, of the difference between the value by the model of the cell and the value
-    /// from the [`BoundedError`].
+    /// Returns an upper bound, m, of the amount by which the value by the model of the cell may be below the
+    /// value computed from the [`BoundedError`].
     ///
     /// Let the error at a corner of the tolerance box be L + E + O. L is the linear term, E the terms of even
     /// order, and O the odd terms from third order on. The opposite corner has the error -L + E - O. So the
-    /// worst case is at least `|L| - |O|`, and the difference is at most `|O|`. A second-order model lacks
-    /// the third-order terms of the nonlinear model. Let `a_k` be the angle of motion k, and `b_k` the
-    /// largest displacement that it causes. Then the position error differs in both cases by at most
-    /// `sum_k b_k (sum_j a_j)^2 / 2`. This bound is multiplied by the root sum square of the lengths of the
-    /// rows.
+    /// worst case is at least `|L| - |O|`.
+    ///
+    /// A signed sample in the second-order model lacks all terms of the nonlinear model from third order on.
+    /// Let `a_k` be the angle of motion k, and `b_k` the largest displacement that it causes. Then `|O|` and
+    /// the sum of the lacking terms are each at most `sum_k b_k (sum_j a_j)^2 / 2`. The function multiplies
+    /// this bound by the root sum square of the lengths of the rows of the sense.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.evaluator.reading, self.evaluator.model) {
             (Reading::Signed, Model::SecondOrder) => self.evaluator.sources.signed(),
@@ -165,7 +167,8 @@ impl<'a> Task<'a> {
         self.screws.place(&self.coordinates.theta(y))
     }
 
-    /// Expands the quantity of a constraint over a box of the given radii, as a Taylor model.
+    /// Expands the [`ConstrainedQuantity`] of a constraint over a box with the half widths `radii`, as a
+    /// Taylor model.
     pub fn constraint(&self, constraint: &Constraint, placed: &PosedScrews, radii: &JointValues) -> Taylor {
         let (gradient, hessian, rest) = match constraint.of {
             ConstrainedQuantity::Height => {
@@ -202,7 +205,8 @@ impl<'a> Task<'a> {
         Taylor { value: constraint.value(&placed.tip, &placed.tool), gradient, hessian, rest: rest / 6.0 }
     }
 
-    /// Expands a lower bound of the value over a box of the given radii about `y`, as a Taylor model.
+    /// Expands a lower bound of the value over a box with the half widths `radii` about `y`, as a Taylor
+    /// model.
     ///
     /// Returns None if the value is zero at `y`.
     pub fn worth(&self, y: &JointValues, placed: &PosedScrews, radii: &JointValues) -> Option<Taylor> {

@@ -1,6 +1,6 @@
 //! Taylor models: second-order expansions over a box of coordinates, with a bound of the remainder.
 //!
-//! Every expanded quantity is a sum of products of vectors fixed to links. A joint rotates a product as a
+//! Every expanded function is a sum of products of vectors fixed to links. A joint rotates a product as a
 //! whole, one factor of it, or nothing. So each mixed partial derivative of a product is again a single
 //! product, bounded by the lengths of its factors. The radius of a coordinate is half its range in the box.
 //! Let `s` be the length of a product, and `rho` the sum of the radii of the coordinates that rotate it. Then
@@ -20,8 +20,8 @@ pub(super) struct ChainGeometry<'a> {
     pub pieces: &'a RigidPieces,
 }
 
-/// Taylor model: value, derivatives with respect to the coordinates, and a bound of the remainder over the
-/// box.
+/// Taylor model of a function: value, derivatives with respect to the coordinates, and a bound of the
+/// remainder over the box.
 #[derive(Debug, Clone)]
 pub(super) struct Taylor {
     pub value: f64,
@@ -31,15 +31,15 @@ pub(super) struct Taylor {
 }
 
 impl Taylor {
-    /// Returns an upper bound, over a box of these radii, of the deviation of the quantity from its value at
-    /// the centre.
+    /// Returns an upper bound, over a box with the half widths `radii`, of the deviation of the function from
+    /// its value at the centre.
     pub fn spread(&self, radii: &JointValues) -> f64 {
         let linear: f64 = self.gradient.iter().zip(radii).map(|(g, r)| g.abs() * r).sum();
         linear + self.bend(radii)
     }
 
-    /// Returns an upper bound, over a box of these radii, of the deviation of the quantity from its linear
-    /// expansion.
+    /// Returns an upper bound, over a box with the half widths `radii`, of the deviation of the function from
+    /// its linear expansion.
     pub fn bend(&self, radii: &JointValues) -> f64 {
         let rows = self
             .hessian
@@ -59,9 +59,9 @@ impl Taylor {
         }
     }
 
-    /// Returns a lower bound of the quantity in a box of these radii.
+    /// Returns a lower bound of the function in a box with the half widths `radii`.
     ///
-    /// Let `t_i` be the deviation of coordinate i from the centre, `r_i` its radius and h an entry of the
+    /// Let `t_i` be the deviation of coordinate i from the centre, `r_i` its half width and h an entry of the
     /// Hessian. A mixed term is bounded by squares:
     /// `|h t_i t_j| <= |h| (t_i^2 r_j / r_i + t_j^2 r_i / r_j) / 2`. Each square vanishes with its
     /// coordinate, so the bound remains tight if the minimum is at the centre.
@@ -101,8 +101,9 @@ pub(super) fn rates(
 
 /// Returns the first and second derivatives of `eta . x` with respect to the joint displacements.
 ///
-/// Here x is the point or axis with the first derivatives `rates`. The second derivatives of x are
-/// `z_i x rate_j` for a revolute joint i <= j, where `z_i` is its axis.
+/// Here x is the point or axis with the first derivatives `rates`. Let joint i be revolute, with the axis
+/// `z_i`, and let i <= j. The second derivative of x with respect to joints i and j is the cross product of
+/// `z_i` and `rates[j]`.
 pub(super) fn along(
     screws: &Screws,
     placed: &PosedScrews,
@@ -120,8 +121,8 @@ pub(super) fn along(
     (gradient, hessian)
 }
 
-/// Rigid segments of a chain: segment k leads from joint axis k to the next axis, the last one to the end
-/// point.
+/// Rigid segments of a chain: segment k leads from joint axis k to the next axis, and the last segment to the
+/// end point.
 ///
 /// Joints are counted from 1, and segment k belongs to link k, which comes after k joints.
 #[derive(Debug, Clone)]

@@ -29,8 +29,8 @@ pub struct PerturbedChain {
 #[derive(Debug, Clone, PartialEq)]
 struct ConstantMotion {
     pose: Pose,
-    /// Whether the motion rotates about x alone. This holds for most links: those without errors dtheta and
-    /// dbeta, if the next joint frame has no rotational error.
+    /// Whether the rotation of the motion is about x alone. This holds for most links: those without errors
+    /// dtheta and dbeta, if the next joint frame has no rotational error.
     twists: bool,
 }
 

@@ -42,10 +42,10 @@ pub struct TargetLanes<S: Simd> {
 /// Wrist positions for one attitude of the tool, with the arm reaching either forwards or backwards.
 pub struct WristLanes<S: Simd> {
     yaw: CosSin<S>,
-    /// Vector from shoulder to wrist, divided by its squared length: component perpendicular to the base
-    /// axis, 1/m.
+    /// Component of `w / |w|^2` perpendicular to the base axis, 1/m; `w` is the vector from shoulder to
+    /// wrist.
     u: Lanes<S>,
-    /// Vector from shoulder to wrist, divided by its squared length: component along the base axis, 1/m.
+    /// Component of `w / |w|^2` along the base axis, 1/m; `w` is the vector from shoulder to wrist.
     v: Lanes<S>,
     k1: Lanes<S>,
     cos3: Lanes<S>,

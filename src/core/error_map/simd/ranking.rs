@@ -16,8 +16,8 @@ use crate::reading::ErrorEvaluator;
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Amount by which a bound is lowered: this share of the bound, plus this length in m for each unit direction
-/// of the sense.
+/// Amount by which a bound is lowered: the bound times this number, plus this number in m for each unit
+/// direction of the sense.
 ///
 /// Rounding errors are 1e-14 m at most postures, and 1e-10 m next to a singular posture.
 const BOUND_MARGIN: f64 = 1e-9;
@@ -177,7 +177,8 @@ impl Ranker {
         RankingRow { built: rotation.transpose() * wanted, offset: wanted.dot(translation), wanted: *wanted }
     }
 
-    /// Computes the least error over all branches of each target, less the margin.
+    /// Computes the bound of each target: the least error of all branches, lowered by the share
+    /// [`BOUND_MARGIN`] and then by `margin` (m).
     #[inline(always)]
     fn bound<S: Simd>(
         &self,
