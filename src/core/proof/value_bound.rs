@@ -1,8 +1,9 @@
-//! Lower bound of the value of a posture in any reading: a weighted sum of the effects of motions in the
+//! Lower bound of the value of a reading at a posture: a weighted sum of the effects of small motions in the
 //! chain.
 //!
-//! Let `g_k` be the effect of motion k, and c a posture. The reading gives directions `eta_k` such that the
-//! value is equal to `sum eta_k . g_k` at c, and not less than this sum at every other posture:
+//! Let `g_k` be the effect of motion k, c a posture and e the error vector. The reading gives directions
+//! `eta_k` such that at c the value is equal to `sum eta_k . g_k`. At every other posture, the value is not
+//! less than this sum:
 //!
 //! ```text
 //! signed        u = e / |e|:  |e| >= u . e
@@ -12,9 +13,9 @@
 //! ```
 //!
 //! For the mean of |e| this bound is the tangent of a convex function of the effects. Percentiles have a
-//! bound for senses of up to three rows. The bound of a percentile assumes that its square is a convex
-//! function of the covariance S. We know no proof of this assumption. tests/maths/proof.rs tests it for 95 %
-//! and 99 %, and [`super::Proof::in_words`] states it.
+//! bound for senses of up to three rows. The bound of a percentile assumes that the squared percentile is a
+//! convex function of the covariance S. We know no proof of this assumption. tests/maths/proof.rs tests it
+//! for 95 % and 99 %, and [`super::Proof::in_words`] states it.
 
 use super::WhyNot;
 use super::linear_effects::Effect;
@@ -36,17 +37,19 @@ const DERIVATIVE_ERROR: f64 = 1e-5;
 
 /// Weights (eta, zeta) of the effect of one motion.
 ///
-/// The vector eta multiplies the displacement of the point whose error counts, zeta the rotation.
+/// The vector eta multiplies the displacement of the point whose error counts, and zeta multiplies the
+/// rotation.
 pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
 
-/// Way in which a reading combines the effects of all sources into one value.
+/// Way in which a reading combines the effects of all error sources into one value.
 #[derive(Debug, Clone)]
 pub(super) enum EffectSum {
-    /// Signed sample: the values of the sources.
+    /// Signed sample: the value of every error source.
     Sample(Vec<f64>),
-    /// Worst case: the half widths of the tolerances of the sources.
+    /// Worst case: the half width of the tolerance of every error source.
     Box(Vec<f64>),
-    /// Statistic of independent random factors; each is a list of (source, value at one standard deviation).
+    /// Statistic of independent random factors. A factor is a list of (index of an error source, value of
+    /// this source). The values are for one standard deviation of the factor.
     Random(Vec<Vec<(usize, f64)>>, Quantity),
 }
 
@@ -83,11 +86,11 @@ impl EffectSum {
         }
     }
 
-    /// Returns weights with which the sum of the effects of all motions bounds the value from below; None if
-    /// the value is zero.
+    /// Returns the weight of the effect of every motion in a lower bound of the value of the reading. Returns
+    /// None if this value is zero at the posture of `effects`.
     ///
-    /// At the posture of `effects`, the weighted sum is equal to the value. At other postures, it is not
-    /// greater.
+    /// The bound is the weighted sum of the effects. At the posture of `effects`, it is equal to the value,
+    /// except for the error margin of [`tangent`]. At other postures, the sum is not greater than the value.
     pub fn weights(&self, rows: &[Row], motions: &[ScrewMotion], effects: &[Effect]) -> Option<Vec<Weight>> {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         for (motion, effect) in motions.iter().zip(effects) {
@@ -115,10 +118,10 @@ impl EffectSum {
     }
 }
 
-/// Writes the vectors `a_k u` for the lower bound `sum a_k u . e_k` of `|sum a_k e_k|`.
+/// Writes to `out` the vectors `a_k u` of the lower bound `sum a_k u . e_k` of `|sum a_k e_k|`.
 ///
-/// Here `e_k` is the effect of source k (`columns`) and `a_k` its value, and u is the unit vector along the
-/// sum.
+/// Here `e_k` is the effect of error source k (`columns`), and `a_k` is the value of this source (`values`).
+/// The unit vector u points along `sum a_k e_k`.
 fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -> Option<()> {
     let sum: Vector6<f64> = columns.iter().zip(values).map(|(c, v)| c * *v).sum();
     let unit = sum.try_normalize(f64::MIN_POSITIVE)?;
@@ -126,7 +129,8 @@ fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -
     Some(())
 }
 
-/// Returns the values of the sources at the corner of the tolerance box with the largest linear error.
+/// Returns the values of the error sources at the corner of the tolerance box that has the largest linear
+/// error.
 fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
     let scaled: Vec<Vector6<f64>> = columns.iter().zip(widths).map(|(c, w)| c * *w).collect();
     let mut signs = vec![1.0; widths.len()];
@@ -146,11 +150,12 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
     signs.iter().zip(widths).map(|(s, w)| s * w).collect()
 }
 
-/// Writes for each source the vector that weights its effect in the lower bound of a statistic.
+/// Writes to `out`, for each error source, the vector that weights its effect in the lower bound of a
+/// statistic.
 ///
-/// The vector is the sum of `v_f A e_f / value` over the random factors f. Here `e_f` is the effect of factor
-/// f, `v_f` the value of the source in it, and `value` the statistic. A is the derivative of the squared
-/// statistic with respect to the covariance.
+/// The vector of source k is the sum of `v_f A e_f / s` over the random factors f. Here `e_f` is the effect
+/// of factor f, and `v_f` is the value of source k in factor f. A is the identity for the RMS, otherwise the
+/// [`tangent`] at the covariance of the error. The square of s is the sum of `e_f . A e_f` over the factors.
 fn spread(
     columns: &[Vector6<f64>],
     factors: &[Vec<(usize, f64)>],
@@ -187,11 +192,11 @@ fn spread(
     Some(())
 }
 
-/// Returns the matrix A with `<A, S> <= quantity(S)^2` for every covariance S of `rows` rows.
+/// Returns a matrix A with `<A, S> <= quantity(S)^2` for every covariance S of `rows` rows.
 ///
-/// `<A, S>` is the sum of the products of the entries. Returns None if the given covariance is zero.
+/// `<A, S>` is the sum of the products of corresponding entries. Returns None if `covariance` is zero.
 ///
-/// At the given covariance, `<A, S>` is smaller only by a margin for the error of numeric derivatives.
+/// If S is `covariance`, the two sides differ only by a margin for the error of numeric derivatives.
 pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Option<Matrix3<f64>> {
     let trace = covariance.trace();
     if trace < f64::MIN_POSITIVE {
@@ -231,7 +236,7 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
     Some(a)
 }
 
-/// Returns the squared quantity of the norm of a normal vector with mean zero and these variances.
+/// Returns the square of `quantity` for the norm of a normal vector with mean zero and these variances.
 fn square(variances: &[f64], quantity: Quantity) -> f64 {
     let mut columns = [Vector6::zeros(); 3];
     variances.iter().enumerate().for_each(|(k, l)| columns[k][k] = l.max(0.0).sqrt());

@@ -11,11 +11,12 @@ use nalgebra::{Matrix4, Vector4};
 /// Largest violation of joint limits and constraints that is accepted in a witness, m or rad.
 const TOLERANCE: f64 = 1e-9;
 
-/// Returns a posture in a box that keeps joint limits and constraints, with its value; None if none is found.
+/// Searches a box for a posture that keeps joint limits and constraints. Returns the value of the operation
+/// in this posture and the joint coordinates; None if no such posture is found.
 ///
-/// The search takes least-norm Newton steps from `y`, clamped to the box from `low` to `high`. A violation up
-/// to [`TOLERANCE`] is accepted, since the best posture is often in a corner of the allowed set. No lower
-/// bound depends on this tolerance.
+/// The search takes least-norm Newton steps from the posture `y`, clamped to the box from `low` to `high`.
+/// The best posture is often in a corner of the set of allowed postures. A violation up to [`TOLERANCE`] is
+/// therefore accepted. No lower bound depends on this tolerance.
 pub(super) fn near(
     task: &Task<'_>,
     mut y: JointValues,

@@ -50,8 +50,8 @@ impl ViewDirection {
 
 /// Projected point: position in the picture (px to the right and down) and nearness to the eye.
 ///
-/// The value `near` is larger for points nearer to the eye. It is linear in the picture over every plane, so
-/// it may be interpolated.
+/// The value `near` is larger for points nearer to the eye. For the points of a plane, `near` is a linear
+/// function of the picture coordinates, so it may be interpolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenPoint {
     pub at: Point2<f64>,

@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector2};
 
 /// Number of grid steps per sample in x and in y.
 ///
-/// Corners of triangles are rounded to grid points. So integer arithmetic decides exactly which triangle
+/// Corners of triangles are rounded to grid points. Integer arithmetic then decides exactly which triangle
 /// covers a sample.
 const PARTS: f64 = 256.0;
 const PART: i64 = 256;
@@ -69,7 +69,7 @@ impl<T: Copy> DepthBuffer<T> {
         }
     }
 
-    /// Paints a line from `a` to `b` where it is nearest to the eye; `width` is in samples.
+    /// Paints the parts of a line from `a` to `b` that no surface drawn so far hides; `width` is in samples.
     pub fn stroke(&mut self, a: &ScreenPoint, b: &ScreenPoint, width: f64, mut paint: impl FnMut(&mut T)) {
         let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);
         let (side, end) = (Vector2::new(-along.y, along.x) * (width / 2.0), along * (width / 4.0));
@@ -94,8 +94,8 @@ fn least(p: &[[i64; 2]; 3], axis: usize) -> (i64, i64) {
     (all.into_iter().fold(i64::MAX, i64::min), all.into_iter().fold(i64::MIN, i64::max))
 }
 
-/// Returns the indices of the samples whose centres lie from `low` to `high`, in units of the grid of
-/// [`PARTS`].
+/// Returns a range of indices that includes all samples with centres from `low` to `high` (units of the grid
+/// of [`PARTS`]).
 ///
 /// All indices are below `count`.
 fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
@@ -112,8 +112,8 @@ struct TriangleEdge {
     step: i64,
     /// Least value of the edge function at samples that the triangle covers.
     ///
-    /// The value is 0 if the triangle covers the samples on the edge, otherwise 1. Of two triangles on either
-    /// side of an edge, only one has 0.
+    /// The value is 0 if the triangle covers the samples on the edge, otherwise 1. If two neighbouring
+    /// triangles share an edge, `least` is 0 in one of them and 1 in the other.
     least: i64,
 }
 

@@ -58,8 +58,8 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()
 }
 
-/// Returns for each corner the index of its place. Corners at one place, which may differ in their normals,
-/// get the same index.
+/// Returns a number for each corner of a mesh. Corners at equal positions, which may differ in their normals,
+/// get the same number.
 fn places(positions: &[Vector3<f64>]) -> Vec<u32> {
     let mut known: HashMap<[u64; 3], u32> = HashMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(f64::to_bits);

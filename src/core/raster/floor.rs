@@ -70,7 +70,8 @@ fn add_grid(scene: &mut RasterScene, colour: Colour, low: [f64; 2], high: [f64; 
     }
 }
 
-/// Returns the share of the light from above that solids block at each corner of the tiles, blurred.
+/// Returns the blurred shade of the floor at each corner of the tiles. The shade is the share of the light
+/// from above that solids block.
 fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<f32> {
     let across = FIELDS + 1;
     let mut lowest = DepthBuffer::new(across, across, ());

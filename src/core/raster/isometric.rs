@@ -18,9 +18,9 @@ use std::fmt::Write;
 const SAMPLES: f64 = 2.0;
 /// Number of tones (steps of brightness) with which a body is drawn.
 const TONES: f32 = 16.0;
-/// Tolerance of the simplification of an outline, in samples. Areas smaller than [`MIN_AREA`] (squared
-/// samples) are not drawn.
+/// Tolerance of the simplification of an outline, in samples.
 const TOLERANCE: f64 = 0.8;
+/// Least area that an outline must enclose to be drawn, in squared samples.
 const MIN_AREA: f64 = 8.0;
 
 /// Returns the picture as SVG, always in parallel projection.

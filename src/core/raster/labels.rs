@@ -52,7 +52,7 @@ pub fn placed(stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     all
 }
 
-/// Returns the possible places of a label; of places with equal cost, the earlier one is preferred.
+/// Returns the possible places of a label. If several places have the least cost, the first of them is used.
 fn choices(label: &Label, stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     let unit = shot.capital();
     let text: String = shown(&label.text);
@@ -102,9 +102,9 @@ fn choices(label: &Label, stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> 
 
 /// Returns the cost of the place `p` of a label.
 ///
-/// The cost grows with the number of points `taken` and labels `all` that the label would cover. It also
-/// grows with the distance by which the label would stick out of the frame, and with the length of the leader
-/// line.
+/// The cost grows with the number of points (`taken`) and of labels (`all`) that the label would cover. It
+/// also grows with the distance by which the label would stick out of `frame`. A leader line adds a cost for
+/// its length and for every point of `taken` close to it.
 fn cost(p: &PlacedLabel, all: &[PlacedLabel], taken: &[Vector2<f64>], frame: &PictureFrame) -> f64 {
     let inside = |q: &&Vector2<f64>| (0..2).all(|k| p.low[k] < q[k] && q[k] < p.high[k]);
     let nodes = taken.iter().filter(inside).count() as f64;

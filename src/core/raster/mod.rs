@@ -39,8 +39,8 @@ use scene::{RasterScene, SceneBody};
 /// Settings of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// Operation whose error map is shown alone, with the robot at the spot of that operation. If None, all
-    /// maps are shown.
+    /// Operation whose error map is shown alone, with the robot at the spot of that operation. If None, the
+    /// error maps of all operations are shown.
     pub operation: Option<usize>,
     /// Operation at whose spot the robot stands if `operation` is None. If both are None, the robot is at
     /// home.
@@ -53,7 +53,7 @@ pub struct Shot {
     /// projection.
     pub perspective: bool,
     pub show: Show,
-    /// Model and reading whose errors are shown, as an index into [`Drawing::lenses`].
+    /// Index into [`Drawing::lenses`] of the model and reading whose errors are shown.
     pub take: usize,
     /// Name of the sense whose values the colours show. If None, each map shows the sense of its operation.
     pub sense: Option<String>,
@@ -91,11 +91,11 @@ const MAX_SIDE: usize = 6000;
 const SAMPLES: usize = 3;
 
 impl Shot {
-    /// Checks that the settings are possible and suit the drawing.
+    /// Checks the size of the picture, and that the drawing contains the operation and the errors to show.
     ///
     /// # Errors
-    /// Fails if the size is out of range. Also fails if the drawing lacks the operation or the combination of
-    /// model and reading. The message says why.
+    /// Returns a message if the size is out of range. It also returns a message if the drawing lacks the
+    /// operation or the combination of model and reading.
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
         if !(64..=MAX_SIDE).contains(&self.width) || !(64..=MAX_SIDE).contains(&self.height) {
             return Err(format!(
@@ -162,8 +162,8 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
 /// Returns the picture as PNG with 8 bits per colour.
 ///
 /// # Errors
-/// Fails if the size is out of range. Also fails if the operation or the combination of model and reading in
-/// `shot` does not exist.
+/// Returns a message if the size is out of range or the picture cannot be encoded. It also returns a message
+/// if the drawing lacks the operation or the combination of model and reading of `shot`.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
     let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);

@@ -40,7 +40,7 @@ impl Palette {
         Self { paper, floor, grid, text, faint, ring, warning, alarm, spot, envelope, is_dark }
     }
 
-    /// Returns the colour of a glyph of this severity.
+    /// Returns the colour of a glyph of the severity `tone`.
     pub fn of_tone(&self, tone: GlyphTone) -> Colour {
         match tone {
             GlyphTone::Quiet => self.ring,
@@ -110,7 +110,8 @@ impl Light {
         Self { key: towards(-0.55, 0.75, 0.45), fill: towards(0.85, 0.1, 0.4) }
     }
 
-    /// Returns the brightness of a surface with this unit normal, as a factor that multiplies its colour.
+    /// Returns the brightness of a surface with the unit normal `normal`, as a factor of the surface's
+    /// colour.
     pub fn on(&self, normal: &Vector3<f64>) -> f32 {
         let (key, fill) = (normal.dot(&self.key).max(0.0), normal.dot(&self.fill).max(0.0));
         (0.56 + 0.46 * key + 0.16 * fill) as f32

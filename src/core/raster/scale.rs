@@ -12,7 +12,7 @@ pub enum Show {
     X,
     Y,
     Z,
-    /// Part of the error vector that lies in the x-y plane.
+    /// Part of the error vector in the xy plane of the world.
     InPlane,
     #[default]
     Resultant,
@@ -33,8 +33,8 @@ impl Show {
 
     /// Returns the errors of an error map as arrows that show this component.
     ///
-    /// `field` is an index into [`Drawing::fields`], and `take` selects model and reading (index into
-    /// [`Field::takes`]).
+    /// `field` is an index into [`Drawing::fields`]. `take` is an index into [`Field::takes`], which selects
+    /// model and reading.
     pub fn arrows(self, drawing: &Drawing<'_>, field: usize, take: usize) -> Vec<Arrow> {
         let component = match self {
             Self::Nothing => return Vec::new(),
@@ -60,7 +60,8 @@ impl Show {
 pub struct ErrorScale {
     /// Names of the senses whose values the colours show.
     pub senses: Vec<String>,
-    /// Least and greatest value of the shown error maps, m, rad or a share; None without usable nodes.
+    /// Least and greatest value of the shown error maps: m, rad, or a share from 0 to 1; None without usable
+    /// nodes.
     pub range: Option<(f64, f64)>,
     pub unit: Unit,
 }
@@ -110,7 +111,8 @@ pub fn value(field: &Field, shot: &Shot, node: usize) -> Option<f64> {
 
 /// Returns the best node in the sense that the picture shows.
 ///
-/// In the sense of the operation this is the spot; in any other sense it is the usable node of least value.
+/// If the picture shows the sense of the operation, the best node is the spot. For any other sense, it is the
+/// usable node of least value.
 pub fn best(field: &Field, shot: &Shot) -> Option<usize> {
     if sense(field, shot) == field.sense {
         return field.takes.get(shot.take)?.best;

@@ -21,7 +21,7 @@ pub struct SceneBody {
     /// Whether lamps light the body. An unlit body, such as a node or an arrow, is equally bright from all
     /// sides.
     pub is_lit: bool,
-    /// Whether the body is an arrow or a node. SVG draws these as shapes of their own, not as bodies.
+    /// Whether the body is an arrow or a node. SVG draws arrows and nodes as separate shapes, not as bodies.
     pub is_sign: bool,
     pub has_edges: bool,
     /// Distance by which the body is shifted towards the eye when it is drawn, m.

@@ -25,7 +25,7 @@ pub const TEXT: f64 = 1.38;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegendSign {
     Spot,
-    /// Glyph of the nodes that are unusable for this reason.
+    /// Glyph of the nodes that are unusable for the reason that the [`NodeSign`] states.
     Node(NodeSign),
     Envelope,
 }
@@ -44,7 +44,7 @@ impl LegendSign {
 pub struct LegendTexts {
     pub title: String,
     pub line: String,
-    /// Texts of the colour scale: quantity, least value and greatest value; None without a colour scale.
+    /// Texts of the colour scale: heading, least value and greatest value; None without a colour scale.
     pub colours: Option<[String; 3]>,
     /// Scale bar of the arrows: its length (m in the world) and its text; None without arrows.
     pub arrows: Option<(f64, String)>,

@@ -19,8 +19,9 @@ pub struct AttitudeSet {
     ///
     /// The vector d is the tool axis, and r is the reference axis of the tool.
     ///
-    /// The function [`crate::cell::held`] defines both axes. The matrices are in the base frame. If `radial`
-    /// is set, they are in the frame whose x axis points from the base axis to the target instead.
+    /// The function [`crate::cell::held`] defines both axes. If `radial` is false, the matrices are in the
+    /// base frame. If `radial` is true, they are in a frame whose x axis points from the base axis to the
+    /// target.
     pub(super) columns: Vec<Matrix3<f64>>,
     pub(super) radial: bool,
     pub(super) spin_is_free: bool,
@@ -89,7 +90,8 @@ impl AttitudeSet {
         self.spins.len() * tilts
     }
 
-    /// Returns the rotation matrix r, d x r, d of the tool in attitude `k` at a target, base frame.
+    /// Returns the rotation matrix of the tool in attitude `k` at a target, base frame. See [`Self::columns`]
+    /// for the columns of the matrix.
     #[inline]
     pub(super) fn columns_at(&self, k: usize, target: &Vector3<f64>) -> Matrix3<f64> {
         if !self.radial {
@@ -101,8 +103,9 @@ impl AttitudeSet {
 
     /// Returns the excess of the tool's attitude error over the tolerance, rad; 0 within the tolerance.
     ///
-    /// `columns` is the rotation matrix r, d x r, d of the tool. Only an arm that cannot choose heading or
-    /// spin needs this check. `rolls` says whether the arm can choose the spin.
+    /// `columns` is the rotation matrix of the tool in the base frame, with the columns that
+    /// [`Self::columns`] describes. Only an arm that cannot choose heading or spin needs this check. `rolls`
+    /// says whether the arm can choose the spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);
@@ -127,7 +130,7 @@ impl AttitudeSet {
 
     /// Returns whether [`Self::off`] is needed.
     ///
-    /// It is needed if the attitude requires a heading, or requires a spin that the arm cannot choose.
+    /// It is needed if the attitude requires a heading, or a spin that the arm cannot choose.
     pub(super) fn is_checked(&self, rolls: bool) -> bool {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }

@@ -67,7 +67,7 @@ impl Branch {
 pub enum Reach {
     /// No posture exists; `by` is the distance from the target to the nearest reachable point, m.
     OutOfReach { by: f64 },
-    /// The position is within reach, but not in the required attitude; `by` is the least angle error (rad).
+    /// The arm reaches the position, but not in the required attitude; `by` is the least angle error (rad).
     ///
     /// `joint` is the joint whose limit prevents the attitude; None if the geometry does.
     Attitude { by: f64, joint: Option<usize> },

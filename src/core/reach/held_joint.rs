@@ -64,7 +64,7 @@ impl HeldJoint {
         Some(Self { solver, fast, numeric, template, link, first, axes: n, values })
     }
 
-    /// Returns the family of the arm in words.
+    /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
         match (&self.solver, self.first) {
             (PoseSolver::SphericalWrist(_), true) => "spherical wrist, first joint free (closed form)",
@@ -116,8 +116,8 @@ impl HeldJoint {
         if self.first { *inverse * *flange } else { *flange * *inverse }
     }
 
-    /// Writes the posture of the whole arm: `rest` holds the rows of the other joints, and `held` the held
-    /// row.
+    /// Writes the posture of the whole arm into `whole`. `rest` holds the D-H values of the joints that are
+    /// not held. `held` holds the D-H values (cos theta, sin theta, r) of the held joint.
     pub fn join(&self, rest: &Posture, held: &(f64, f64, f64), whole: &mut Posture) {
         let (at, from) = if self.first { (0, 1) } else { (self.axes - 1, 0) };
         for k in 0..self.axes - 1 {
@@ -129,7 +129,8 @@ impl HeldJoint {
 
     /// Returns a distance, m, that limits the search between the samples of the held joint.
     ///
-    /// If a target is farther than this from the reachable points at every sample, it counts as out of reach.
+    /// A target counts as out of reach if, at every sample, all reachable points are farther from it than
+    /// this distance.
     pub fn sample_reach(&self) -> f64 {
         let step = (self.values[Self::SAMPLES - 1] - self.values[0]) / (Self::SAMPLES - 1) as f64;
         match self.link.kind {

@@ -22,7 +22,7 @@ pub struct Inverse {
     pub(super) solver: ChainSolver,
     /// Joint limits; None if they cannot be checked on the sines and cosines of a posture.
     ///
-    /// If this is None, the chain is solved numerically, within the limits.
+    /// In this case, the numeric solver solves the chain within the limits.
     pub(super) limits: Option<Limits>,
     /// Pose of the base frame in D-H frame 0; None for the identity.
     pub(super) to_zero: Option<Pose>,
@@ -54,7 +54,7 @@ impl Inverse {
         }
     }
 
-    /// Returns the family of the arm in words.
+    /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
         self.solver.family()
     }
@@ -146,8 +146,9 @@ impl Inverse {
 
     /// Returns whether any branch keeps joint limits and attitude.
     ///
-    /// After such a branch, a closed form for whole poses tries no further attitude or sample of a redundant
-    /// joint. A redundant joint is tried only at its sampled values.
+    /// A closed form for whole poses stops at the first attitude that has such a branch. If a joint is
+    /// redundant, the search stops at the first sample of this joint that has one. A redundant joint is tried
+    /// only at its sampled values.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
         let usable = |posture: &Posture| self.excess(posture, target, attitudes) == 0.0;
         match &self.solver {

@@ -7,9 +7,9 @@ use crate::cell::JointKind;
 
 /// Range of one revolute joint as a cone of unit vectors.
 ///
-/// Every angle is written as a complex number of length 1. The coordinate of actuator i is the D-H angle
-/// `theta_i`, divided by `a_j^factor` for every joint j that drives joint i; `a_j` is the coordinate of
-/// actuator j. The axis of the cone includes the D-H offsets of all these joints.
+/// Every angle is written as a complex number of length 1, so a division subtracts angles. The coordinate of
+/// actuator i is the D-H angle `theta_i`, divided by `a_j^factor` for every joint j that drives joint i. Here
+/// `a_j` is the coordinate of actuator j. The axis of the cone includes the D-H offsets of all these joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
     /// Cosine and sine of the angle of the cone's axis.
@@ -25,7 +25,7 @@ pub struct LimitCone {
 impl Limits {
     /// Returns one cone per joint.
     ///
-    /// It is None if a joint is prismatic, or if a coupling factor is not a whole number from -8 to 8.
+    /// Returns None if a joint is prismatic, or if a coupling factor is not a whole number from -8 to 8.
     pub fn cones(&self) -> Option<Vec<LimitCone>> {
         let whole = self.whole.as_ref()?;
         if self.ranges.iter().any(|r| r.kind == JointKind::Prismatic) {

@@ -6,7 +6,8 @@ use crate::robot::{Chain, Posture};
 use crate::units::wrapped;
 use std::f64::consts::PI;
 
-/// Tolerance of the limit of a revolute joint, for the cosine of the angle from the middle of the range.
+/// Tolerance of the limit of a revolute joint, applied to the cosine of the angle from the middle of the
+/// range.
 ///
 /// It prevents rounding from rejecting a posture exactly at its limit.
 const COSINE_TOLERANCE: f64 = 1e-12;
@@ -44,7 +45,7 @@ pub(super) struct ActuatorRange {
 pub(super) struct Limits {
     pub(super) ranges: Vec<ActuatorRange>,
     coupling: Vec<Vec<f64>>,
-    /// Coupling factors below the diagonal as (row, column, factor).
+    /// Coupling factors that are not 0, as (index of the driven joint, index of the driving joint, factor).
     ///
     /// None if a factor is not a whole number from -8 to 8, or couples a prismatic joint.
     pub(super) whole: Option<Vec<(usize, usize, i32)>>,
@@ -54,8 +55,8 @@ impl Limits {
     /// Prepares the limits of a chain.
     ///
     /// # Errors
-    /// Fails if the sines and cosines of a posture cannot tell whether it keeps the limits. The message gives
-    /// the reason.
+    /// Returns the reason if the sines and cosines of a posture cannot tell whether the posture keeps the
+    /// limits.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let turns_more = |j: usize| {
             let link = &chain.links[j];
@@ -87,8 +88,8 @@ impl Limits {
     /// Returns a measure of how far a posture exceeds its joint limits; 0 within the limits.
     ///
     /// It is a sum over the joints that exceed a limit. A prismatic joint adds the distance to its limit, m.
-    /// A revolute joint adds the cosine at its limit minus the cosine at the posture. Both angles are
-    /// measured from the middle of the range.
+    /// A revolute joint adds the cosine at its limit minus the cosine at the posture. The angles of these two
+    /// cosines are measured from the middle of the range.
     #[inline]
     pub fn excess(&self, posture: &Posture) -> f64 {
         let Some(whole) = &self.whole else {

@@ -71,9 +71,9 @@ impl Inverse {
 
     /// Returns the goals of the TCP for all attitudes.
     ///
-    /// A goal does not contain a free spin, because the numeric solver chooses it. If the azimuth is free,
-    /// too, the goal contains only the elevation. A free azimuth with a given spin becomes one goal per
-    /// sampled azimuth.
+    /// If the spin is free, a goal does not prescribe it, because the numeric solver chooses the spin. If
+    /// spin and azimuth are free, a goal prescribes only the elevation. If the azimuth is free and the spin
+    /// is given, there is one goal per sampled azimuth.
     pub(super) fn goals(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Vec<TcpGoal> {
         let set = &attitudes.set;
         let goal = |attitude| TcpGoal { position: *target, attitude };
@@ -94,7 +94,8 @@ impl Inverse {
 /// Returns whether `a` is nearer to a solution than `b`.
 ///
 /// A missed attitude is nearest, a search that did not converge is next, and a target out of reach is
-/// farthest. Within one of these three classes the smaller distance or angle is nearer.
+/// farthest. Within one of these three classes, the shortfall with the smaller distance or angle is nearer.
+/// For a search that did not converge, the sum of distance and angle is compared.
 fn is_nearer(a: &Shortfall, b: &Shortfall) -> bool {
     let key = |missing: &Shortfall| match missing {
         Shortfall::Attitude { by, .. } => (0, *by),

@@ -31,7 +31,7 @@ impl PoseSolver {
         found.is_exact(chain).then_some(found)
     }
 
-    /// Returns the family of the arm in words.
+    /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
         match self {
             Self::Scara(_) => "SCARA (closed form)",

@@ -39,7 +39,7 @@ impl ChainSolver {
         Self::Numeric(Box::new(Numeric::new(chain)))
     }
 
-    /// Returns the family of the arm in words.
+    /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
         match self {
             Self::Planar(arm) if arm.rolls() => "base yaw, three parallel axes, roll (closed form)",

@@ -21,9 +21,9 @@ pub(in crate::reach) struct Anthropomorphic {
     /// Coordinate y of the wrist centre in frame 0 rotated by theta_1 about its z axis.
     lateral: f64,
     links: TwoLinks,
-    /// Direction from axis 3 to the wrist centre at theta_3 = 0.
+    /// Cosine and sine of the angle from axis x of frame 2 to the wrist centre at theta_3 = 0.
     ///
-    /// It is the angle about axis 2 from axis x of frame 2.
+    /// The angle is positive about axis 2, and its vertex is on axis 3.
     forearm: Angle,
 }
 
@@ -95,8 +95,9 @@ impl Anthropomorphic {
     /// `radius` is the distance of the target from axis 1. `height` is the height of the target above the
     /// origin of frame 1, negated if alpha_1 is -90 degrees.
     ///
-    /// The function alternates between two steps, and each of them shortens the distance. One finds the
-    /// nearest point in the plane of the arm for a fixed yaw; the other finds the best yaw for that point.
+    /// The function alternates between two steps, and each of them shortens the distance. The first step
+    /// finds the nearest point in the plane of the arm for a fixed yaw. The second step finds the best yaw
+    /// for that point.
     fn missing(&self, radius: f64, height: f64) -> f64 {
         const MAX_STEPS: usize = 100;
         let (least, most) = self.links.range();

@@ -9,7 +9,7 @@ use crate::cell::JointKind::{self, Prismatic, Revolute};
 use crate::robot::Link;
 use nalgebra::Vector3;
 
-/// Coordinates of the point that three joints move, as linear forms of joint 3; lengths in m.
+/// Coordinates of the point that three joints move, as linear forms in the variable of joint 3; lengths in m.
 ///
 /// A form has three coefficients. For a revolute joint 3 they multiply 1, cos theta_3 and sin theta_3. For
 /// a prismatic joint 3 the first two multiply 1 and r_3, and the third is 0.
@@ -27,8 +27,8 @@ pub(in crate::reach) struct PointForms {
     pub v: Quadratic,
     /// Coordinate z of the point in frame 1, without r_2 if joint 2 is prismatic.
     pub h: Quadratic,
-    /// Squared distance of the point from the origin of frame 1: the first form plus the square of the
-    /// second. Used only if joint 2 is revolute.
+    /// Two forms F and G; `F + G^2` is the squared distance of the point from the origin of frame 1. They are
+    /// used only if joint 2 is revolute.
     pub distance2: (Quadratic, Quadratic),
 }
 
@@ -40,9 +40,10 @@ pub(in crate::reach) struct PointTarget {
     pub p: Vector3<f64>,
     /// Height of the target above the origin of frame 1 along axis 1, m. Used only if joint 1 is revolute.
     pub height: f64,
-    /// Squared distance of the target from the point Q, minus l_1 squared, m^2.
+    /// Difference `d^2 - l_1^2`, m^2; it is used only if joint 1 is revolute.
     ///
-    /// At Q the common normal of axes 1 and 2 meets axis 1. Used only if joint 1 is revolute.
+    /// Here l_1 is the D-H length of link 1. The common normal of axes 1 and 2 meets axis 1 at a point Q. The
+    /// distance of the target from Q is d.
     pub distance2: f64,
     /// Coordinate x of the target in frame 0 rotated by the fixed theta_1 of a prismatic joint 1, m.
     pub x: f64,
@@ -97,7 +98,7 @@ impl PointForms {
         Self { kinds, twist1, zero, l1: a.l, u, v, h, distance2: (form, z) }
     }
 
-    /// Returns the values of joint 3 as polynomials of a parameter t.
+    /// Returns joint 3 as a function of a parameter t.
     ///
     /// For a prismatic joint 3, t is r_3. For a revolute joint 3, t is the tangent of half the angle
     /// between theta_3 and an origin. The origin is the angle with the cosine `c` and the sine `s`.
@@ -123,9 +124,10 @@ impl PointForms {
 
     /// Returns Pieper's equation for revolute joints 1 and 2.
     ///
-    /// The value [`PointTarget::distance2`] gives coordinate x of the point in frame 1, and the height along
-    /// axis 1 gives y. The equation states that x and y agree with the distance of the point from axis 2. If
-    /// l_1 is 0, it states only that the distance is right; if sin alpha_1 is 0, that the height is right.
+    /// Coordinate x of the point in frame 1 follows from [`PointTarget::distance2`], and y from the height
+    /// along axis 1. The equation states that `x^2 + y^2` is the squared distance of the point from axis 2.
+    /// If the D-H length l_1 is 0, only the distances of point and target from the origin of frame 1 are
+    /// compared. If sin alpha_1 is 0, only their heights along axis 1 are compared.
     fn both_turn(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let ((ca, sa), l1, far) = (self.twist1, self.l1, self.distance2_on(path));
         let (e, z) = (path.minus(target.distance2, &far), path.minus(target.height, &h.map(|k| ca * k)));
@@ -142,8 +144,9 @@ impl PointForms {
 
     /// Returns Pieper's equation for a prismatic joint 1 and a revolute joint 2.
     ///
-    /// The coordinates x and y of the target perpendicular to axis 1 give x and y of the point in frame 1.
-    /// The equation states that these x and y agree with the distance of the point from axis 2.
+    /// Coordinates x and y of the point in frame 1 follow from [`PointTarget::x`] and [`PointTarget::y`]. The
+    /// equation states that `x^2 + y^2` is the squared distance of the point from axis 2. If cos alpha_1 is
+    /// 0, the equation compares only coordinate y of point and target in the frame of [`PointTarget::x`].
     fn slide_turns(&self, target: &PointTarget, path: &Path, h: &Quadratic) -> Polynomial {
         let (ca, sa) = self.twist1;
         let y = path.minus(target.y, &h.map(|k| -sa * k));
@@ -158,8 +161,9 @@ impl PointForms {
 
     /// Returns Pieper's equation for a revolute joint 1 and a prismatic joint 2.
     ///
-    /// The height along axis 1 gives coordinate z of the point in frame 1. The equation states that x, y and
-    /// z agree with [`PointTarget::distance2`].
+    /// Coordinate z of the point in frame 1 follows from the height along axis 1. The equation states that
+    /// `x^2 + y^2 + z^2 + 2 l_1 x` is equal to [`PointTarget::distance2`]; l_1 is a D-H length. If cos
+    /// alpha_1 is 0, the equation compares only the heights of point and target along axis 1.
     fn turn_slides(&self, target: &PointTarget, path: &Path, (x, y): &(Quadratic, Quadratic)) -> Polynomial {
         let (ca, sa) = self.twist1;
         let z = path.minus(target.height, &y.map(|k| sa * k));
@@ -201,7 +205,8 @@ fn weighted(terms: &[(f64, Polynomial)]) -> Polynomial {
 
 /// Returns the squared distance of the point from axis 2, as a polynomial of the parameter t.
 ///
-/// `far` is the squared distance of the point from the origin of frame 1, and `h` its height along axis 2.
+/// `far` is the squared distance of the point from the origin of frame 1. `h` is the height of the point
+/// along axis 2.
 fn radius2(far: &Quadratic, h: &Quadratic, path: &Path) -> Polynomial {
     weighted(&[(1.0, product(far, &path.one)), (-1.0, product(h, h))])
 }

@@ -3,16 +3,17 @@
 //!
 //! Palletizers belong to this family: their third parallel axis is passive.
 //!
-//! Let s be the signed horizontal distance of the TCP from the base axis in that plane: positive in front,
-//! negative behind. Let z be the height of the TCP, and phi the angle of the last parallel link. Let (U, V)
-//! be the vector from the wrist to the TCP, a function of phi. The wrist then lies at `u = s - l_1 -
+//! Let s be the signed horizontal distance of the TCP from the base axis in the vertical plane: positive in
+//! front, negative behind. Let z be the height of the TCP, and phi the angle of the last parallel link. Let
+//! (U, V) be the vector from the wrist to the TCP, a function of phi. The wrist then lies at `u = s - l_1 -
 //! U(phi)` and `v = z - r_1 - V(phi)` relative to axis 2.
 //!
 //! The law of cosines gives two solutions for the elbow, and theta_4 = phi - theta_2 - theta_3. A given
-//! elevation of the tool (its bending angle) allows two values of phi. With one, the tool points away from
-//! the base axis; with the other, towards it. The two values coincide if the tool is vertical. A target has
-//! up to 2 x 2 x 2 branches: two signs of s, two values of phi and two elbows. The solver computes sines
-//! and cosines by square roots alone; angles are computed only for branches that are reported.
+//! elevation of the tool (its bending angle) allows two values of phi. With the first value, the tool points
+//! away from the base axis; with the second value, towards it. The two values coincide if the tool is
+//! vertical. A target has up to 2 x 2 x 2 branches: two signs of s, two values of phi and two elbows. The
+//! solver computes sines and cosines by square roots alone; angles are computed only for branches that are
+//! reported.
 
 use crate::cell::{JointKind, tool_columns};
 use crate::pose::exact_sin_cos;
@@ -23,9 +24,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Excess over 1 up to which the cosine of the elbow angle counts as 1.
 ///
-/// Rounding would otherwise lose the solution of a stretched arm. The value is also the relative tolerance of
-/// the squared distance of a target from the base axis. This distance must not be smaller than the lateral
-/// offset of the arm.
+/// Rounding would otherwise lose the solution of a stretched arm. A target is not too near to the base axis
+/// if `lateral^2 <= d^2 (1 + STRETCHED)`. Here d is the distance of the target from this axis, and `lateral`
+/// is the lateral offset of the arm.
 pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
 /// Largest deviation of a unit vector (no unit) or of a point (m) that counts as rounding.
@@ -64,7 +65,7 @@ impl PlanarArm {
     /// Returns the closed form of a planar arm.
     ///
     /// # Errors
-    /// Fails if the chain is not a planar arm. The message says why.
+    /// Returns the reason if the chain is not a planar arm.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, ref rest @ ..] = chain.links[..] else {
             return Err(format!("it has {} axes, not 4 or 5", chain.axes()));
@@ -210,8 +211,8 @@ impl PlanarArm {
         missing.max(0.0)
     }
 
-    /// Returns cosine and sine of the theta_1 that rotates the point (s, -lateral) about the base axis to
-    /// the target.
+    /// Returns cosine and sine of theta_1, which rotates the point (`s`, -`lateral`) about the base axis to
+    /// the target. The module documentation defines s, and `lateral` is the signed lateral offset of the arm.
     ///
     /// If the target is on the base axis, theta_1 is free and is set to the middle of its range.
     #[inline]

@@ -8,7 +8,7 @@ pub(in crate::reach) type Quadratic = [f64; 3];
 
 /// Largest absolute value of the polynomial at an extremum that counts as a double root.
 ///
-/// The unit is the sum of the absolute values of the polynomial's terms there.
+/// It is a share of the sum of the absolute values of the polynomial's terms at the extremum.
 const DOUBLE_ROOT: f64 = 1e-7;
 
 /// Up to four real roots in ascending order.

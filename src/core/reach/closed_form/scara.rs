@@ -39,7 +39,7 @@ impl Scara {
     /// Returns the closed form of a SCARA.
     ///
     /// # Errors
-    /// Fails if the chain is not a SCARA. The message says why.
+    /// Returns the reason if the chain is not a SCARA.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let kinds: Vec<_> = chain.links.iter().map(|l| l.kind).collect();
         let of = |kind| (0..kinds.len()).filter(|&i| kinds[i] == kind).collect::<Vec<_>>();
@@ -68,7 +68,8 @@ impl Scara {
         Ok(arm)
     }
 
-    /// Computes the vectors from joint to joint, and height and direction of the flange, at theta = 0.
+    /// Computes the directions of the axes, and the geometry of the arm with every revolute joint at theta =
+    /// 0.
     fn measure(&mut self, chain: &Chain) {
         let (mut sense, mut direction, mut side) = (1.0, Plane::new(1.0, 0.0), 0);
         for link in &chain.links {
@@ -132,8 +133,8 @@ impl Scara {
         0.0
     }
 
-    /// Returns whether axis z of the pose `flange` has the direction that the arm gives its flange in every
-    /// posture.
+    /// Returns whether the arm can hold the z axis of the pose `flange`. The flange of a SCARA has the same z
+    /// axis in every posture.
     pub(in crate::reach) fn can_hold(&self, flange: &Pose) -> bool {
         (flange.rotation[(2, 2)] - self.flange_sense).abs() < 1e-12
     }

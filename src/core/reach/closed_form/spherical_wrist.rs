@@ -37,7 +37,7 @@ impl SphericalWrist {
     /// Returns the closed form of an arm with a spherical wrist or shoulder.
     ///
     /// # Errors
-    /// Fails if the chain is not such an arm. The message says why.
+    /// Returns the reason if the chain is not such an arm.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let links: [Link; 6] =
             chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
@@ -81,9 +81,10 @@ impl SphericalWrist {
     /// Bit 0 of the branch index is set if the wrist is flipped. For an anthropomorphic arm, bit 1 tells the
     /// two elbow solutions apart, and bit 2 is set if the arm leans back over its base.
     ///
-    /// For other arms, bit 1 numbers the two solutions of joint 2. Bit 2 is set if the polynomial of Pieper's
-    /// equation increases at the solution for joint 3. Bit 3 numbers solutions with equal bit 2. Their order
-    /// is ascending in theta_3 from -180 degrees, or in r_3 of a prismatic joint 3.
+    /// For other arms, bit 1 tells the two solutions for joint 2 apart. Bit 2 is set if the polynomial of
+    /// Pieper's equation increases at the solution for joint 3. Bit 3 is set for the second of two roots of
+    /// this equation that have the same bit 2. These two are in ascending order of theta_3 from -180 degrees,
+    /// or of r_3 if joint 3 is prismatic.
     ///
     /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
     /// No better numbering exists for a cuspidal arm, which can change posture without passing a singularity.
@@ -187,7 +188,7 @@ fn end_for_end(links: &[Link; 6]) -> [Link; 6] {
     })
 }
 
-/// Converts a posture of the chain to one of the reversed chain, or back.
+/// Converts a posture of the chain to the equivalent posture of the reversed chain, or the other way round.
 #[inline]
 fn mirrored(posture: &Posture) -> Posture {
     let mut mirror = *posture;

@@ -1,5 +1,5 @@
-//! Numeric solution for three joints that move a point to a target, or as near to it as possible, by damped
-//! least squares.
+//! Numeric solution, by damped least squares, for three joints that move a point as near to a target as
+//! possible.
 
 use super::subproblems::Angle;
 use crate::cell::JointKind::{Prismatic, Revolute};
@@ -190,8 +190,11 @@ impl ThreeJointPoint {
 /// Number of angles of the grid for each of joints 2 and 3.
 const GRID: usize = 12;
 
-/// Returns the damped least-squares solution of `moves * step = rest`, where `moves` is the Jacobian; None
-/// if there is none.
+/// Returns the damped least-squares solution of `moves * step = rest`; None if its matrix is not positive
+/// definite.
+///
+/// `moves` is the Jacobian J of a point, and `rest` is the vector from the point to its target, m. `damping`
+/// is relative to the trace of `J^T J`.
 fn damped(moves: &Matrix3<f64>, rest: &Vector3<f64>, damping: f64) -> Option<Vector3<f64>> {
     let normal = moves.tr_mul(moves);
     let damping = damping * normal.trace();

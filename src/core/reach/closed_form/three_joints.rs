@@ -20,15 +20,16 @@ const ACCURACY: f64 = 1e-10;
 /// Closed form of three joints that put a point at a target; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct ThreeJoints {
-    /// Whether to return a constant instead of the distance to an unreachable target. Computing that distance
-    /// takes a hundred times as long as computing the solutions.
+    /// Whether [`Self::solve`] returns a constant instead of the distance to an unreachable target. Computing
+    /// that distance takes a hundred times as long as computing the solutions.
     pub fast: bool,
     forms: PointForms,
     r1: f64,
     point: ThreeJointPoint,
 }
 
-/// Solution for joint 3: `a` is cos theta_3 or, for a prismatic joint, r_3; `b` is sin theta_3 or 0.
+/// Solution for joint 3: `a` is cos theta_3, and `b` is sin theta_3. For a prismatic joint, `a` is r_3, and
+/// `b` is 0.
 #[derive(Clone, Copy)]
 struct Third {
     a: f64,
@@ -45,7 +46,7 @@ impl ThreeJoints {
     ///
     /// # Errors
     /// Fails if the joints cannot move the point in all directions, or if their geometry is nearly
-    /// degenerate. The message says why.
+    /// degenerate. The message states which of these is true.
     pub fn new(links: &[Link; 3], r4: f64) -> Result<Self, String> {
         let arm = Self {
             forms: PointForms::new(links, r4),
@@ -72,16 +73,16 @@ impl ThreeJoints {
 
     /// Calls `found` with every solution for the first three joints that puts the point at `p`.
     ///
-    /// `p` is in frame 0, m. Bit 0 of the branch index numbers the two solutions for joint 2. Bit 1 is set if
-    /// the polynomial of Pieper's equation increases at the solution for joint 3. Bit 2 numbers solutions
-    /// with equal bit 1. Their order is ascending in theta_3 from -180 degrees, or in r_3 of a prismatic
-    /// joint 3. The index of a solution in continuous motion changes only at a singularity or at theta_3 =
-    /// 180 degrees.
+    /// `p` is in frame 0, m. Bit 0 of the branch index tells the two solutions for joint 2 apart. Bit 1 is
+    /// set if the polynomial of Pieper's equation increases at the solution for joint 3. Bit 2 is set for the
+    /// second of two roots of this equation that have the same bit 1. These two are in ascending order of
+    /// theta_3 from -180 degrees, or of r_3 if joint 3 is prismatic. The index of a solution in continuous
+    /// motion changes only at a singularity or at theta_3 = 180 degrees.
     ///
     /// If the point lies on the axis of a joint, the angle theta of that joint is 0.
     ///
     /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast`
-    /// is set, it returns [`UNKNOWN_DISTANCE`] for an unreachable target.
+    /// is set, the function returns [`UNKNOWN_DISTANCE`] for an unreachable target.
     pub fn solve(
         &self,
         p: &Vector3<f64>,
@@ -166,8 +167,9 @@ impl ThreeJoints {
     /// Returns the angle from which theta_3 is measured in Pieper's equation.
     ///
     /// The unknown of the equation is the tangent of half the angle between theta_3 and this origin. The
-    /// tangent is infinite opposite to the origin, so no root may lie there. Among six candidates, the
-    /// function chooses the origin for which the polynomial is largest at the opposite angle.
+    /// tangent is infinite at the angle opposite to the origin, so this angle must not be a root. Among six
+    /// candidates, the function chooses the origin for which the polynomial is farthest from 0 at the
+    /// opposite angle.
     fn origin(&self, target: &PointTarget) -> Angle {
         let p = self.forms.equation(target, &self.forms.path((1.0, 0.0)));
         let (ca, sa) = self.forms.twist1;

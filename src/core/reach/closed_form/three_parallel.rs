@@ -66,8 +66,8 @@ impl ThreeParallel {
     /// Returns the closed form of an arm with three parallel axes.
     ///
     /// # Errors
-    /// Fails if the chain is not of this family: six revolute joints, axes 2 to 4 parallel, axes 5 and 6
-    /// intersecting. The message says why.
+    /// Returns the reason if the chain is not of this family: six revolute joints, axes 2 to 4 parallel, axes
+    /// 5 and 6 intersecting.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, e, f] = chain.links[..] else {
             return Err(format!("it has {} axes, not 6", chain.axes()));
@@ -184,7 +184,7 @@ impl ThreeParallel {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// Solves for the other joints at one theta_1. Returns the distance (m) by which the target is out of
+    /// Solves for joints 2 to 6 at a given theta_1. Returns the distance (m) by which the target is out of
     /// reach in the plane of the arm. The distance is infinite if axes 4 to 6 cannot reach the orientation.
     #[inline]
     fn side(

@@ -94,10 +94,11 @@ impl<'a> Envelope<'a> {
         self.level(height, fine.step).region(fine.tolerance, fine.on_progress, at)
     }
 
-    /// Returns the number of points that must be sampled.
+    /// Returns the number of points that are sampled to compute the requested sections and, if wanted, the
+    /// size.
     ///
-    /// The number covers `sections` vertical sections, one plan at each of `heights` (m) and, if `size` is
-    /// true, [`Self::size`].
+    /// Requested are `sections` vertical sections and one horizontal section at each of `heights` (m). The
+    /// number includes the points of [`Self::size`] if `size` is true.
     pub fn work(&self, sections: u64, heights: &[f64], size: bool, step: f64) -> u64 {
         let plans: u64 = heights.iter().map(|z| self.level(*z, step).count()).sum();
         let size = if size { self.size_work(step) } else { 0 };
@@ -116,13 +117,13 @@ impl<'a> Envelope<'a> {
         Lattice::round([centre.x, centre.y], (outer * outer - away * away).sqrt(), step)
     }
 
-    /// Returns whether the envelope would be exactly symmetric about the base axis without limits of joint 1.
+    /// Returns whether the envelope would be exactly symmetric about the base axis if joint 1 had no limits.
     ///
     /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
-    /// rotate with joint 1. A closed form for whole poses samples free angles from a fixed direction. With
-    /// such a closed form and an azimuth that is not radial, two more conditions apply: the tool must be
-    /// vertical, and joint 1 must have a range of a whole turn. With the numeric solver, joint 1 must always
-    /// have a range of a whole turn.
+    /// rotate with joint 1. With the numeric solver, joint 1 must also have a range of at least one turn. A
+    /// closed form for whole poses samples free angles from a fixed direction. With this closed form, two
+    /// more conditions apply if the azimuth is not radial. The tool must be vertical, and joint 1 must have a
+    /// range of at least one turn.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

@@ -189,9 +189,10 @@ struct Samples<'a> {
     jump: f64,
 }
 
-/// Returns the integral of the sampled function times the derivative of `moment`.
+/// Returns the integral of `f(u) m'(u)` over the coordinate u. Here f is the sampled function, and m is
+/// `moment`.
 ///
-/// `value` evaluates the function between the samples to locate a jump.
+/// The function `value` evaluates f between the samples to locate a jump.
 fn integral(
     Samples { line, values, tolerance, jump }: Samples<'_>,
     value: impl Fn(f64) -> f64,

@@ -3,7 +3,7 @@
 use super::joint_ranges::JointRanges;
 use crate::cell::JointVector;
 
-/// Largest number of consecutive start postures without a new solution, once a solution has been found.
+/// Number of consecutive start postures without a new solution that ends the search, if a solution is known.
 const MAX_IDLE_STARTS: usize = 256;
 /// Largest number of reported solutions: a chain of six revolute joints has up to 16.
 const MAX_SOLUTIONS: usize = 16;
@@ -41,7 +41,8 @@ impl<'a> DistinctSolutions<'a> {
         }
     }
 
-    /// Returns whether enough solutions have been found, or more start postures are unlikely to find others.
+    /// Returns whether the search can end. It ends after [`MAX_COLLECTED`] solutions. It also ends after
+    /// [`MAX_IDLE_STARTS`] start postures without a new solution, if at least one solution is known.
     pub fn is_done(&self) -> bool {
         self.found.len() >= MAX_COLLECTED || !self.found.is_empty() && self.idle >= MAX_IDLE_STARTS
     }

@@ -13,7 +13,7 @@ const MAX_STEPS: usize = 40;
 const PATIENCE: usize = 6;
 /// Least factor by which the cost must fall in [`PATIENCE`] steps.
 const MIN_GAIN: f64 = 2.0;
-/// Largest step of a joint, rad; for a prismatic joint, in lengths of the chain.
+/// Largest step of a revolute joint, rad. For a prismatic joint, it is a multiple of the length of the chain.
 const MAX_STRIDE: f64 = 1.0;
 /// Ratio of the damping to the cost.
 const DAMPING: f64 = 0.1;
@@ -29,7 +29,8 @@ const SINGULAR_DAMPING: f64 = 1e-12;
 const PULL: f64 = 0.1;
 
 impl Numeric {
-    /// Solves for a goal by damped Gauss-Newton steps within the limits; None if the descent stalls.
+    /// Solves for a goal by damped Gauss-Newton steps within the limits. Returns None if the descent stalls
+    /// or needs more than [`MAX_STEPS`] steps.
     ///
     /// The damping is proportional to the cost `|e|^2 / 2`, where e is the twist from the TCP to the goal. No
     /// step is tried and rejected, and the convergence stays quadratic (T. Sugihara 2011,

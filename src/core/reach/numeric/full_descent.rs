@@ -10,7 +10,7 @@ use crate::robot::Frames;
 
 /// Largest number of steps of one descent.
 const MAX_STEPS: usize = 100;
-/// Largest step of a joint, rad; for a prismatic joint, in lengths of the chain.
+/// Largest step of a revolute joint, rad. For a prismatic joint, it is a multiple of the length of the chain.
 const MAX_STRIDE: f64 = 0.7;
 /// Damping of the first step, as a share of the largest diagonal entry of the Hessian.
 const FIRST_DAMPING: f64 = 1e-3;
@@ -55,7 +55,7 @@ struct Linearization {
 struct Descent<'a> {
     solver: &'a Numeric,
     goal: &'a TcpGoal,
-    /// Factor of lengths in the cost, 1/m.
+    /// Factor that multiplies lengths in the cost, 1/m.
     scale: f64,
     frames: &'a mut Frames,
     damping: f64,
@@ -67,9 +67,9 @@ impl Numeric {
     /// Minimizes the cost by the Levenberg-Marquardt method within the limits.
     ///
     /// The factor `scale` (1/m) multiplies lengths in the cost. Every accepted step lowers the cost. A trial
-    /// step may not lower the cost because it holds a joint at a bound that the joint should leave. Then a
-    /// quadratic program computes the step instead. A goal without attitude uses the exact Hessian, so the
-    /// convergence is quadratic even if the goal is out of reach.
+    /// step can fail to lower the cost because it holds a joint at a bound that the joint should leave. In
+    /// this case, a quadratic program computes the step. For a goal without attitude, the method uses the
+    /// exact Hessian. Its convergence is then quadratic even if the goal is out of reach.
     pub(super) fn descend_to_rest(
         &self,
         goal: &TcpGoal,

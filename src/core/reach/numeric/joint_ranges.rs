@@ -110,7 +110,8 @@ impl JointRanges {
         }
     }
 
-    /// Returns, of the joints at a limit, the joint that the descent direction `b` pushes outward the most.
+    /// Returns the joint that the descent direction `b` pushes the most against its limit; None if there is
+    /// no such joint.
     pub fn held(&self, q: &JointVector, b: &JointVector) -> Option<usize> {
         let push = |i: usize| {
             let (range, b) = (&self.0[i], b[i]);

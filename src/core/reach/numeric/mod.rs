@@ -5,7 +5,7 @@
 //! Damped Gauss-Newton steps within the limits reduce the twist from the TCP to the goal (`fast_descent`).
 //! The descents start from a fixed set of postures; the posture with its TCP nearest to the goal comes first
 //! (`starts`). A descent that stalls is abandoned after a few steps, because another start is cheaper. If all
-//! descents fail, a few full descents follow (`full_descent`), which go on as long as the cost falls. The
+//! descents fail, a few full descents follow (`full_descent`), which continue as long as the cost falls. The
 //! cost is half the squared length of the twist. Where joint limits are active, full descents solve a
 //! quadratic program (`quadratic_program`). Full descents also explain why there is no solution
 //! (`shortfall`). The result depends neither on chance nor on an earlier call.
@@ -39,7 +39,8 @@ const FULL_DESCENTS: usize = 12;
 pub struct Numeric {
     chain: Chain,
     joints: JointRanges,
-    /// Factor of lengths in the cost, 1/m: a position error as long as the chain counts as much as 1 rad.
+    /// Factor that multiplies lengths in the cost, 1/m. A position error equal to the length of the chain
+    /// counts as much as an orientation error of 1 rad.
     scale: f64,
     starts: Starts,
 }
@@ -56,7 +57,8 @@ impl Numeric {
 
     /// Returns one solution within the limits: the first that a start posture leads to.
     ///
-    /// It is one of the solutions that [`Self::all`] collects. It is None only if `all` collects none.
+    /// This solution is one of those that [`Self::all`] collects. The result is None if and only if `all`
+    /// collects no solution.
     pub fn one(&self, goal: &TcpGoal) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();

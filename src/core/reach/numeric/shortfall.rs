@@ -15,8 +15,8 @@ const ATTITUDE_STARTS: usize = 16;
 const POSITION_WEIGHT: f64 = 1e4;
 /// Least position error (m) or orientation error (rad) that counts as the reason for a missing solution.
 const MIN_SHORTFALL: f64 = 1e-6;
-/// Distance of a goal from the base, in lengths of the chain, beyond which a nearer goal in the same
-/// direction replaces it.
+/// Largest distance of a goal from the base, as a multiple of the length of the chain. A farther goal is
+/// replaced by the point at this distance in the same direction.
 const MAX_CHAIN_LENGTHS: f64 = 1e6;
 
 /// Reason why the numeric solver has no solution for a goal.
@@ -38,15 +38,18 @@ pub enum Shortfall {
 }
 
 impl Numeric {
-    /// Returns the distance, m, by which a checked goal is out of reach in any attitude.
+    /// Returns the distance, m, by which a goal is out of reach in any attitude. The goal must be a result of
+    /// [`TcpGoal::checked`].
     ///
-    /// It is None if the goal is within reach, or if the search cannot tell.
+    /// Returns None if the goal is within reach. Also returns None if the descent that came nearest to the
+    /// goal did not converge.
     pub(super) fn out_of_reach(&self, goal: &TcpGoal, frames: &mut Frames) -> Option<f64> {
         let (by, still) = self.least_distance(&TcpGoal { attitude: AttitudeGoal::Any, ..*goal }, frames);
         (by > MIN_SHORTFALL && still).then_some(by)
     }
 
-    /// Returns the reason why a checked goal has no solution although its position is within reach.
+    /// Returns the reason why a goal has no solution although its position is within reach. The goal must be
+    /// a result of [`TcpGoal::checked`].
     pub(super) fn missing(&self, goal: &TcpGoal, frames: &mut Frames) -> Shortfall {
         let starts = self.starts.ranked(goal, self.scale).take(ATTITUDE_STARTS);
         let rests =

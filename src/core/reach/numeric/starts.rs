@@ -54,7 +54,8 @@ impl Starts {
     }
 }
 
-/// Iterator over the start postures; each is found on demand, because most goals need one or two.
+/// Iterator over the start postures in the order of [`Starts::ranked`]. The next posture is found on demand,
+/// because most goals need only one or two.
 pub(super) struct Ranked<'a> {
     starts: &'a Starts,
     far: [f64; STARTS],
