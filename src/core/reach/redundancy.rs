@@ -1,6 +1,6 @@
 //! Redundancy resolution: one joint is held at sampled values while the other joints are solved.
 //!
-//! More values are tried between samples if a usable posture may lie there.
+//! If no sample has a usable posture, values between samples are tried.
 
 use super::branch::Gap;
 use super::held_joint::{HeldJoint, HeldSample};
@@ -48,11 +48,11 @@ impl Inverse {
         missing
     }
 
-    /// Calls `found` with the usable branches of a redundant arm; returns the [`Gap`] of the target.
+    /// Calls `found` with the usable branches of a redundant arm, and returns the [`Gap`] of the target.
     ///
     /// The redundant joint is held at sampled values. If no sample has a usable branch, values between the
-    /// samples are searched. If the target then is at most slightly out of reach, the numeric solver is
-    /// tried.
+    /// samples are searched. If these fail, too, and the distance out of reach is at most [`GRAZING`], the
+    /// numeric solver is tried.
     pub(super) fn visit_redundant(
         &self,
         joint: &HeldJoint,
@@ -133,8 +133,8 @@ impl Inverse {
 /// Searches values between the samples of the held joint for a usable posture.
 ///
 /// The search covers the interval around every sample whose [`Gap`] is not larger than those of its
-/// neighbours. If the distance to an unreachable target is expensive to compute (see [`HeldJoint::fast`]), no
-/// value is searched.
+/// neighbours. If the distance to an unreachable target is expensive to compute (see [`HeldJoint::fast`]),
+/// the function searches no values.
 ///
 /// # Errors
 /// Returns the least gap if no searched value has a usable posture.

@@ -9,9 +9,9 @@ use super::attitude_set::AttitudeSet;
 pub struct PlanarAttitude {
     pub cos_phi: f64,
     pub sin_phi: f64,
-    /// Horizontal part of the vector from the wrist to the TCP in the plane of the arm, m.
+    /// Horizontal component, in the plane of the arm, of the vector from the wrist to the TCP, m.
     ///
-    /// The field `v` is the perpendicular part in this plane, m.
+    /// The field `v` is the component perpendicular to it in this plane, m.
     pub u: f64,
     pub v: f64,
     /// Cosine of the tool's elevation; negative if the tool points backwards, against the heading of the arm.

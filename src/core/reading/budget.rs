@@ -11,25 +11,25 @@ use nalgebra::{Vector3, Vector6};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     pub parameter: Parameter,
-    /// Value in the signed sample, m or rad.
+    /// Value of the parameter in the signed sample, m or rad.
     pub signed: f64,
-    /// Half width of the tolerance, m or rad.
+    /// Half width of the tolerance of the parameter, m or rad.
     pub plus_minus: f64,
     /// Linear position error of the TCP that this source causes, in world axes, m.
     ///
-    /// In the signed reading the source has its signed value, in the other readings the upper limit of its
-    /// tolerance.
+    /// In the signed reading, the source has its value in the signed sample. In the other readings, the
+    /// source is at the upper limit of its tolerance.
     pub term: Vector3<f64>,
     /// Size of the linear error in the operation's sense that this source alone causes at its tolerance, m or
     /// rad.
     pub alone: f64,
-    /// Share of the linear worst case; the shares of all sources add up to 1.
+    /// Share of this source in the linear worst case; the shares of all sources add up to 1.
     pub of_worst: f64,
-    /// Share of the variance of the linear error; the shares of all sources add up to 1.
+    /// Share of this source in the variance of the linear error; the shares of all sources add up to 1.
     pub of_variance: f64,
 }
 
-/// Error budget of one posture, the largest share first.
+/// Error budget of one posture, sorted by share, the largest first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
     pub shares: Vec<Share>,

@@ -67,8 +67,8 @@ impl Effects {
         self.mean = self.mean - change(&other.mean);
     }
 
-    /// Calls `add` for every independent random factor, with its effect at one standard deviation and its
-    /// distribution.
+    /// Calls `add` for every independent random factor with two arguments: the effect of the factor at one
+    /// standard deviation, and its distribution.
     pub fn independent(&self, sources: &ErrorSources, mut add: impl FnMut(Displacement, Distribution)) {
         for (k, source) in sources.list.iter().enumerate() {
             if let Some(spread) = &source.spread {

@@ -21,7 +21,7 @@ pub struct ErrorPropagation<'a> {
 impl ErrorPropagation<'_> {
     /// Computes the first-order effects at a posture, relative to the equipment on which the robot works.
     ///
-    /// If the operation places a picked part, they are also relative to the pick.
+    /// If the operation places a picked part, the effects are also relative to the pick.
     pub fn effects(
         &self,
         context: &WorkContext,
@@ -117,7 +117,8 @@ impl ErrorPropagation<'_> {
 #[derive(Debug, Clone)]
 pub struct PreparedSample {
     errors: Perturbation,
-    /// Rigid motion that the best fit of the base finds for the sample, as seen at the centre of the fit.
+    /// Rigid motion that the best fit of the base finds for the sample. Reference point: the centre of the
+    /// fit.
     fitted: Option<Displacement>,
     /// Index and frame error of each piece of equipment whose errors count.
     equipment: [Option<(usize, FrameError)>; 2],

@@ -14,15 +14,15 @@ pub const MAX_SOURCES: usize = MAX_PARAMETERS + 2 * PER_FRAME;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSource {
     pub parameter: Parameter,
-    /// Value in the signed sample, m or rad; 0 if the cell gives tolerances.
+    /// Value of the parameter in the signed sample, m or rad; 0 if the cell gives tolerances.
     pub signed: f64,
-    /// Half width of the tolerance, m or rad.
+    /// Half width of the tolerance of the parameter, m or rad.
     pub plus_minus: f64,
     /// Standard deviation of the parameter, m or rad.
     pub deviation: f64,
     /// Excess kurtosis of the distribution of the parameter.
     pub kurtosis: f64,
-    /// Distribution of the parameter; None if it is correlated with others.
+    /// Distribution of the parameter; None if the parameter is correlated with other parameters.
     pub spread: Option<Spread>,
     /// Index among the parameters of the robot; None for a parameter of the equipment.
     robot: Option<usize>,
@@ -34,14 +34,14 @@ pub struct ErrorSources {
     pub list: Vec<ErrorSource>,
     /// Independent normal factors of correlated sources.
     ///
-    /// Each factor is a list of source indices with the value of the source at one standard deviation of the
-    /// factor.
+    /// Each factor is a list of sources: the index of each source, and its value at one standard deviation of
+    /// the factor.
     pub factors: Vec<Vec<(usize, f64)>>,
-    /// Number of robot parameters in a sample; those of the joint frames are left out if no joint frame has
-    /// an error.
+    /// Number of robot parameters in a sample. If no joint frame has an error, the parameters of the joint
+    /// frames are left out.
     parameters: usize,
-    /// Indices of the equipment whose errors count: the equipment on which the robot works, and the equipment
-    /// from which it picked the part.
+    /// Indices of two pieces of equipment: the one on which the robot works, and the one from which it picked
+    /// the part.
     at: [Option<usize>; 2],
 }
 
@@ -120,8 +120,8 @@ impl ErrorSources {
         Expansion::of(chain, &parameters)
     }
 
-    /// Returns every independent random factor as a list of sources with their values at one standard
-    /// deviation of the factor.
+    /// Returns every independent random factor: source indices, and the values of these sources at one
+    /// standard deviation of the factor.
     pub fn independent(&self) -> Vec<Vec<(usize, f64)>> {
         let alone = self.list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
         alone.map(|(k, s)| vec![(k, s.deviation)]).chain(self.factors.iter().cloned()).collect()
@@ -159,10 +159,10 @@ fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
     }
 }
 
-/// Returns independent factors `v_f` of the covariance `C = sum_f v_f v_f^T` of a tolerance.
+/// Returns independent factors `v_f` of the covariance `C = sum_f v_f v_f^T` that a tolerance gives.
 ///
-/// Each factor is a sparse vector: source indices with their values. `place` maps the index of a robot
-/// parameter to the index of its source.
+/// Each factor is a sparse vector: source indices, and the values of these sources. `place` maps the index of
+/// a robot parameter to the index of its source.
 fn factors(tolerance: &Tolerance, place: &[Option<usize>]) -> Vec<Vec<(usize, f64)>> {
     let Some(covariance) = &tolerance.covariance else { return Vec::new() };
     // The factors are principal axes of the correlation matrix, because the covariance matrix mixes m and

@@ -14,7 +14,7 @@ use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-/// Error evaluator of one operation, with the sense of the operation and the model and reading of the cell.
+/// Evaluator of the error of one operation in its sense, by the model and in the reading of the cell.
 #[derive(Debug, Clone)]
 pub struct ErrorEvaluator {
     chain: Chain,
@@ -30,7 +30,8 @@ pub struct ErrorEvaluator {
     /// Values of the signed sample, one per source.
     pub(super) signed_values: Vec<f64>,
     signed: PreparedSample,
-    /// Whether only the robot has errors, and neither a registration nor a pick removes any part of them.
+    /// Whether only the robot has errors, and neither a registration nor a pick removes a part of these
+    /// errors.
     alone: bool,
 }
 
@@ -130,7 +131,7 @@ impl ErrorEvaluator {
         SenseRows::new(sense, frames, &context.site.world, &context.site.work.rotation)
     }
 
-    /// Returns the value that the search minimizes: an error (m or rad), or a share of failures.
+    /// Returns the figure that the search minimizes: an error (m or rad), or a share of failures.
     pub fn value(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
         match self.reading {
             Reading::Signed if self.alone && self.sense.is_of_position() => {
@@ -149,11 +150,12 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the signed sample and the rows of the sense (world frame) if the value is a position error of
-    /// the TCP.
+    /// Returns the signed sample and the rows of the sense (world frame) in the plain case; otherwise None.
     ///
-    /// Then [`Self::value`] is the size of the nonlinear position error in these rows. Only the rotation
-    /// [`WorkFrame::world`] of the context influences it.
+    /// In the plain case, the reading is signed, the model is nonlinear, and the sense measures the TCP
+    /// position. Only the robot has errors, and neither a registration nor a pick removes a part of these
+    /// errors. [`Self::value`] is then the size of the nonlinear position error in these rows. This value
+    /// depends on the context only through the rotation [`WorkFrame::world`].
     pub fn plain(&self) -> Option<(&Perturbation, Vec<Vector3<f64>>)> {
         let signed = self.reading == Reading::Signed && self.model == Model::Nonlinear;
         let is_plain = signed && self.alone && self.sense.is_of_position();
@@ -198,13 +200,14 @@ impl ErrorEvaluator {
         propagation.error(context, frames, &propagation.sample(values, model), model)
     }
 
-    /// Computes the first-order effects at a posture, which the figures of every sense use.
+    /// Computes the first-order effects at a posture, from which the figures of every sense follow.
     pub fn prepare(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) {
         let mean = self.takes_mean();
         self.propagation().effects(context, frames, &mut memory.expansion, mean, &mut memory.effects);
     }
 
-    /// Returns the worst case in a sense. Call [`Self::prepare`] first.
+    /// Returns the worst-case error at a posture, measured in the rows of a [`Sense`]. Call [`Self::prepare`]
+    /// first.
     pub fn worst(
         &self,
         sense: &Sense,
@@ -237,7 +240,8 @@ impl ErrorEvaluator {
 
     /// Returns two corners of the tolerance box, each as one sign per source.
     ///
-    /// The first has the largest linear displacement of the TCP, the second the largest linear rotation.
+    /// By the linear model, the TCP has the largest displacement at the first corner and the largest rotation
+    /// at the second.
     fn largest(&self, memory: &mut EvaluatorScratch) -> [[f64; MAX_SOURCES]; 2] {
         [false, true].map(|turns| {
             for (k, source) in self.sources.list.iter().enumerate() {
@@ -252,7 +256,7 @@ impl ErrorEvaluator {
         })
     }
 
-    /// Returns an estimate of the size of the second-order terms.
+    /// Returns an estimate of the size of the second-order terms of the TCP error.
     ///
     /// Each source at its tolerance rotates and displaces the TCP. The estimate is the root sum square of the
     /// rotations times the root sum square of the displacements.
@@ -266,8 +270,8 @@ impl ErrorEvaluator {
         (turn * shift).sqrt()
     }
 
-    /// Returns the largest linear error over the tolerance box, and its corner as one sign per source. Call
-    /// [`Self::prepare`] first.
+    /// Returns the largest linear error over the tolerance box, and the corner with this error as one sign
+    /// per source. Call [`Self::prepare`] first.
     pub fn linear_corner(
         &self,
         measure: &SenseRows,
@@ -289,7 +293,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the distribution of the size of the error in a sense. Call [`Self::prepare`] first.
+    /// Returns the distribution of the size of the error in the rows of a [`Sense`]. Call [`Self::prepare`]
+    /// first.
     pub fn norm<'m>(
         &self,
         sense: &Sense,
@@ -313,7 +318,7 @@ impl ErrorEvaluator {
         self.reported = vec![self.sense.clone()];
     }
 
-    /// Returns the index of the operation's sense among the reported ones.
+    /// Returns the index of the operation's sense among the senses [`ErrorEvaluator::reported`].
     pub fn own(&self) -> usize {
         self.reported.iter().position(|s| *s == self.sense).unwrap_or(0)
     }

@@ -20,7 +20,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Returns the value of the statistical reading: an error (m or rad), or a share of failures.
+    /// Returns the figure `quantity` of the statistical reading (m or rad); for a yield, the share of
+    /// failures.
     pub fn statistic(&self, quantity: Quantity, success: Option<f64>) -> f64 {
         match quantity {
             Quantity::Yield => 1.0 - success.unwrap_or(1.0),
@@ -28,8 +29,8 @@ impl Figures {
         }
     }
 
-    /// Returns the figure of a reading. For a yield, which is not an error in m or rad, this is the 95th
-    /// percentile.
+    /// Returns the figure of a reading, m or rad. A yield is not an error in m or rad, so the 95th percentile
+    /// replaces it.
     pub fn in_reading(&self, reading: Reading, quantity: Quantity) -> f64 {
         match (reading, quantity) {
             (Reading::Signed, _) => self.error,
@@ -45,19 +46,20 @@ impl Figures {
 /// All error figures of one posture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureErrors {
-    /// Value that the search minimizes: an error (m or rad), or a share of failures.
+    /// Figure that the search minimizes: an error (m or rad), or a share of failures.
     pub value: f64,
-    /// Error of the signed sample, or of the worst corner of the tolerance box, by the model of the cell,
-    /// base frame.
+    /// Error by the model of the cell, base frame: of the signed sample in the signed reading, otherwise of
+    /// the worst corner of the tolerance box.
     pub error: Displacement,
-    /// Error of this sample or corner by the nonlinear model, base frame.
+    /// Error of the sample or corner of `error` by the nonlinear model, base frame.
     pub nonlinear: Displacement,
-    /// Error of this sample or corner by the linear model, base frame.
+    /// Error of the sample or corner of `error` by the linear model, base frame.
     pub linear: Displacement,
-    /// Error of this sample or corner by the second-order model, base frame.
+    /// Error of the sample or corner of `error` by the second-order model, base frame.
     pub second_order: Displacement,
     /// Figures of each sense of [`super::ErrorEvaluator::reported`].
     pub figures: Vec<Figures>,
-    /// Probability that |error| <= limit; None for an operation without a limit.
+    /// Probability that the size of the error does not exceed the limit; None for an operation without a
+    /// limit.
     pub success: Option<f64>,
 }

@@ -1,7 +1,7 @@
 //! Tolerance analysis: the error of an operation for a signed sample, a tolerance box or a distribution.
 //!
-//! The seed paper maps one signed sample of the parameter errors (section 2). If the numbers are tolerances
-//! instead, they bound a box of samples, and the worst sample counts. If they are random variables, the
+//! The seed paper maps one signed sample of the parameter errors (section 2). If the errors are tolerances
+//! instead, they bound a box of samples, and the worst sample counts. If the errors are random variables, the
 //! reading gives statistics of the error, for example the root sum square (RSS):
 //!
 //! ```text
@@ -10,11 +10,11 @@
 //! statistical   |mu + sum_k g_k x_k|       random x_k: its RMS, mean, percentiles, P(|e| <= limit)
 //! ```
 //!
-//! Here `g_k` is the effect of [`ErrorSource`] k in the rows of a sense ([`SenseRows`]). The worst case takes
-//! each source at its tolerance, a statistic takes it at its standard deviation. The mean error is `mu`. The
-//! factors `x_k` have the distributions of the sources, scaled to unit variance. The effect excludes the
-//! error that a registration removes ([`BestFit`], [`Taught`]). For a picked part it also excludes the error
-//! of the pick ([`PickReference`]).
+//! Here `g_k` is the effect of [`ErrorSource`] k in the rows of a sense ([`SenseRows`]). The effect is that
+//! of the source at its tolerance for the worst case, and at its standard deviation for a statistic. The mean
+//! error is `mu`. The factors `x_k` have the distributions of the sources, scaled to unit variance. The
+//! effect excludes the error that a registration removes ([`BestFit`], [`Taught`]). For a picked part it also
+//! excludes the error of the pick ([`PickReference`]).
 
 mod budget;
 mod effects;

@@ -1,7 +1,8 @@
 //! Quasi-Monte Carlo check of the statistical reading with samples of the nonlinear model.
 //!
 //! Each replicate is a randomly shifted Richtmyer sequence. The shift depends only on a given seed and the
-//! index of the replicate. The scatter of the replicates gives the confidence interval.
+//! index of the replicate. The scatter of the replicates gives the confidence interval of each figure except
+//! the yield (see [`share_of`]).
 
 use super::sample_space::{SampleSpace, SampleStream};
 use super::work_context::WorkContext;
@@ -19,12 +20,12 @@ const STUDENT_T: f64 = 2.039_513_446;
 /// Quantile of the standard normal distribution for 97.5 %.
 const NORMAL_QUANTILE: f64 = 1.959_963_985;
 
-/// Largest relative deviation at which a first-order figure outside the confidence interval still agrees with
-/// an estimate.
+/// Largest relative deviation from an estimate at which a first-order figure outside the confidence interval
+/// is still accepted.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
-/// Largest deviation at which a first-order yield outside the confidence interval still agrees with an
-/// estimate.
+/// Largest deviation from an estimate at which a first-order yield outside the confidence interval is still
+/// accepted.
 pub const YIELD_TOLERANCE: f64 = 0.005;
 
 /// Number of bins of a [`Histogram`].
@@ -41,14 +42,14 @@ pub struct Estimate {
 impl Estimate {
     /// Returns whether `figure` agrees with the estimate.
     ///
-    /// It must be inside the confidence interval, or deviate from the estimate by at most 1 %.
+    /// The figure must be inside the confidence interval, or deviate from the estimate by at most 1 %.
     pub fn agrees(&self, figure: f64) -> bool {
         (self.low..=self.high).contains(&figure)
             || (figure - self.value).abs() <= RELATIVE_TOLERANCE * self.value.abs()
     }
 }
 
-/// Monte Carlo estimates of the error's size in a sense, m or rad.
+/// Monte Carlo estimates of the size of an operation's error in the sense of that operation, m or rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MonteCarlo {
     pub samples: usize,
@@ -56,9 +57,10 @@ pub struct MonteCarlo {
     pub mean: Estimate,
     pub p95: Estimate,
     pub p99: Estimate,
-    /// Probability that |error| <= limit; None for an operation without a limit.
+    /// Probability that the size of the error does not exceed the limit; None for an operation without a
+    /// limit.
     pub success: Option<Estimate>,
-    /// Share of samples that exceed the given first-order p95.
+    /// Share of samples whose errors exceed the first-order 95th percentile [`SampledPosture::p95`].
     pub above: Estimate,
     pub histogram: Histogram,
 }
@@ -72,7 +74,7 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Returns the histogram of sorted values.
+    /// Returns the histogram of error sizes (m or rad) in ascending order.
     fn of(sorted: &[f64]) -> Self {
         let (low, high) = (sorted.first().copied().unwrap_or(0.0), sorted.last().copied().unwrap_or(0.0));
         let mut counts = vec![0; BINS];
@@ -92,8 +94,8 @@ impl Histogram {
 impl MonteCarlo {
     /// Compares first-order figures and yield with the estimates, and returns whether all agree.
     ///
-    /// If any disagrees, the estimates replace all figures, the yield and `value`, the value of the
-    /// statistical reading.
+    /// If any disagrees, the estimates replace all figures, the yield (`success`) and `value`. Here `value`
+    /// is the figure `quantity`, or the share of failures for a yield.
     pub fn check(
         &self,
         quantity: Quantity,
@@ -135,7 +137,7 @@ pub struct SampledPosture<'a> {
     pub evaluator: &'a ErrorEvaluator,
     pub context: &'a WorkContext,
     pub frames: &'a Frames,
-    /// First-order 95th percentile; the share of samples above it is estimated.
+    /// First-order 95th percentile of the error, m or rad; the share of samples above it is estimated.
     pub p95: f64,
 }
 
@@ -166,8 +168,8 @@ pub fn monte_carlo(
 
 /// Estimates the figures of several operations of one cell from the same samples of the nonlinear model.
 ///
-/// Each sample from `space` is one realization of the arm and the equipment. Its errors apply to all
-/// operations.
+/// Each sample from `space` is one realization of the arm and the equipment. The parameter errors of a sample
+/// apply to all operations.
 pub fn joint_monte_carlo(
     space: &SampleSpace,
     postures: &[SampledPosture<'_>],
@@ -266,10 +268,9 @@ impl SampledPosture<'_> {
 
 /// Returns the share of `count` among independent samples, with Wilson's 95 % score interval.
 ///
-/// The shares of quasi-random points scatter less, so the interval is conservative for them. Even if all
-/// samples agree, this interval has a width, unlike an interval from the scatter of replicates (E. B. Wilson,
-/// "Probable inference, the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22,
-/// 1927).
+/// A share estimated with quasi-random points scatters less, so the interval is conservative. The interval
+/// has a width even at a share of 0 or 1, where replicates do not scatter (E. B. Wilson, "Probable inference,
+/// the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22, 1927).
 pub fn share_of(count: usize, samples: usize) -> Estimate {
     let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
     let value = count as f64 / n;
@@ -278,7 +279,7 @@ pub fn share_of(count: usize, samples: usize) -> Estimate {
     Estimate { value, low: (centre - half).clamp(0.0, value), high: (centre + half).clamp(value, 1.0) }
 }
 
-/// Returns a percentile of sorted values, interpolated between ranks (Hazen's rule).
+/// Returns the quantile of sorted values at the probability `p`, interpolated between ranks (Hazen's rule).
 fn percentile(sorted: &[f64], p: f64) -> f64 {
     let at = (p * sorted.len() as f64 - 0.5).clamp(0.0, (sorted.len() - 1) as f64);
     let (k, f) = (at.floor() as usize, at.fract());

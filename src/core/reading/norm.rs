@@ -42,9 +42,9 @@ impl NormDistribution {
     /// Returns the distribution of `|e|`, where `e` are the first `m` components of a random vector.
     ///
     /// `columns` are the effects of parameters of unit variance on `e`, and `mean` is the mean of `e`.
-    /// `kurtosis` is the excess kurtosis of the parameters, 0 beyond the end of the slice. A negative excess
-    /// kurtosis must be that of a sum of equal uniform variables: -1.2 for one (uniform), -0.6 for two
-    /// (triangular).
+    /// `kurtosis` is the excess kurtosis of each parameter; parameters beyond the end of the slice have 0. A
+    /// negative excess kurtosis must be that of a sum of equal uniform variables: -1.2 for one (uniform),
+    /// -0.6 for two (triangular).
     pub fn new(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> Self {
         match Spectrum::new(m, columns, kurtosis, mean) {
             None => Self { spectrum: None, unit: 0.0 },
@@ -99,9 +99,9 @@ impl NormDistribution {
 
     /// Returns a lower bound of `quantile(p)` at almost no cost; 0 unless all parameters are normal.
     ///
-    /// The bound is the quantile of the component with the largest variance, taken without its mean. No
-    /// component exceeds the norm, and a mean only enlarges the quantile of a component. Callers can discard
-    /// hopeless postures by this bound before they compute the exact quantile.
+    /// The bound is the quantile of the absolute value of the component with the largest variance, computed
+    /// for zero mean. No component exceeds the norm, and a mean only enlarges the quantile of a component.
+    /// Callers can discard hopeless postures by this bound before they compute the exact quantile.
     pub fn quantile_lower_bound(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if spectrum.correction.is_some() || p <= 0.0 {
@@ -118,7 +118,7 @@ impl NormDistribution {
 /// The method is applied to the logarithm of a tail probability: of the upper tail if p >= 0.5, otherwise of
 /// the lower tail.
 ///
-/// Here `Q` is `|e|^2` in the unit of the spectrum, and `shift` is its constant part.
+/// Here `Q` is `|e|^2` in the unit of the spectrum, and `shift` is the constant part of `Q`.
 fn above(spectrum: &Spectrum, p: f64) -> f64 {
     const MAX_STEPS: usize = 200;
     let mut x = start(spectrum, p);
@@ -160,8 +160,8 @@ fn above(spectrum: &Spectrum, p: f64) -> f64 {
 /// Returns a start value for the quantile of `Q - shift`: the quantile of a shifted and scaled chi-square
 /// variable.
 ///
-/// This variable has the same first three cumulants as `Q - shift`. Here `Q` is `|e|^2`, and `shift` is its
-/// constant part.
+/// This variable has the same first three cumulants as `Q - shift`. Here `Q` is `|e|^2`, and `shift` is the
+/// constant part of `Q`.
 ///
 /// Source of the chi-square quantile: E. B. Wilson, M. M. Hilferty, "The distribution of chi-square", PNAS 17
 /// (1931) 684-688.

@@ -38,16 +38,17 @@ impl std::ops::Mul<f64> for ErrorMoments {
     }
 }
 
-/// Moments of a random position p and of its error in one frame, m and m2.
+/// Moments of a random position p and of the error of p, both in one frame, m and m2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionMoments {
     /// Mean `E[p]`.
     pub mean: Vector3<f64>,
     /// Second moment `E[p p^T]`.
     pub square: Matrix3<f64>,
-    /// Moments of the error; in the second-order model, of the first-order terms of the error alone.
+    /// Moments of the error. In the second-order model, this field covers only the first-order terms of the
+    /// error.
     pub error: ErrorMoments,
-    /// Moments of the second-order terms of the error; only the second-order model has them.
+    /// Moments of the second-order terms of the error; 0 in the other models.
     pub second: ErrorMoments,
 }
 
@@ -92,7 +93,7 @@ impl PositionMoments {
 
     /// Returns the moments after a random translation along the z axis.
     ///
-    /// The translation has the mean `mean` (m), and `square` (m2) is the mean of the square.
+    /// The translation has the mean `mean` (m) and the mean square `square` (m2).
     pub fn slid(&self, mean: f64, square: f64) -> Self {
         let z = Vector3::z();
         let along = |v: &Vector3<f64>| v * z.transpose() * mean;
@@ -115,7 +116,8 @@ impl PositionMoments {
         self.error.product += by * self.mean.transpose();
     }
 
-    /// Adds a small rotation by `by` about the axis `axis` through the point `through` to the error.
+    /// Adds to the error a small rotation by the angle `by` about the axis `axis` through the point
+    /// `through`.
     ///
     /// The rotation acts after all errors added before.
     pub fn add_turn(&mut self, model: Model, axis: &Vector3<f64>, through: &Vector3<f64>, by: &Turn) {
@@ -199,7 +201,7 @@ impl Harmonics {
         Self { first: scaled(middle.first, sinc(half)), second: scaled(middle.second, sinc(2.0 * half)) }
     }
 
-    /// Returns the coefficients of the sum of the random angle and another, independent one.
+    /// Returns the coefficients of the sum of two independent random angles.
     pub fn plus(&self, other: &Self) -> Self {
         let product = |a: (f64, f64), b: (f64, f64)| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
         Self { first: product(self.first, other.first), second: product(self.second, other.second) }

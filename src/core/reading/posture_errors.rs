@@ -9,7 +9,7 @@ use crate::cell::{Model, Reading, Sense};
 use crate::robot::Frames;
 
 impl ErrorEvaluator {
-    /// Returns all error figures of a posture, in every reported sense.
+    /// Returns all error figures of a posture, in every sense of [`ErrorEvaluator::reported`].
     pub fn judge(
         &self,
         context: &WorkContext,

@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Largest number of iterations of an exact fit. Three or four suffice for errors of millimetres.
 const MAX_ITERATIONS: usize = 16;
 
-/// Size of a correction (m and rad) below which an exact fit has converged.
+/// Sum of the displacement (m) and rotation (rad) of a correction below which an exact fit has converged.
 const CONVERGED: f64 = 1e-17;
 
 /// Distance, m, below which two points count as the same.
@@ -31,13 +31,14 @@ const SAME_POINT: f64 = 1e-6;
 #[derive(Debug, Clone)]
 pub struct BestFit {
     workspace: WorkspaceAverage,
-    /// Mean of the TCP position p, m.
+    /// Centre of the fit: mean of the TCP position, base frame, m.
     centre: Vector3<f64>,
     /// Covariance `E[r r^T]` of the vector r from the centre to the TCP, m2.
     covariance: Matrix3<f64>,
-    /// Inverse of the inertia matrix `E[|r|^2 I - r r^T]`.
+    /// Inverse of the inertia matrix `E[|r|^2 I - r r^T]`, where r is the vector from the centre to the TCP.
     inverse: Matrix3<f64>,
-    /// Part of the effect of each source that the fit removes: a twist as seen at the centre of the fit.
+    /// Part of the effect of each source that the fit removes, as a twist. Reference point: the centre of the
+    /// fit.
     pub effects: Effects,
 }
 
@@ -57,7 +58,7 @@ impl BestFit {
         fit
     }
 
-    /// Returns the rigid motion fitted to the errors of a sample, as seen at the centre of the fit.
+    /// Returns the rigid motion fitted to the errors of a sample. Reference point: the centre of the fit.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let undo = |left: &mut ErrorMoments, back: &Displacement| {
             let turn = SmallRotation::of(&back.rotation);
@@ -84,7 +85,8 @@ impl BestFit {
 
     /// Returns the twist that fits small displacements d best in the sense of least squares.
     ///
-    /// The argument holds the moments of d about the centre of the fit; the twist is as seen at this centre.
+    /// The argument holds the moments of d about the centre of the fit. This centre is the reference point of
+    /// the twist.
     fn twist(&self, ErrorMoments { mean, product }: &ErrorMoments) -> Displacement {
         // The mean of r x d.
         let moment =
@@ -92,8 +94,8 @@ impl BestFit {
         Displacement { position: *mean, rotation: self.inverse * moment }
     }
 
-    /// Returns the part of the effect of each source that the fit removes: a twist as seen at the centre of
-    /// the fit.
+    /// Returns the part of the effect of each source that the fit removes, as a twist. Reference point: the
+    /// centre of the fit.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let count = sources.list.len();
         let moments =
@@ -123,8 +125,8 @@ impl BestFit {
 pub struct Taught {
     /// Postures that touch the points.
     pub postures: [Frames; 3],
-    /// Part of the effect of each source that the taught frame removes: a twist as seen at the origin of this
-    /// frame.
+    /// Part of the effect of each source that the taught frame removes, as a twist. Reference point: the
+    /// origin of this frame.
     pub effects: Effects,
 }
 
@@ -150,7 +152,8 @@ impl Taught {
         taught
     }
 
-    /// Returns the rigid motion by which the errors of a sample move the taught frame, as seen at its origin.
+    /// Returns the rigid motion by which the errors of a sample move the taught frame. Reference point: the
+    /// origin of this frame.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
         let undo = |moved: &mut [Vector3<f64>; 3], back: &Displacement| {
@@ -183,8 +186,8 @@ impl Taught {
         self.postures[k].tcp.translation
     }
 
-    /// Returns the twist by which small displacements of the three points move the taught frame, as seen at
-    /// its origin.
+    /// Returns the twist by which small displacements of the three points move the taught frame. Reference
+    /// point: the origin of this frame.
     fn twist(&self, moved: &[Vector3<f64>; 3]) -> Displacement {
         let [along, third] = [1, 2].map(|k| self.point(k) - self.point(0));
         let x = along.normalize();
@@ -197,9 +200,10 @@ impl Taught {
     }
 }
 
-/// Returns the rigid motion that an exact fit by `rule` finds in the displacements `left`.
+/// Returns the rigid motion that `rule`, applied repeatedly, finds in the displacements `left`.
 ///
-/// In each iteration, `undo` removes the fitted motion from the displacements, until the rule finds none.
+/// After each application, `undo` removes the motion found from the displacements. The iteration ends when
+/// `rule` finds no further motion.
 fn exact<T>(
     mut left: T,
     rule: impl Fn(&T) -> Displacement,

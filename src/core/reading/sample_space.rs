@@ -11,7 +11,7 @@ use crate::low_discrepancy::richtmyer_steps;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Parameters of a cell that are drawn together, each of them once.
+/// Parameters of a cell that are drawn together, each once per draw.
 pub struct SampleSpace {
     list: Vec<ErrorSource>,
     /// Independent normal factors of correlated parameters, as in [`ErrorSources::factors`].
@@ -30,7 +30,8 @@ impl SampleSpace {
 
     /// Returns the union of the parameters of several operations of one cell.
     ///
-    /// All lists begin with the same parameters of the robot, to which the factors refer.
+    /// The source lists of all operations begin with the same robot parameters. The factors refer only to
+    /// these parameters, so the factors of one operation suffice.
     pub(super) fn of(operations: impl Iterator<Item = ErrorSources>) -> Self {
         let mut space = Self { list: Vec::new(), factors: Vec::new() };
         for sources in operations {
@@ -48,7 +49,8 @@ impl SampleSpace {
         self.list.iter().position(|own| own.parameter == source.parameter)
     }
 
-    /// Returns the index in a draw of each source of an operation; sources of another cell are left out.
+    /// Returns, for each source of an operation, the index of its value in a draw; sources of other cells are
+    /// left out.
     pub(super) fn places(&self, sources: &ErrorSources) -> Vec<usize> {
         sources.list.iter().filter_map(|source| self.place(source)).collect()
     }

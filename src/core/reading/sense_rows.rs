@@ -42,13 +42,13 @@ impl SenseRows {
         self.arm == Vector3::zeros() && self.rows[..self.count].iter().all(|(turns, _)| !turns)
     }
 
-    /// Returns the size of a position error of the TCP in the sense; valid only if [`Self::is_of_position`]
-    /// is true.
+    /// Returns the root sum square of the components of a TCP position error `e` (base frame, m) along the
+    /// rows. The result is valid only if [`Self::is_of_position`] is true.
     pub fn size_of_position(&self, e: &Vector3<f64>) -> f64 {
         self.rows[..self.count].iter().map(|(_, row)| row.dot(e).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Returns the size of an error of the TCP in the sense.
+    /// Returns the root sum square of the components of a TCP error along the rows.
     pub fn size(&self, error: &Displacement) -> f64 {
         self.vector(&error.at(&self.arm)).norm()
     }

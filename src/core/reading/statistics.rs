@@ -6,7 +6,7 @@ use super::{ErrorEvaluator, EvaluatorScratch};
 use crate::cell::{Quantity, Sense};
 use crate::robot::Frames;
 
-/// Figures of a random error in one sense, m or rad.
+/// Figures of a random error measured in the rows of one [`Sense`], m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Statistics {
     pub rms: f64,
@@ -16,8 +16,8 @@ pub(super) struct Statistics {
 }
 
 impl ErrorEvaluator {
-    /// Returns the statistical figures in a sense; `worst` (m or rad) is the worst case in this sense. Call
-    /// [`Self::prepare`] first.
+    /// Returns the statistical figures of the error measured in the rows of a [`Sense`]; `worst` (m or rad)
+    /// is the worst case in these rows. Call [`Self::prepare`] first.
     pub(super) fn statistics(
         &self,
         sense: &Sense,
@@ -36,7 +36,7 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the value of the statistical reading: an error (m or rad), or a share of failures.
+    /// Returns the quantity of the statistical reading: an error (m or rad), or a share of failures.
     pub(super) fn statistical_value(
         &self,
         context: &WorkContext,

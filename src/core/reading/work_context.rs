@@ -28,7 +28,7 @@ pub struct PickReference {
     pub effects: Effects,
 }
 
-/// Everything besides the posture that the error of an operation depends on.
+/// All data that determine the error of an operation at a given posture.
 #[derive(Debug, Clone)]
 pub struct WorkContext {
     pub site: WorkFrame,
@@ -40,8 +40,8 @@ impl WorkContext {
     /// Returns whether a target (base frame, m) was touched to teach the surface frame.
     ///
     /// The rule of teaching determines which error remains at a touched point. No error remains at the
-    /// origin. At the second point an error along the x axis remains, at the third an error in the plane.
-    /// These errors do not represent the rest of the surface.
+    /// origin. An error along the x axis remains at the second point, an error in the xy plane at the third.
+    /// These errors do not represent the errors on the surface outside the touched points.
     pub fn touches(&self, target: &Vector3<f64>) -> bool {
         self.site.taught.as_ref().is_some_and(|taught| taught.touches(target))
     }

@@ -3,8 +3,8 @@
 //!
 //! The moments are propagated from the tool to the base, joint by joint. Rigid transforms and small motions
 //! map them linearly, and the mean over the range of a joint has a closed form ([`Harmonics`]). So the
-//! average is exact. Only an actuator that drives later joints through the coupling is integrated by a
-//! Gauss-Legendre rule. The rule has so many nodes that its error is below 1e-4 of the integral.
+//! average is exact. The exception is an actuator that drives later joints through the coupling. The mean
+//! over its range is computed by a Gauss-Legendre rule with a relative error below 1e-4.
 
 use super::position_moments::{ErrorMoments, Harmonics, PositionMoments};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Model};
@@ -26,7 +26,7 @@ pub struct WorkspaceAverage {
     mount: Pose,
     tool: Pose,
     rows: Vec<AveragedRow>,
-    /// Ranges of rows such that no actuator of one range drives a joint of another.
+    /// Ranges of rows such that no actuator of one range drives a joint of another range.
     segments: Vec<Range<usize>>,
 }
 
@@ -43,11 +43,11 @@ struct AveragedRow {
     link: Pose,
     /// Least and greatest actuator coordinate, rad or m.
     range: (f64, f64),
-    /// Factors by which this actuator and those before it move the joint.
+    /// Coupling factors by which this actuator and the actuators before it move the joint.
     coupling: Vec<f64>,
     /// Gauss-Legendre rule over the range, as actuator coordinates and weights whose sum is 1.
     ///
-    /// It is empty if the actuator drives no later joint.
+    /// The rule is empty if the actuator drives no later joint.
     nodes: Vec<(f64, f64)>,
 }
 
@@ -83,7 +83,8 @@ impl WorkspaceAverage {
         (mean, square)
     }
 
-    /// Returns the moments of the position error of the TCP by a model, base frame. It does not allocate.
+    /// Returns the moments of the position error of the TCP by a model, base frame. The function allocates no
+    /// memory.
     pub fn error(&self, errors: &Perturbation, model: Model) -> ErrorMoments {
         let PositionMoments { error, second, .. } = self.moments(errors, model);
         error + second
@@ -162,8 +163,8 @@ impl AveragedRow {
     /// Returns the moments in the frame before row `index`, given the moments `after` in the frame after this
     /// row.
     ///
-    /// `at` is the coordinate of the actuator; None averages over its range. `joints` holds the coordinates
-    /// of the actuators that drive the joint.
+    /// `at` is the coordinate of the actuator; if it is None, the moments are averaged over the range of the
+    /// actuator. `joints` holds the coordinates of the actuators that drive the joint.
     fn before(
         &self,
         index: usize,

@@ -1,4 +1,5 @@
-//! Worst-case tolerance analysis: the corner of the tolerance box with the largest error in a sense.
+//! Worst-case tolerance analysis: the corner of the tolerance box where the error, measured in the rows of a
+//! sense, is largest.
 
 use super::MAX_SOURCES;
 use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
@@ -7,15 +8,15 @@ use nalgebra::{Vector2, Vector3, Vector6};
 /// Largest number of rounds of the local search, which ends earlier if no flip of a sign increases the error.
 const MAX_ROUNDS: usize = 12;
 
-/// Largest error in a sense over the tolerance box.
+/// Largest error over the tolerance box, measured in the rows of a sense, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCase {
     /// Maximum by the linear model, or a proven upper bound if `exact` is false.
     pub linear: f64,
-    /// Whether `linear` is the exact maximum. It can be only a bound if the sense has more than three rows
-    /// and there are very many sources.
+    /// Whether `linear` is the exact maximum. If the sense has more than three rows and there are very many
+    /// sources, `linear` may be an upper bound.
     pub exact: bool,
-    /// Error by the chosen model at the worst corner that the local search finds.
+    /// Largest error by the chosen model that the local search finds.
     pub by_model: f64,
     /// Corner of the tolerance box with the error `by_model`, one sign per source.
     pub corner: [f64; MAX_SOURCES],
@@ -52,8 +53,8 @@ pub fn farthest(
     }
 }
 
-/// Share of the linear worst case; a flip that changes the linear error by no more than this share is always
-/// tried.
+/// Share of the linear worst case. A flip is always tried if it changes the linear error by no more than this
+/// share.
 const NEAR_SHARE: f64 = 0.02;
 
 /// Largest number of sources whose signs are tried in every combination.
@@ -77,8 +78,8 @@ const PARALLEL_SINE: f64 = 1e-6;
 ///
 /// Flips of parallel columns together are needed, for example, on a planar arm, whose lateral effects are
 /// perpendicular to all others. There the worst linear corners come in pairs, and no single flip leads from
-/// one to the other. `largest` holds the corners with the largest displacement and the largest rotation of
-/// the TCP, which serve as further starts.
+/// one corner of a pair to the other. `largest` holds the corners with the largest displacement and the
+/// largest rotation of the TCP, which serve as further starts.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
@@ -131,7 +132,7 @@ pub fn by_model(
     WorstCase { linear: linear.upper.max(linear.value), exact, by_model: best, corner: at }
 }
 
-/// Returns, for every column, the set of later columns parallel to it, as bits.
+/// Returns, for every column, a bit set of the later columns that are parallel to it.
 ///
 /// The set is empty if an earlier column is parallel to this one.
 fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
@@ -152,13 +153,14 @@ struct SearchCorner {
     /// Size of the error by the model at this corner.
     value: f64,
     signs: [f64; MAX_SOURCES],
-    /// Linear error at this corner: the sum of the columns with its signs.
+    /// Linear error at this corner: the sum of the columns multiplied by `signs`.
     sum: Vector6<f64>,
 }
 
 /// Returns the largest error that the local search reaches from `start`, and the corner with this error.
 ///
-/// The search flips single signs, groups of parallel columns and, if these no longer help, pairs.
+/// The search flips single signs and groups of parallel columns. If no such flip increases the error, it
+/// flips pairs of signs.
 fn polished(
     columns: &[Vector6<f64>],
     groups: &[u128],

@@ -2,10 +2,10 @@
 //!
 //! The vectors `g_k` are the generators, and a choice of signs is a corner.
 //!
-//! The maximum is the largest sum of effects if each source may take either end of its tolerance. A vertex is
-//! farthest only if the direction from the origin to it lies in its normal cone. The planes perpendicular to
-//! the generators cut the sphere of directions into cells, one per vertex. So it suffices to visit every
-//! cell:
+//! The maximum is the largest sum of effects if each source may take either end of its tolerance. If a vertex
+//! is farthest, the direction from the origin to this vertex lies in the normal cone of the vertex. The
+//! planes perpendicular to the generators cut the sphere of directions into cells, one per vertex. So it
+//! suffices to visit every cell:
 //!
 //! - 2-D: rotate a direction by half a turn; the signs flip one after another, in the order of the angles;
 //! - 3-D: the planes cut the sphere in great circles, and every cell borders on a circle; walk along each
@@ -36,8 +36,8 @@ const MAX_EXHAUSTIVE: usize = 7;
 const MAX_EXHAUSTIVE_MERGED: usize = 11;
 /// Sine of the angle below which generators count as parallel.
 ///
-/// Parallel generators get signs with which they add up. A generator smaller than `PARALLEL_SINE` times the
-/// sum may get the other sign.
+/// The signs of parallel generators are chosen so that their sizes add up. A generator smaller than
+/// `PARALLEL_SINE` times the sum may get the opposite sign.
 const PARALLEL_SINE: f64 = 1e-13;
 /// Cosine below which directions count as perpendicular.
 const PERPENDICULAR: f64 = 1e-14;
@@ -56,9 +56,10 @@ pub struct ZonotopeScratch {
 /// Result of the maximization of `|sum s_k g_k|` over all signs `s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Farthest {
-    /// Norm of the sum with the returned signs.
+    /// Norm of `sum s_k g_k` with the returned signs.
     pub value: f64,
-    /// Upper bound of the norm for all signs; equal to `value` if `value` is the exact maximum.
+    /// Upper bound of the norm of `sum s_k g_k` over all signs `s`; equal to `value` if `value` is the exact
+    /// maximum.
     pub upper: f64,
 }
 
@@ -125,10 +126,11 @@ pub fn farthest_6(generators: &[Vector6<f64>], scratch: &mut ZonotopeScratch, si
     Farthest { upper: upper.map_or(found.value, |u| u.max(found.value)), ..found }
 }
 
-/// Improves the signs by single flips, normalizes them, and returns the norm of the sum with them.
+/// Improves the signs by single flips, normalizes the signs, and returns the norm of the sum with these
+/// signs.
 ///
-/// Opposite sign vectors have equal norms. The normalized one has +1 for the first generator that is not
-/// zero, and for all zero generators.
+/// Reversing all signs does not change the norm of the sum. Normalized signs are +1 for the first generator
+/// that is not zero, and for all zero generators.
 fn exact<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) -> Farthest {
     climb(generators, signs);
     let zero = SVector::zeros();
@@ -164,7 +166,7 @@ fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
     }
 }
 
-/// Sums of parallel generators, and the map from these sums to the single generators.
+/// Sums of parallel generators, and the map from each generator to the sum that contains it.
 struct MergedGenerators<const M: usize> {
     count: usize,
     sum: [SVector<f64, M>; MAX_GENERATORS],
@@ -208,7 +210,7 @@ impl<const M: usize> MergedGenerators<M> {
         }
     }
 
-    /// Converts the signs of the merged sums (`corner`) to signs of the single generators.
+    /// Converts `corner`, one sign per sum of parallel generators, to one sign per generator.
     fn spread(&self, corner: &[f64], signs: &mut [f64]) {
         for (s, (at, turn)) in signs.iter_mut().zip(self.place) {
             *s = corner[at] * turn;

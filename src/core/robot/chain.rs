@@ -75,7 +75,7 @@ pub struct Chain {
     pub tool: Pose,
     /// Whether the tool is rotated relative to the mechanical interface.
     turned_tool: bool,
-    /// Unit vector along the tool, in the frame of the TCP.
+    /// Unit vector along the tool axis, in the frame of the TCP.
     pub tool_axis: Vector3<f64>,
 }
 
@@ -174,7 +174,7 @@ impl Chain {
 /// Returns the frame after a link: `T A`, where `T` is the frame `t` before the link and `A` the link
 /// transform.
 ///
-/// Products with the zeros of `A` are skipped.
+/// Products with entries of `A` that are always zero are skipped.
 #[inline]
 fn step(t: &Pose, link: &Link, c: f64, s: f64, r: f64) -> Pose {
     let (x, y, z) = (t.rotation.column(0), t.rotation.column(1), t.rotation.column(2));

@@ -3,8 +3,8 @@
 //! Formulas and default parameters are those of N. Hansen, "The CMA Evolution Strategy: A Tutorial",
 //! arXiv:1604.00772. Equations, sections and Table 1 are numbered as there.
 //!
-//! The steps depend only on the order of the costs. So the jumps of the cost at infeasible layouts do not
-//! disturb the method.
+//! The steps depend on the rank of each cost in its generation, not on the costs themselves. So the jumps of
+//! the cost at infeasible layouts do not disturb the method.
 
 use argmin::core::{
     CostFunction, Error, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus,
@@ -17,7 +17,8 @@ use rand_chacha::ChaCha8Rng;
 ///
 /// The local polish refines the result.
 const TOL_X: f64 = 1e-5;
-/// Relative difference between the best costs of the last generations below which a run has converged.
+/// Convergence limit of the best costs of the last generations: the difference between the largest and the
+/// least, divided by the least.
 const TOL_COST: f64 = 1e-5;
 /// Condition number of the covariance above which a run ends.
 const MAX_CONDITION: f64 = 1e14;
@@ -45,7 +46,7 @@ pub struct CmaEs {
     covariance: DMatrix<f64>,
     path_sigma: DVector<f64>,
     path_c: DVector<f64>,
-    /// Best cost of each of the last generations.
+    /// Best cost of each generation so far.
     history: Vec<f64>,
     settled: bool,
 }

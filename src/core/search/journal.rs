@@ -2,7 +2,7 @@
 //!
 //! Every run of a solver is a function of the seed, the number of the run and the costs that the solver
 //! receives. So a checkpoint needs no state of a solver. It holds the record at the start of the current run
-//! and the results of all evaluations since then. A resumed search starts that run again. It takes the
+//! and the results of all evaluations since then. A resumed search starts the current run again. It takes the
 //! results of the first evaluations of this run from the journal and computes the later ones.
 
 use super::pareto_front::ParetoFront;
@@ -17,7 +17,8 @@ const MAX_RUN_EVALUATIONS: u64 = 20_000;
 
 /// Number of evaluations in one run of a Pareto search, divided by the number of variables plus one.
 ///
-/// Many scalarizations that are minimized roughly give a better front than a few minimized exactly.
+/// Many scalarizations that are minimized roughly give a better front than a few scalarizations minimized
+/// exactly.
 const PARETO_RUN_EVALUATIONS: u64 = 100;
 
 /// Offset and prime of the 64-bit FNV-1a hash (G. Fowler, L. C. Noll, K.-P. Vo).
@@ -42,11 +43,11 @@ pub struct Checkpoint {
 /// Reason why a search cannot resume from a checkpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unfit {
-    /// The checkpoint belongs to a search with another number of variables.
+    /// The checkpoint belongs to a search with a different number of variables.
     Dimensions { has: usize, needs: usize },
     /// The checkpoint has more evaluations than the new budget.
     Budget { used: u64 },
-    /// The checkpoint belongs to a search with other goals or another number of layouts to keep.
+    /// The checkpoint belongs to a search with different goals or a different number of layouts to keep.
     Kept,
     /// The search would have ended before this checkpoint under the new stopping rules.
     Ended(SearchEnd),
@@ -103,7 +104,7 @@ pub struct SearchJournal {
     pub phase: Phase,
     /// Number of evaluations at which the current run, polish or local search ends.
     pub until: u64,
-    /// Whether the resumed search has evaluated other points than its journal says.
+    /// Whether the points that the resumed search has evaluated differ from those of its journal.
     pub diverged: bool,
     checkpoint: Checkpoint,
     /// Number of evaluations in the current phase of the current run.
@@ -175,8 +176,8 @@ impl SearchJournal {
 
     /// Begins the local search.
     ///
-    /// It may use the rest of the budget, but at most [`MAX_RUN_EVALUATIONS`] evaluations beyond the limit of
-    /// the polish.
+    /// The local search ends when the budget is used up, or [`MAX_RUN_EVALUATIONS`] evaluations after the
+    /// limit of the polish.
     pub fn begin_local_search(&mut self) {
         self.until = self.checkpoint.stopping.budget.min(self.until + MAX_RUN_EVALUATIONS);
     }
@@ -205,7 +206,7 @@ impl SearchJournal {
         Some(Scalarization::new(front, *run))
     }
 
-    /// Returns the stopping rule that ends the current phase now, if there is one.
+    /// Returns the stopping rule that ends the current phase now; None if the phase may continue.
     pub fn met(&self) -> Option<SearchEnd> {
         let stopping = &self.checkpoint.stopping;
         match self.phase {
@@ -240,7 +241,8 @@ impl SearchJournal {
         self.answers()[self.told..].iter().take(count).cloned().collect()
     }
 
-    /// Adds evaluated points to the record. Results that the journal does not hold yet are added to it.
+    /// Adds evaluated points to the record. Results that the journal does not hold yet are added to the
+    /// journal.
     pub fn note<'p>(
         &mut self,
         space: &SearchSpace<'_>,

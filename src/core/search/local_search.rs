@@ -1,9 +1,9 @@
 //! Local search around the members of the Pareto front or the shortlist.
 //!
 //! Each change affects one coordinate of a member, or two coordinates with listed values. A coordinate with
-//! listed values takes each of its values. A coordinate with a range takes steps that become smaller. New
-//! members are explored in turn (Pareto local search: L. Paquete, M. Chiarandini, T. Stuetzle, in
-//! Metaheuristics for Multiobjective Optimisation, 2004). If the budget suffices for every layout of the
+//! listed values takes each of these values. A coordinate with a range takes steps that become smaller. The
+//! neighbours of new members are explored, too (Pareto local search: L. Paquete, M. Chiarandini, T. Stuetzle,
+//! in Metaheuristics for Multiobjective Optimisation, 2004). If the budget suffices for every layout of the
 //! space, the search evaluates all of them.
 
 use super::problem::Problem;

@@ -3,15 +3,15 @@
 //! The free coordinates of all placements and attitudes form a point of the unit cube ([`SearchSpace`]). The
 //! cost of a point is the cost of [`crate::layout::evaluate`], which includes a penalty for infeasible
 //! layouts. A global solver with restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish
-//! of the best layout uses the rest. The problem keeps the best feasible layout that `evaluate` has ever
-//! seen, even if the solver reports another. The same cell, seed and budget give the same bytes for any
-//! number of threads.
+//! of the best layout uses the remaining evaluations. The record keeps the best feasible layout of all
+//! evaluated points, even if the solver reports another layout. The same cell, seed and budget give the same
+//! bytes for any number of threads.
 //!
 //! A Pareto search minimizes a different scalarization of its goals in every run, and offers every feasible
 //! layout to a Pareto front. A search that keeps several layouts offers every feasible layout to a shortlist:
 //! the best layouts that differ clearly from each other. Front and shortlist are part of the record, and
-//! therefore of every checkpoint. At the end a local search explores the neighbours of their members. Polish
-//! and local search together use a quarter of the budget.
+//! therefore of every checkpoint. At the end a local search explores the neighbours of the layouts in the
+//! front or shortlist. Polish and local search together use a quarter of the budget.
 
 mod cma_es;
 mod journal;
@@ -77,12 +77,13 @@ pub struct SearchRecord {
 }
 
 impl SearchRecord {
-    /// Returns whether a feasible layout was found. A search may end normally without one.
+    /// Returns whether a feasible layout was found. A search may end normally without a feasible layout.
     pub fn found(&self) -> bool {
         self.best.evaluation.objective.is_some()
     }
 
-    /// Returns the relative gap of the best layout to the bound: `objective / bound - 1`.
+    /// Returns the relative gap between the objective of the best layout and the lower bound: `objective /
+    /// bound - 1`.
     pub fn gap(&self) -> Option<f64> {
         let best = self.best.evaluation.objective?;
         self.bound.filter(|b| *b > 0.0).map(|bound| best / bound - 1.0)
@@ -106,7 +107,7 @@ pub fn search(workcell: &Workcell, settings: &SearchSettings, watch: &Watch<'_>)
 
 /// Searches for the best layout of a cell, resuming from a checkpoint if there is one.
 ///
-/// A resumed search gives bit for bit the same result as an uninterrupted one with the same settings.
+/// A resumed search gives bit for bit the same result as an uninterrupted search with the same settings.
 pub fn search_job(
     workcell: &Workcell,
     settings: &SearchSettings,

@@ -34,7 +34,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// Returns the position of a loss in the range: 0 at the least loss, 1 at the greatest.
+    /// Returns the position of a loss in the span: 0 at the least loss, 1 at the greatest loss.
     pub fn share(&self, loss: f64) -> f64 {
         let width = self.greatest - self.least;
         (loss - self.least) / if width > 0.0 { width } else { 1.0 }
@@ -87,10 +87,10 @@ impl ParetoFront {
 
     /// Returns the crowding distance of every member, infinite at the ends of the front.
     ///
-    /// The crowding distance is the difference between the losses of the two neighbours of a member, summed
-    /// over the goals (K. Deb et al., "A fast and elitist multiobjective genetic algorithm: NSGA-II", IEEE
-    /// Trans. Evolutionary Computation 6(2), 2002). Each difference is a share of the range of the loss on
-    /// the front.
+    /// For each goal, the members are sorted by loss. The crowding distance of a member is the difference
+    /// between the losses of its two neighbours, summed over the goals (K. Deb et al., "A fast and elitist
+    /// multiobjective genetic algorithm: NSGA-II", IEEE Trans. Evolutionary Computation 6(2), 2002). Each
+    /// difference is a share of the range of the loss on the front.
     fn crowding(&self) -> Vec<f64> {
         let mut crowding = vec![0.0; self.members.len()];
         for (k, span) in self.spans().unwrap_or_default().iter().enumerate() {
@@ -108,9 +108,10 @@ impl ParetoFront {
 
     /// Returns at most `most` members spread over the front, sorted by the loss in the first goal.
     ///
-    /// The member with the least loss in each goal is chosen first. Then the member farthest from all chosen
-    /// ones is added repeatedly. Members that differ from a chosen one by no more than [`DIFFERENT`] are left
-    /// out. A distance is computed from losses as shares of their ranges.
+    /// The member with the least loss in each goal is chosen first. Then the member with the largest distance
+    /// from the nearest chosen member is added repeatedly. Members that differ from a chosen member by no
+    /// more than [`DIFFERENT`] are left out. Distances are computed between losses that are scaled to their
+    /// ranges on the front.
     pub fn spread(&self, most: usize) -> Vec<&Member> {
         let spans = self.spans().unwrap_or_default();
         let apart = |a: &Member, b: &Member| {

@@ -46,7 +46,7 @@ pub enum Moment {
     Begun,
     /// After every batch of evaluations.
     Going,
-    /// The end of an interrupted search.
+    /// At the end of an interrupted search.
     Stopped,
 }
 
@@ -118,7 +118,7 @@ impl<'a> Problem<'a> {
         locked(&self.journal).run()
     }
 
-    /// Begins the next run if another one is allowed; returns whether it began.
+    /// Begins the next run if a further run is allowed; returns whether the run began.
     pub fn begin_run(&self) -> bool {
         let mut journal = locked(&self.journal);
         let over = journal.record.evaluations >= journal.checkpoint().stopping().exploration();
@@ -141,7 +141,8 @@ impl<'a> Problem<'a> {
         goes_on
     }
 
-    /// Begins the local search around the kept layouts if several are kept; returns whether it began.
+    /// Begins the local search around the kept layouts if the search keeps several layouts; returns whether
+    /// the local search began.
     pub fn begin_local_search(&self) -> bool {
         let mut journal = locked(&self.journal);
         let goes_on = journal.phase == Phase::Polish && journal.checkpoint().stopping().keeps_more();
@@ -179,7 +180,7 @@ impl<'a> Problem<'a> {
         self.costs(&points.iter().collect::<Vec<_>>());
     }
 
-    /// Returns the nearest point at which no floor spaces overlap, or the point itself if none is found.
+    /// Returns the nearest point at which no floor spaces overlap, or `point` if no such point is found.
     pub fn separated(&self, point: Vec<f64>) -> Vec<f64> {
         match separated(self.workcell, &self.space.layout(&point)) {
             Some(layout) => self.space.point(&layout),
@@ -199,7 +200,7 @@ impl<'a> Problem<'a> {
 
     /// Returns the point of the front that has the least cost for the scalarization of the current run.
     ///
-    /// The front used is the front at the start of the run.
+    /// The candidates are the members of the front at the start of the run.
     pub fn best_for_scalarization(&self) -> Option<Vec<f64>> {
         let (journal, scalarization) = (locked(&self.journal), locked(&self.scalarization));
         let (front, scalarization) = (journal.checkpoint().front()?, scalarization.as_ref()?);
@@ -212,7 +213,7 @@ impl<'a> Problem<'a> {
         self.journal.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
-    /// Returns the costs of several points, and adds them to the record in the order given.
+    /// Returns the costs of several points, and adds the results to the record in the order of the points.
     fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
         // Solvers request one batch of costs at a time, so no thread waits for this lock.
         let mut journal = locked(&self.journal);
@@ -282,7 +283,7 @@ impl Anneal for &Problem<'_> {
     type Output = Vec<f64>;
     type Float = f64;
 
-    /// Returns a random neighbour: each coordinate of a random selection makes a random step.
+    /// Returns a random neighbour of a point: randomly selected coordinates are changed by random steps.
     ///
     /// The largest possible step is random, too; it is drawn once per call.
     fn anneal(&self, point: &Vec<f64>, _temperature: f64) -> Result<Vec<f64>, Error> {

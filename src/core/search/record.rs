@@ -6,7 +6,7 @@ use super::shortlist::Shortlist;
 use super::stopping::{SearchEnd, Stopping};
 use serde::{Deserialize, Serialize};
 
-/// Relative decrease of the objective that counts as an improvement for the stagnation rule.
+/// Least relative decrease of the best cost that counts as an improvement for the stagnation rule.
 const MIN_IMPROVEMENT: f64 = 1e-6;
 
 /// Result of one evaluation, as the journal stores it.
@@ -59,7 +59,7 @@ pub struct Record {
     /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
     /// layout.
     pub trace: Vec<(u64, f64)>,
-    /// Longest series of evaluations without improvement, updated after each batch.
+    /// Longest series of evaluations so far without significant improvement, updated after each batch.
     pub stillness: u64,
     /// Number of evaluations and cost at the last significant improvement.
     ///
@@ -109,7 +109,7 @@ impl Record {
         }
     }
 
-    /// Adds a feasible layout to the front or the shortlist, if it is good enough for them.
+    /// Offers a feasible layout to the front or the shortlist.
     fn collect(&mut self, settled: &[f64], answer: &Answer) {
         if let Some(front) = &mut self.front
             && !answer.losses.is_empty()
@@ -136,13 +136,14 @@ impl Record {
         enough.zip(self.best()).is_some_and(|(enough, best)| best <= enough)
     }
 
-    /// Returns whether the number of evaluations without improvement has reached the limit of the stopping
-    /// rules.
+    /// Returns whether the longest series of evaluations without improvement has reached the limit of the
+    /// stopping rules.
     pub fn has_stagnated(&self, stopping: &Stopping) -> bool {
         stopping.stagnation.is_some_and(|n| self.stillness >= n)
     }
 
-    /// Returns the rule by which a search with these stopping rules would have ended earlier, if any.
+    /// Returns how a search with these stopping rules would have ended before this record; None if the search
+    /// would go on.
     pub fn ended_before(&self, stopping: &Stopping) -> Option<SearchEnd> {
         match () {
             () if self.has_closed_gap(stopping) => Some(SearchEnd::Gap),

@@ -1,26 +1,27 @@
 //! Scalarization: combines several goals into one number, which a run of a Pareto search minimizes.
 //!
-//! The number is the augmented weighted Chebyshev distance from the best value seen of each goal,
+//! The number is the augmented weighted Chebyshev distance from the point of the least losses on the front,
 //!
 //! ```text
 //! s = max_i w_i g_i + rho sum_i g_i,     g_i = (loss_i - least_i) / (greatest_i - least_i),
 //! ```
 //!
 //! where w_i is the weight of goal i, and least_i and greatest_i are the extreme losses on the front. The
-//! factor rho is small. Minima of s include the points of a non-convex front, which no weighted sum reaches
-//! (A. P. Wierzbicki, "The use of reference objectives in multiobjective optimization", 1980; R. E. Steuer,
-//! E.-U. Choo, Mathematical Programming 26 (1983) 326-344). The first runs minimize one goal each. Later
-//! runs use weights that fill the simplex evenly.
+//! factor rho is small. Minima of s include points of a non-convex front that minimize no weighted sum (A. P.
+//! Wierzbicki, "The use of reference objectives in multiobjective optimization", 1980; R. E. Steuer, E.-U.
+//! Choo, Mathematical Programming 26 (1983) 326-344). The first runs minimize one goal each. Later runs use
+//! weights that fill the simplex evenly.
 
 use super::pareto_front::{ParetoFront, Span};
 use crate::low_discrepancy::halton;
 
 /// Factor rho of the sum of all goals in the scalarization.
 ///
-/// If two layouts have equal maxima, this term gives the layout with the smaller sum the smaller cost.
+/// If two layouts have the same largest weighted goal, the layout with the smaller sum of all goals costs
+/// less.
 const AUGMENTATION: f64 = 1e-3;
 
-/// Factor that converts the scalarized goals, which are mostly between 0 and 1, to the cost in a run.
+/// Factor that converts the scalarization, which is mostly between 0 and 1, to the cost in a run.
 ///
 /// The costs are then similar to errors in m, for which the temperatures of annealing are chosen.
 const COST_SCALE: f64 = 0.02;
@@ -56,9 +57,9 @@ impl Scalarization {
 
 /// Returns the weights of the goals in a run; their sum is 1.
 ///
-/// In each of the first runs one goal has all weight. Later weights are the differences between successive
-/// sorted coordinates of a Halton point. Such weights fill the simplex evenly (L. Devroye, Non-Uniform Random
-/// Variate Generation, 1986, section V.2).
+/// In each of the first runs one goal has the weight 1, the other goals 0. Later weights are the differences
+/// between successive sorted coordinates of a Halton point. Such weights fill the simplex evenly (L. Devroye,
+/// Non-Uniform Random Variate Generation, 1986, section V.2).
 pub fn weights(goals: usize, run: u64) -> Vec<f64> {
     if run < goals as u64 {
         return (0..goals as u64).map(|k| if k == run { 1.0 } else { 0.0 }).collect();

@@ -6,9 +6,9 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 /// Change that leads from a point to its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NeighbourChange {
-    /// Change of one coordinate to another listed value.
+    /// Change of one coordinate to a different listed value.
     List,
-    /// Change of two coordinates to other listed values.
+    /// Change of two coordinates to different listed values.
     Lists,
     /// Step of one coordinate that has a range, as a share of that range.
     Range(f64),
@@ -42,16 +42,16 @@ impl<'c> SearchSpace<'c> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
-    /// Returns the canonical point of the layout of `point`, which lies in the unit cube.
+    /// Returns the canonical point, in the unit cube, of the layout at `point`.
     ///
-    /// A variable with a range has its rounded value. A variable with listed values is in the middle of the
-    /// interval that stands for its value.
+    /// A variable with a range stands for its rounded value. A variable with listed values is in the middle
+    /// of the interval of its value.
     pub fn settled(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.variables.iter().zip(point);
         shares.map(|((slot, c), u)| share(c, value(*slot, c, mirrored(*u)))).collect()
     }
 
-    /// Returns the points within the cube to which one change of this kind leads.
+    /// Returns the points in the unit cube to which one change of the kind `change` leads.
     pub fn neighbours(&self, point: &[f64], change: NeighbourChange) -> Vec<Vec<f64>> {
         match change {
             NeighbourChange::List => self.other_values(point, 0),
@@ -69,7 +69,7 @@ impl<'c> SearchSpace<'c> {
         }
     }
 
-    /// Returns the points that differ from `point` in one listed value.
+    /// Returns the points that differ from `point` in one variable with listed values.
     ///
     /// Only the variables from index `from` on are changed.
     fn other_values(&self, point: &[f64], from: usize) -> Vec<Vec<f64>> {
@@ -98,7 +98,7 @@ impl<'c> SearchSpace<'c> {
 
     /// Returns the layout of a point.
     ///
-    /// Points outside the cube are mirrored at its faces, so every point has a layout. Coordinates are
+    /// Points outside the unit cube are mirrored at its faces, so every point has a layout. Coordinates are
     /// rounded to 1 um and 0.0001 degree, so a file can hold exactly the layout that was evaluated.
     pub fn layout(&self, point: &[f64]) -> Layout {
         self.cell.layout(|slot, coordinate| {

@@ -10,8 +10,9 @@
 //! about `8.12^-N` (J. A. C. Weideman, L. N. Trefethen, "Parabolic and hyperbolic contours for computing the
 //! Bromwich integral", Math. Comp. 76 (2007)). For a large mean, the parabola would cross the discs with the
 //! diameters `[-1/(2 l_i), 0]`. In these discs, the factors `exp(-mu_i^2 z / (1 + 2 l_i z))` of the integrand
-//! are large. Here `mu_i` is the component of the mean along the eigenvector of `l_i`. So the contour is a
-//! steep hyperbola through the saddle point of the integrand, which keeps every term small.
+//! are large. Here `mu_i` is the component of the mean along the eigenvector of `l_i`. So the contour for a
+//! large mean is a steep hyperbola through the saddle point of the integrand. On this hyperbola every term of
+//! the sum is small.
 
 use super::spectrum::Spectrum;
 use nalgebra::Complex;
@@ -23,22 +24,22 @@ const N: usize = 14;
 /// Noncentrality up to which the parabola is accurate to 1e-10.
 ///
 /// The noncentrality is `sum mu_i^2 / l_i`, where `l_i` is an eigenvalue and `mu_i` the component of the mean
-/// along its axis.
+/// along its eigenvector.
 const MAX_CENTRAL: f64 = 6.0;
 /// Value of `Q - shift` below which the probability is set to 0, because smaller values practically never
 /// occur.
 ///
-/// Here `Q` is the squared norm, and `shift` is its constant part. Lengths are in units of the RMS norm, so
-/// `Q` has the mean 1.
+/// Here `Q` is the squared norm `|e|^2`, and `shift` is the constant part of `Q`. Lengths are in units of the
+/// RMS norm, so `Q` has the mean 1.
 const MIN_SQUARE: f64 = 1e-100;
-/// Slope of the arms of the hyperbola: 20 degrees off the vertical.
+/// Tangent of 20 degrees, the angle between the arms of the hyperbola and the vertical.
 const TILT: f64 = 0.36;
 
 /// Points and weights on the parabola.
 struct Parabola {
     s: [Complex<f64>; N],
     weight: [Complex<f64>; N],
-    /// Real parts of the points `s`; the other arrays hold their imaginary parts, and both parts of `s^2`.
+    /// Real parts of the points `s`. `im` holds their imaginary parts, `re2` and `im2` the parts of `s^2`.
     re: [f64; N],
     im: [f64; N],
     re2: [f64; N],
@@ -66,7 +67,7 @@ static PARABOLA: LazyLock<Parabola> = LazyLock::new(|| {
 
 /// Returns `P(Q <= x)`, its density and the slope of the density at `x = shift + above`.
 ///
-/// Here `Q` is the squared norm, and `shift` is the constant part of Q in `spectrum`.
+/// Here `Q` is the squared norm `|e|^2`, and `shift` is the constant part of `Q` in `spectrum`.
 pub fn invert(spectrum: &Spectrum, above: f64) -> [f64; 3] {
     if above < MIN_SQUARE {
         return [0.0; 3];
@@ -103,7 +104,8 @@ fn on_parabola(spectrum: &Spectrum, x: f64) -> [f64; 3] {
 ///
 /// Here `l_i` is the i-th eigenvalue of the covariance.
 ///
-/// One square root serves two factors: the root of their product has an argument between 0 and pi.
+/// Each pair of factors takes one square root: the root of their product that has an argument between 0 and
+/// pi.
 fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
     let (mut re, mut im) = ([1.0; N], [0.0; N]);
     for pair in spectrum.l[..spectrum.rank.next_multiple_of(2)].chunks_exact(2) {
@@ -156,7 +158,8 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// Returns the sum of `term(u)` along one arm of the hyperbola, from `u = from` until the terms vanish.
+/// Returns the sum of `term(u)` along one arm of the hyperbola, from `u = from` in steps of `step` until the
+/// terms vanish.
 fn arm(term: &impl Fn(f64) -> [f64; 3], from: f64, step: f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     let mut u = from;
@@ -171,13 +174,14 @@ fn arm(term: &impl Fn(f64) -> [f64; 3], from: f64, step: f64) -> [f64; 3] {
     sum
 }
 
-/// Returns a point z near the saddle of `exp(z above) L(z) / z`, the width of the saddle, and a bound.
+/// Returns a point z near the saddle of `exp(z above) L(z) / z`, the width of the saddle, and a Chernoff
+/// bound.
 ///
-/// Here `L` is the Laplace transform of `Q - shift` for normal parameters. `Q` is the squared norm, and
-/// `shift` is its constant part. The point is on the positive real axis.
+/// Here `L` is the Laplace transform of `Q - shift` for normal parameters. `Q` is the squared norm `|e|^2`,
+/// and `shift` is the constant part of `Q`. The point is on the positive real axis.
 ///
-/// The bound is `z above + log L(z)`. If all parameters are normal, `log P(Q <= shift + above)` is not
-/// greater.
+/// The bound is `z above + log L(z)`. For normal parameters it is an upper bound of `log P(Q <= shift +
+/// above)`.
 fn saddle(spectrum: &Spectrum, above: f64) -> (f64, f64, f64) {
     let slope = |z: f64| {
         let part = |(l, mean2): (f64, f64)| {

@@ -11,8 +11,9 @@
 //! ```
 //!
 //! The mean is taken over a fixed set of weighted low-discrepancy points. The integrand has kinks but no
-//! jumps, which is what such points need (A. Griewank, F. Y. Kuo, H. Leovey, I. H. Sloan, "High dimensional
-//! integration of kinks and jumps: smoothing by preintegration", J. Comput. Appl. Math. 344 (2018) 259-274).
+//! jumps, so low-discrepancy points integrate it accurately (A. Griewank, F. Y. Kuo, H. Leovey, I. H. Sloan,
+//! "High dimensional integration of kinks and jumps: smoothing by preintegration", J. Comput. Appl. Math. 344
+//! (2018) 259-274).
 
 use super::points::{PointSet, half_width};
 use super::terms::RandomTerm;
@@ -24,17 +25,17 @@ use nalgebra::Vector6;
 /// [`PointSet::count`].
 const LANES: usize = 4;
 
-/// Distribution of the norm of a random vector with a dominating bounded parameter.
+/// Distribution of the norm of a random vector that depends on a dominating bounded parameter.
 pub struct ConditionalNorm<'a> {
-    /// Error without the dominating parameter, at each point: its component along the effect of this
-    /// parameter.
-    along: &'a [f64],
-    /// Error without the dominating parameter, at each point: squared length perpendicular to the effect of
+    /// Component of the error along the effect of the dominating parameter, at each point. The error excludes
     /// this parameter.
+    along: &'a [f64],
+    /// Squared length of the part of the error perpendicular to the effect of the dominating parameter, at
+    /// each point. The error excludes this parameter.
     across: &'a [f64],
     /// Weight of each point; the weights add up to 1.
     weights: &'a [f64],
-    /// Half width of the dominating parameter's effect.
+    /// Size of the effect of the dominating parameter at the limit of its range.
     width: f64,
     distribution: Distribution,
     rms: f64,
@@ -56,7 +57,7 @@ impl ConditionalScratch {
         scratch
     }
 
-    /// Returns memory for errors of `m` components at `points`; it allocates what is missing.
+    /// Returns memory for errors of `m` components at `points`, and allocates memory that is missing.
     fn at_least(&mut self, m: usize, points: &PointSet) -> &mut [f64] {
         // The weights, the component along the dominating effect and at least one component across it.
         let size = (1 + m.max(2)) * points.count;
@@ -110,12 +111,13 @@ impl<'a> ConditionalNorm<'a> {
         self.rms
     }
 
-    /// Returns the mean of `|e|`: the weighted mean over the points of a conditional mean in closed form.
+    /// Returns the mean of `|e|`: at each point a conditional mean in closed form, then the weighted mean
+    /// over all points.
     ///
-    /// At each point `|e| = sqrt(r + s^2)`, where `s` is the component along the effect of the dominating
-    /// parameter, and `r` does not depend on this parameter. The density of this parameter is constant or
-    /// piecewise linear. So the conditional mean follows from the first or second antiderivative of `sqrt(r +
-    /// s^2)`.
+    /// At each point `|e| = sqrt(r + s^2)`, where `s` is the component of `e` along the effect of the
+    /// dominating parameter. The rest `r` does not depend on this parameter. The density of this parameter is
+    /// constant or piecewise linear. So the conditional mean follows from the first or second antiderivative
+    /// of `sqrt(r + s^2)`.
     pub fn mean(&self) -> f64 {
         let w = self.width;
         let given = |t: f64, r: f64| match self.distribution {
@@ -216,7 +218,8 @@ impl Reflection {
 /// Writes three figures of each point: its weight, the first component of the error, and the squared length
 /// of the other components.
 ///
-/// The error is the sum of `mean` and all `terms`. Its components, and `mean`, are those after `reflection`.
+/// The error is the sum of `mean` and all `terms`. Its components are those after `reflection`; `mean` is
+/// already reflected.
 fn sample(
     m: usize,
     points: &PointSet,

@@ -25,10 +25,10 @@ use nalgebra::{Complex, Vector6};
 /// A sum of equal uniform variables, such as a triangular one, has the same ratio.
 const SIXTH_CUMULANT_RATIO: f64 = 100.0 / 21.0;
 
-/// Principal axes of the covariance, without those whose eigenvalue is zero.
+/// Principal axes of the covariance, except the axes whose eigenvalue is zero.
 ///
 /// The first `m` components of each axis are used. `scale` converts the effects of parameters to the unit of
-/// the spectrum.
+/// length of the spectrum.
 pub struct Axes<'a> {
     pub rows: &'a [[f64; 6]],
     pub m: usize,
@@ -38,8 +38,8 @@ pub struct Axes<'a> {
 /// Polynomial in `z r_i` that corrects the Laplace transform: coefficients of the products of two, three and
 /// four `z r_i`.
 ///
-/// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the i-th eigenvalue. Products are in lexicographic order of
-/// their indices.
+/// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the i-th eigenvalue of the covariance. Products are in
+/// lexicographic order of their indices.
 pub struct Cumulants {
     two: [f64; 21],
     three: [f64; 56],
@@ -48,18 +48,21 @@ pub struct Cumulants {
 
 /// Sums over the parameters k, for combinations of the axes a, b, c and d.
 ///
-/// `g_a` is the effect of parameter k along axis a, `gamma_k` its fourth and `six_k` its sixth cumulant.
+/// `g_a` is the component of the effect of parameter k along axis a. `gamma_k` is the fourth cumulant of this
+/// parameter, `six_k` the sixth.
 struct Sums {
-    /// Sum over k of `gamma_k g_a g_b g_c g_d` for each a <= b <= c <= d, in lexicographic order.
+    /// Sum over k of `gamma_k g_a g_b g_c g_d` (symbols of [`Sums`]) for each a <= b <= c <= d, in
+    /// lexicographic order.
     four: [f64; 126],
-    /// Sum over k of `gamma_k g_a^2 g_b g_c` at `[a][b][c]`, for b <= c.
+    /// Sum over k of `gamma_k g_a^2 g_b g_c` (symbols of [`Sums`]) at `[a][b][c]`, for b <= c.
     twice: [[[f64; 6]; 6]; 6],
-    /// Sum over k of `six_k / 6 g_a^2 g_b^2 g_c^2` for each a <= b <= c, in lexicographic order.
+    /// Sum over k of `six_k / 6 g_a^2 g_b^2 g_c^2` (symbols of [`Sums`]) for each a <= b <= c, in
+    /// lexicographic order.
     six: [f64; 56],
 }
 
 impl Cumulants {
-    /// Returns the correction for a mean with the components `mu` along the axes; None if all parameters are
+    /// Returns the correction, if the mean has the components `mu` along the axes; None if all parameters are
     /// normal.
     pub fn new(axes: &Axes, columns: &[Vector6<f64>], kurtosis: &[f64], mu: &[f64; 6]) -> Option<Self> {
         if kurtosis.iter().take(columns.len()).all(|&gamma| gamma == 0.0) {
@@ -77,8 +80,9 @@ impl Cumulants {
         Some(sums.coefficients(n, mu))
     }
 
-    /// Returns the factor by which the Laplace transform is corrected; `zr` are the values `z r_i` of the
-    /// axes.
+    /// Returns the factor that corrects the Laplace transform at z; `zr` holds `z r_i` for every axis i.
+    ///
+    /// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the eigenvalue of axis i.
     pub fn factor(&self, zr: &[Complex<f64>]) -> Complex<f64> {
         let n = zr.len();
         let (mut at2, mut at3, mut at4) = (0, 0, 0);

@@ -3,7 +3,7 @@
 use super::jacobi::covariance;
 use nalgebra::Vector6;
 
-/// Covariance of the first `m` components of an error, to which single parameters are compared.
+/// Covariance of the first `m` components of an error, from which the shares of single parameters follow.
 pub struct Dominance {
     m: usize,
     covariance: [[f64; 6]; 6],
@@ -11,13 +11,13 @@ pub struct Dominance {
 }
 
 impl Dominance {
-    /// Prepares the comparison with parameters whose effects at one standard deviation are `effects`.
+    /// Computes the covariance of an error from the effects of all parameters at one standard deviation.
     pub fn among(m: usize, effects: &[Vector6<f64>]) -> Self {
         let covariance = covariance(m, effects, 1.0);
         Self { m, covariance, trace: (0..m).map(|i| covariance[i][i]).sum() }
     }
 
-    /// Returns the share of a parameter with the effect `g` in the variance of the error, and its share in the
+    /// Returns two shares of a parameter with the effect `g`: in the variance of the error, and in the
     /// variance along `g`.
     ///
     /// The second share is 1 for a parameter that alone varies the error in its direction.

@@ -7,12 +7,12 @@ use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Largest [`excess`] at which the corrected transform of a normal vector is used.
+/// Largest [`excess`] at which the Laplace transform of a normal vector, corrected for the kurtosis, is used.
 const MAX_EXCESS: f64 = 0.1;
 
 /// Factor of [`excess_of_lone`] in [`excess`].
 ///
-/// At this factor, the probabilities of 600 random sets of parameters agree with Monte Carlo estimates within
+/// At this value, the probabilities of 600 random sets of parameters agree with Monte Carlo estimates within
 /// 0.005. The errors have one to six components.
 const ALONE_WEIGHT: f64 = 2.1;
 
@@ -86,11 +86,11 @@ impl<'a> NormLaw<'a> {
 /// The first estimate is `sum_k |gamma_k| |g_k|^4 / (sum_k |g_k|^2)^2`, where parameter k has the effect
 /// `g_k` and the excess kurtosis `gamma_k`.
 ///
-/// The second estimate belongs to a parameter that alone varies the error in its direction
-/// ([`excess_of_lone`]). Small norms depend mainly on the component of the error in this direction.
+/// The second estimate ([`excess_of_lone`]) is large if a parameter alone varies the error in its direction.
+/// Small norms depend mainly on the component of the error in this direction.
 ///
-/// The third estimate belongs to the component of the error along the mean. It counts only if the mean is
-/// large, because the norm then depends mainly on this component.
+/// The third estimate is the absolute excess kurtosis of the component of the error along the mean. It counts
+/// only if the mean is large. Then the norm depends mainly on this component.
 fn excess(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> f64 {
     if kurtosis.iter().all(|gamma| *gamma == 0.0) {
         return 0.0;
@@ -109,10 +109,10 @@ fn excess(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f
     whole.max(share(&|g| dot(g, mean).powi(2)))
 }
 
-/// Returns the largest product of two figures of one parameter.
+/// Returns the maximum over the parameters of the product of two figures of a parameter.
 ///
-/// The first is the absolute excess kurtosis that the parameter causes along its own effect. The second is
-/// the share of the parameter in the variance of the error.
+/// The first figure is the absolute excess kurtosis that the parameter causes along its own effect. The
+/// second figure is the share of the parameter in the variance of the error.
 fn excess_of_lone(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64]) -> f64 {
     let dominance = Dominance::among(m, columns);
     let of_one = |(g, gamma): (&Vector6<f64>, &f64)| {

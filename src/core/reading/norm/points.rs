@@ -15,7 +15,7 @@ const POINTS: [usize; 2] = [8192, 32_768];
 
 /// Largest number of components for which the smaller set suffices.
 ///
-/// Errors of more components depend on more coordinates. In many coordinates, low-discrepancy points are no
+/// Errors of more components depend on more coordinates. In many dimensions, low-discrepancy points are no
 /// better than random draws.
 const FEW_COMPONENTS: usize = 3;
 
@@ -31,7 +31,7 @@ pub struct PointSet {
     pub count: usize,
     /// Values of each distribution in the order of [`Distribution::ALL`], coordinate by coordinate.
     values: [Vec<f64>; 3],
-    /// Weights of the coordinates with a normal distribution; those of all others are 1.
+    /// Weights of the coordinates with a normal distribution; the weights of all other coordinates are 1.
     weights: Vec<f64>,
 }
 
@@ -91,7 +91,7 @@ fn value(distribution: Distribution, u: f64) -> f64 {
 }
 
 /// Returns the weight of a normal coordinate at the probability `u`: the normal density divided by the
-/// widened one.
+/// density of the widened normal distribution.
 fn normal_weight(u: f64) -> f64 {
     let z = normal_quantile(u);
     WIDENED * (-0.5 * z * z * (WIDENED * WIDENED - 1.0)).exp()

@@ -5,10 +5,10 @@
 //! the linear coefficient a and the cubic coefficient b, the variance is `a^2 + 6 a b + 15 b^2`, and the
 //! excess kurtosis is `24 (a b + b^2 (12 + 48 a b + 225 b^2))`.
 
-/// Least excess kurtosis; the fixed-point iteration converges from here up to 0.
+/// Least excess kurtosis; the fixed-point iteration converges for values between this limit and 0.
 const MIN_KURTOSIS: f64 = -0.6;
 
-/// Number of fixed-point iterations; the residual shrinks by at least a factor of 2 with each.
+/// Number of fixed-point iterations; each iteration reduces the residual by at least a factor of 2.
 const ITERATIONS: usize = 30;
 
 /// Random variable `a z + b z^3` of a standard normal variable z.
@@ -41,7 +41,7 @@ impl PowerNormal {
         Self { linear: a, cubic: b, turn: (-a / (3.0 * b)).sqrt() }
     }
 
-    /// Returns the value at the standard normal value z.
+    /// Returns the value of this variable, given the value z of the standard normal variable.
     #[inline]
     pub fn value(&self, z: f64) -> f64 {
         let z = z.clamp(-self.turn, self.turn);

@@ -13,7 +13,7 @@ use nalgebra::{Complex, Vector6};
 
 /// Share of the trace of the covariance below which an eigenvalue counts as zero, because it may be rounding.
 const EIGENVALUE_ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Size below which a vector counts as zero; the size is the largest absolute component.
+/// Largest absolute component below which a vector counts as zero.
 const MIN_SIZE: f64 = 1e-300;
 
 /// Laplace transform of `Q = |e|^2` for a nearly normal vector `e`.
@@ -39,7 +39,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Returns the spectrum and its unit of length; None if `e` is zero.
+    /// Returns the spectrum of a vector `e` and the unit of length, the RMS of `|e|`; None if `e` is zero.
     pub fn new(
         m: usize,
         columns: &[Vector6<f64>],
@@ -77,7 +77,8 @@ impl Spectrum {
         Some((this, size * unit))
     }
 
-    /// Returns the first three cumulants of `Q - shift`, where `Q = |e|^2` and `shift` is its constant part.
+    /// Returns the first three cumulants of `Q - shift`, where `Q = |e|^2` and `shift` is the constant part
+    /// of `Q`.
     ///
     /// The second cumulant includes the effect of the excess kurtosis of the parameters. The effect on the
     /// third cumulant is estimated.

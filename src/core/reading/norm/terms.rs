@@ -14,20 +14,20 @@ use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Largest number of parameters that have a term of their own, without the dominating parameter.
+/// Largest number of parameters that have a term of their own; the dominating parameter does not count.
 ///
 /// The other six coordinates of a point belong to the terms of the merged parameters.
 const MAX_OWN: usize = COORDINATES - 6;
 
-/// Limit of the excess kurtosis that all merged bounded parameters together contribute to the error.
+/// Largest excess kurtosis that all merged bounded parameters together may contribute to the error.
 ///
-/// The excess kurtosis of a parameter is multiplied by its [`weight`]. The error excludes the dominating
-/// parameter.
+/// The excess kurtosis of each parameter is multiplied by its [`weight`] before the sum. The error excludes
+/// the dominating parameter.
 const MAX_REST_EXCESS: f64 = 0.008;
 
 /// Factor in [`weight`] for a parameter that alone varies the error in its direction.
 ///
-/// It multiplies the standard deviation of the parameter.
+/// It multiplies the ratio of the standard deviation of the parameter to that of the error.
 const THIN_WEIGHT: f64 = 0.5;
 
 /// Random term of an error: `effect` times a function of a random variable z.
@@ -65,8 +65,8 @@ impl RandomTerm {
     }
 }
 
-/// Moves the bounded parameters whose distributions matter most from `effects` to `terms`, and returns their
-/// number.
+/// Moves the bounded parameters with the largest weighted excess kurtosis from `effects` to `terms`, and
+/// returns their number.
 fn take_dominating(
     m: usize,
     effects: &mut [Vector6<f64>],
@@ -94,14 +94,14 @@ fn take_dominating(
     own
 }
 
-/// Returns how much the distribution of a parameter matters, from 0 to 1.
+/// Returns how much the distribution of a parameter influences that of the norm, from 0 to 1.
 ///
 /// `share` is the share of the parameter in the variance of the error. `alone` is its share in the variance
 /// along its own effect.
 ///
 /// The result is at least `share^2`. If `alone` is 1, only this parameter varies the error in its direction.
-/// Then the parameter also matters for small probabilities, in proportion to its standard deviation;
-/// `sqrt(share)` is this deviation divided by that of the error.
+/// Then the probabilities of small norms depend on this parameter in proportion to its standard deviation.
+/// `sqrt(share)` is the standard deviation of the parameter divided by that of the error.
 fn weight((share, alone): (f64, f64)) -> f64 {
     (share * share).max(THIN_WEIGHT * alone * alone * share.sqrt())
 }

@@ -2,15 +2,15 @@
 //!
 //! The generators are sorted by size, the largest first. A table holds the sums of the last six generators
 //! with all combinations of signs. Let `v` be the sum of the generators whose signs are chosen. Let `w` be a
-//! sum of the others, `g_j, g_j+1, ..`, with any signs. Then
+//! sum of the other generators, `g_j, g_j+1, ..`, with any signs. Then
 //!
 //! ```text
 //! |v + w|^2 <= |v|^2 + 2 sum |v . g_k| + K_j,     K_j = max |w|^2
 //! ```
 //!
-//! The maximum `K_j` over all `w` is known, because the other generators alone are a smaller problem of the
-//! same kind. The smaller problem is solved first. This is Russian doll search (G. Verfaillie, M. Lemaitre,
-//! T. Schiex, AAAI 1996). The bound is tight: 64 random generators in 6-D take about ten thousand nodes.
+//! The maximum `K_j` of `|w|^2` over all signs is known: the other generators alone are a smaller problem of
+//! the same kind, which is solved first. This is Russian doll search (G. Verfaillie, M. Lemaitre, T. Schiex,
+//! AAAI 1996). The bound is tight: 64 random generators in 6-D take about ten thousand nodes.
 
 use super::MAX_GENERATORS;
 use super::climb;
@@ -47,7 +47,7 @@ struct BranchState {
     square: f64,
     /// Largest bound of a node that was not visited because of the node limit.
     open: f64,
-    /// Number of nodes left until the limit.
+    /// Number of nodes that the search may still visit.
     nodes: usize,
 }
 
@@ -66,9 +66,9 @@ impl Default for BranchAndBound {
 }
 
 impl BranchAndBound {
-    /// Writes to `corner` the signs with the largest norm of the sum that the search finds.
+    /// Writes to `corner` the signs with which the norm of the sum is largest among all sums found.
     ///
-    /// Returns a proven upper bound of the norm for all signs; None if the signs found are proven to be the
+    /// Returns a proven upper bound of the norm over all signs; None if the signs found are proven to be the
     /// best.
     pub(super) fn farthest(&mut self, generators: &[Vector6<f64>], corner: &mut [f64]) -> Option<f64> {
         let n = generators.len();
@@ -108,8 +108,8 @@ impl BranchAndBound {
 
     /// Starts a search over the sorted generators from index `from` on, with good initial signs.
     ///
-    /// The generators after `from` have the signs of their own best sum, and generator `from` has +1. Flips
-    /// of single signs then improve these signs.
+    /// The generators after `from` get the signs of the longest sum of these generators alone, and generator
+    /// `from` gets +1. Flips of single signs then improve the start.
     fn start(&mut self, from: usize, n: usize) {
         let (generators, signs) = (&self.sorted[from..n], &mut self.best[from..n]);
         signs[0] = 1.0;

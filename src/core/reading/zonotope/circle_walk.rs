@@ -18,7 +18,7 @@ pub(super) struct CircleWalk {
 
 /// Longest sum on a walk.
 ///
-/// `flips` is the number of signs that the walk has flipped when it reaches the sum. `side` is the sign of
+/// `flips` is the number of signs that the walk has flipped when it reaches this sum. `side` is the sign of
 /// the component of the sum along the axis of the circle.
 pub(super) struct WalkMaximum {
     square: f64,
@@ -52,8 +52,8 @@ impl CircleWalk {
     /// Returns the longest sum of the first `n` generators and one more generator along the axis of the
     /// circle.
     ///
-    /// The additional generator has the length `size`. It gets the sign that the sum of the others has along
-    /// the axis.
+    /// The additional generator has the length `size`. Its sign is that of the axial component of the sum of
+    /// the other generators.
     pub(super) fn farthest(&mut self, n: usize, size: f64) -> WalkMaximum {
         self.sort(n);
         let mut sum: Vector3<f64> = self.at[..n].iter().sum();
