@@ -1,14 +1,14 @@
-//! sweetspot finds where in a robot workcell a precision operation has the least error. It also finds where
-//! worktable and conveyor must stand for that least error.
+//! sweetspot finds where in a robot workcell a precision operation has the least error. It also finds the
+//! placements of worktable and conveyor that make this error least.
 //!
 //! # The problem
 //!
 //! A robot is built with small errors `e` in its link parameters, so its end effector is not where its
 //! controller assumes. This project grew from a 1990s journal paper on a *kinematic error mapping and layout
-//! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II). Its author, title and year are not known to us. The
-//! documentation calls it the seed paper. In the equations of the paper, `A_i` is the Denavit-Hartenberg
-//! matrix of link i. Hayati's fifth parameter `beta_i` (section 2.3) is in brackets. `T` is the pose of the
-//! end effector at the joint coordinates `q`, and `dT` its error:
+//! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II). The author, title and year of the paper are not known
+//! to us. The documentation calls it the seed paper. In the equations of the paper, `A_i` is the
+//! Denavit-Hartenberg matrix of link i. Hayati's fifth parameter `beta_i` (section 2.3) is in brackets. `T`
+//! is the pose of the end effector at the joint coordinates `q`, and `dT` its error:
 //!
 //! ```text
 //! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i) [Ry(beta_i)]             (1)

@@ -34,7 +34,8 @@ pub struct Loaded {
     /// Every file read, the cell file first, in the order of reading.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
-    /// Whether the kind of the error sets in use decides the reading, because no file and no flag states it.
+    /// Whether the kind of the error sets in use decides the reading. This is so if no file and no flag
+    /// states a reading.
     pub follows_errors: bool,
 }
 
@@ -106,8 +107,8 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
     }
 }
 
-/// Returns whether the file at `path` is a robot file. The key `schema` of the file states that, or the
-/// `schema` that the file inherits through `from`.
+/// Returns whether the file at `path` is a robot file. The key `schema` of the file states its kind. A file
+/// without this key inherits `schema` through `from`.
 pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
     let root = from::load(path, &[], &mut Library::new(read));
     let schema = root.as_ref().and_then(|root| root.value.get("schema"));

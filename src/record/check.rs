@@ -41,7 +41,8 @@ pub struct OwnPairEntry {
 }
 
 impl OwnPairEntry {
-    /// Returns every pair of robot solids that exist at the same time; none if self-collision is not checked.
+    /// Returns every pair of robot solids, without pairs of parts that are held in different operations.
+    /// Returns none if self-collision is not checked.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
         let pair = |p: &SelfCollisionPair| {
             let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell).to_string());

@@ -56,7 +56,8 @@ pub struct ExplanationDocument {
     /// Rows of the Denavit-Hartenberg table at the posture, always in standard convention.
     ///
     /// If the robot file has modified rows, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file.
-    /// The values of row 1 of the file are part of frame 0, and both are 0 in the last row.
+    /// `l_mm` and `alpha_deg` of row 1 of the file are part of frame 0. In the last row of this table, both
+    /// are 0.
     pub dh: Vec<DhEntry>,
     /// Link frames and the TCP in the base frame.
     pub frames: Vec<FrameEntry>,
@@ -69,11 +70,11 @@ pub struct ExplanationDocument {
     pub second_order: DisplacementEntry,
     /// Error by the nonlinear model, world frame.
     pub nonlinear: DisplacementEntry,
-    /// Nonlinear error of the robot alone: registration, pick and equipment errors are not subtracted. World
-    /// frame.
+    /// Nonlinear error of the robot alone, world frame. The effects of registration, of the pick of the part
+    /// and of equipment errors are not subtracted.
     pub robot_alone_nonlinear: DisplacementEntry,
-    /// Displacement that is subtracted from the nonlinear error of the robot alone, world frame.
-    /// Registration, pick and errors of the equipment cause this displacement.
+    /// Displacement that is subtracted from the nonlinear error of the robot alone, world frame. The
+    /// registration, the pick of the part and errors of the equipment cause this displacement.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
     /// Rows of the sense, each with its error.
@@ -149,7 +150,7 @@ pub struct ParameterEntry {
     pub standard_deviation: f64,
     pub motions: Vec<MotionEntry>,
     pub effect_base_mm_per_unit: [f64; 3],
-    /// Part of the effect that registration and pick subtract, base frame.
+    /// Part of the effect that the registration and the pick of the part subtract, base frame.
     pub taken_off_base_mm_per_unit: [f64; 3],
     pub linear_term_mm: [f64; 3],
     pub linear_term_deg: [f64; 3],
@@ -160,14 +161,14 @@ pub struct ParameterEntry {
 #[serde(deny_unknown_fields)]
 pub struct MotionEntry {
     pub kind: MotionKind,
-    /// Axis of the frame: x, y or z.
+    /// Axis of `frame` along or about which the motion happens: x, y or z.
     #[schemars(extend("enum" = AXES))]
     pub axis: String,
     pub frame: String,
     /// Amount of the motion per unit of the parameter.
     pub factor: f64,
     pub axis_base: [f64; 3],
-    /// Vector from the origin of the frame to the TCP.
+    /// Vector from the origin of `frame` to the TCP, base frame.
     pub lever_base_mm: [f64; 3],
 }
 
@@ -190,8 +191,9 @@ pub struct DisplacementEntry {
     pub rotation_deg: [f64; 3],
 }
 
-/// Discrepancy of the approximate error models at a posture: length of the difference from the nonlinear
-/// position error, in percent of that error.
+/// Discrepancies of the linear and the second-order model at a posture. A discrepancy is the distance between
+/// the position errors of the model and of the nonlinear model. It is in percent of the length of the
+/// nonlinear position error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PostureGuardEntry {

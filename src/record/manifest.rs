@@ -20,7 +20,7 @@ pub struct ManifestDocument {
     /// Command line that makes the folder, for people. Programs read `settings` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<Vec<String>>,
-    /// Name of the plan file of a sweep, whose manifest has no command.
+    /// Name of the plan file, in the manifest of a sweep. Such a manifest has no `command`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -38,8 +38,8 @@ pub struct ManifestDocument {
     pub inputs: Vec<HashedFile>,
     /// Files that were written.
     pub outputs: Vec<HashedFile>,
-    /// SHA-256, in hexadecimal, of all text of the manifest that precedes this key. Only the written file has
-    /// this key.
+    /// SHA-256, in hexadecimal, of all text of the manifest that precedes this key. The program adds this key
+    /// to the text when it writes the manifest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }

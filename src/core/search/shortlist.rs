@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// Any two layouts of a shortlist differ by more than this value in at least one coordinate.
 ///
-/// The difference is a share of the range of the coordinate, or of the number of listed values.
+/// The difference of a coordinate is a share of its range. For a coordinate with listed values, it is the
+/// difference of the places in the list, divided by the length of the list.
 pub const REALLY_DIFFERENT: f64 = 0.05;
 
 /// Number of stored layouts per requested layout.
@@ -15,12 +16,12 @@ const RESERVE_FACTOR: usize = 4;
 
 /// Best layouts seen, each of which differs from every better one by more than [`REALLY_DIFFERENT`].
 ///
-/// A layout that a similar, better one has replaced does not return, even if the better one is replaced
-/// later.
+/// A layout that was replaced by a similar, better layout does not return. This holds even if the better
+/// layout is itself replaced later.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shortlist {
     keep: usize,
-    /// Cost of each member and its point of the unit cube, best first.
+    /// Cost of each stored layout and its point of the unit cube, best first.
     members: Vec<(f64, Vec<f64>)>,
 }
 
@@ -45,7 +46,7 @@ impl Shortlist {
         self.members.truncate(RESERVE_FACTOR * self.keep);
     }
 
-    /// Returns the points of the best layouts, as many as were requested.
+    /// Returns the best layouts as points of the unit cube, best first, at most as many as were requested.
     pub fn best(&self) -> impl Iterator<Item = &Vec<f64>> {
         self.members.iter().take(self.keep).map(|m| &m.1)
     }

@@ -15,8 +15,8 @@ use rand_chacha::ChaCha8Rng;
 const SIGMA_FROM_FILE: f64 = 0.15;
 /// Initial step size of CMA-ES from a random point, as a share of the search range.
 const SIGMA: f64 = 0.3;
-/// Period of the restarts of CMA-ES: the first restart of each period is global, the others are local with a
-/// small first step.
+/// Period of the restarts of CMA-ES. The first restart of each period is global, the others are local (see
+/// [`restart`]).
 const RESTART_PERIOD: u64 = 3;
 /// Number of particles of a swarm.
 const PARTICLES: usize = 40;
@@ -30,7 +30,7 @@ const FIRST_TEMPERATURE: f64 = 1e-2;
 const LAST_TEMPERATURE: f64 = 1e-8;
 /// Edge of the first simplex of the polish in the unit cube.
 const SIMPLEX_EDGE: f64 = 0.01;
-/// Standard deviation of costs, m, at which the polish has converged.
+/// Standard deviation of the costs at the simplex corners, m, below which the polish has converged.
 const POLISH_TOLERANCE: f64 = 1e-10;
 
 type IterationState = IterState<Vec<f64>, (), (), (), (), f64>;
@@ -91,11 +91,14 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
 
 /// Returns the initial step size and the population (as a multiple of the default) of a run of CMA-ES.
 ///
-/// The first run stays near the layout in the cell file. Later runs start anywhere, in two ways as in
-/// BIPOP-CMA-ES (N. Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO
-/// 2009). Large steps and a population that doubles up to eight times the default find wide minima of the
-/// cost. A small first step keeps the run on one side of an obstacle. On that side the best layout may lie in
-/// a small feasible region.
+/// Run 0 stays near the layout in the cell file. Later runs are global or local, as in BIPOP-CMA-ES (N.
+/// Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009).
+///
+/// A global run finds wide minima of the cost. It has a large first step. The populations of successive
+/// global runs are 1, 2, 4 and 8 times the default, then 1 again.
+///
+/// A local run has the default population. A small first step keeps this run on one side of an obstacle. The
+/// best layout may lie in a small feasible region on that side.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {
         None => (SIGMA_FROM_FILE, 1),

@@ -1,18 +1,19 @@
 //! Stopping rules of a search.
 //!
-//! Every rule is a function of the record alone. So a search stops at the same evaluation on any machine and
-//! after any interruption.
+//! Every rule depends only on the layouts evaluated so far and their costs. So a search stops at the same
+//! evaluation on any machine and after any interruption.
 
 use crate::cell::{Goals, SearchSettings};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Fraction of the evaluation budget for the final Nelder-Mead polish, if the search keeps only the best
+/// Fraction of the evaluation budget for the final Nelder-Mead polish, in a search that keeps only the best
 /// layout.
 const POLISH_SHARE: f64 = 0.1;
-/// Fraction of the evaluation budget for polish and local search, if the search keeps a front or a shortlist.
+/// Fraction of the evaluation budget for polish and local search together, in a search that keeps a front or
+/// a shortlist.
 const POLISH_AND_LOCAL_SHARE: f64 = 0.25;
-/// Fraction of the evaluations for polish and local search that the polish may use.
+/// Fraction of [`POLISH_AND_LOCAL_SHARE`] that the polish may use; the local search uses the remainder.
 const POLISH_PART: f64 = 0.3;
 
 /// End of a search.
@@ -75,13 +76,13 @@ pub struct Stopping {
     pub gap: Option<f64>,
     /// Proven lower bound of the objective, m or rad.
     pub bound: Option<f64>,
-    /// Number of consecutive evaluations after which the polish begins, if none improves the best cost by a
-    /// relative 1e-6.
+    /// Number of consecutive evaluations without improvement after which the polish begins. An improvement
+    /// lowers the best cost by more than a relative 1e-6.
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search that minimizes the error alone.
     ///
-    /// A Pareto search does not end by the relative gap, because the bound applies to the error alone. A new
-    /// member of the front counts as an improvement.
+    /// A Pareto search does not end by the relative gap, because the bound applies to the error alone. For
+    /// the rule [`Self::stagnation`], a new member of the front counts as an improvement.
     #[serde(default)]
     pub pareto: Goals,
     /// Number of layouts to keep; 0 keeps only the best layout, or the whole front of a Pareto search.

@@ -23,7 +23,8 @@ impl Drop for Lease<'_> {
     }
 }
 
-/// Locks a mutex even if it is poisoned, because a thread that panics leaves no half-written record.
+/// Locks a mutex even if it is poisoned. This is safe, because a thread that panics leaves no half-written
+/// data.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }

@@ -26,7 +26,8 @@ pub enum ValueKind {
     Text,
     /// Text that can be shown and written to files: short, printable, not blank.
     Name,
-    /// Path of a file beside or below the one that names it.
+    /// Path of a file, relative to the folder of the file that has the key. The path must not leave the
+    /// folder of the cell file.
     Path,
     /// One of a closed set of words.
     Word(fn() -> Vec<String>),
@@ -42,7 +43,8 @@ pub enum ValueKind {
     /// items in messages.
     List(&'static ValueKind, (usize, usize), &'static str),
     Either(&'static [ValueKind]),
-    /// Value of another kind, with additions to its JSON Schema.
+    /// Value of the kind that the first field states. The second field returns additions to the JSON Schema
+    /// of the value.
     Checked(&'static ValueKind, fn() -> Value),
 }
 
@@ -205,7 +207,7 @@ pub enum Rule {
     OneAtMost(&'static [&'static str]),
     /// If the first key is given, none of the others may be given.
     Excludes(&'static str, &'static [&'static str]),
-    /// The other keys may be given only together with the first.
+    /// If the first key is missing, none of the others may be given.
     OnlyWith(&'static str, &'static [&'static str]),
     /// If the first key is given, the second must be given.
     Needs(&'static str, &'static str),

@@ -12,7 +12,7 @@ use crate::cell::{Convention, MAX_JOINTS};
 pub enum JointMotion {
     Revolute,
     Prismatic,
-    /// Revolute joint without an actuator: the coupling alone moves it.
+    /// Revolute joint without an actuator: the joint coupling turns it when other joints move.
     Passive,
 }
 

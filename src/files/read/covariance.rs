@@ -62,7 +62,8 @@ fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n
     None
 }
 
-/// Returns a name as given, for messages.
+/// Returns the name of a parameter as the file gives it, for messages. If the value is not a text, returns
+/// the kind of the value.
 fn name_of(item: &Node) -> String {
     match &item.value {
         Value::Text(name) => shown(name),

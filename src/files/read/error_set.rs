@@ -73,8 +73,9 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
 
 /// Refuses errors of the base and of joint 1 that duplicate errors of row 1 in modified convention.
 ///
-/// A modified row begins with its common normal and twist. So dalpha of row 1 already describes rx of the
-/// base, and dl and dbeta describe x and ry of joint 1.
+/// A modified row begins with its common normal l and twist alpha. So dalpha, the error of alpha of row 1,
+/// has the effect of a rotation rx of the base. dl, the error of l, has the effect of a displacement x of
+/// joint 1. dbeta, the error of Hayati's fifth parameter, has the effect of a rotation ry of joint 1.
 fn refuse_first_row(t: &mut Table, base: &[f64; PER_FRAME], joints: &[[f64; PER_FRAME]]) {
     let of_base = (
         error_set::BASE,

@@ -14,18 +14,20 @@ pub struct ErrorRows<'j> {
 }
 
 impl ErrorRows<'_> {
-    /// Returns the indices of the parameters that hold dl, dalpha and dbeta of a modified row 1.
+    /// Returns the indices of the parameters that hold dl, dalpha and dbeta of a modified row 1. These are
+    /// the errors of the common normal l, of the twist alpha and of Hayati's fifth parameter.
     ///
     /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T translates along an axis and R
-    /// rotates about an axis. dl and dbeta become errors of the frame of joint 1, after the twist. dalpha
-    /// becomes an error of the base frame, before the twist. The conversion is exact, because Tx and Rx
-    /// commute, and because each of these two frames takes only one rotation.
+    /// rotates about an axis. dl becomes the error x of the frame of joint 1, and dbeta its error ry. dalpha
+    /// becomes the error rx of the base frame. The conversion is exact, because Tx and Rx commute. Also, the
+    /// rotation error of each of these two frames is about one axis only.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         [joint, base + 3, joint + 4]
     }
 
-    /// Returns the indices of dl, dalpha and dbeta of a row.
+    /// Returns the indices of the parameters dl, dalpha and dbeta of a row. These are the errors of the
+    /// common normal l, of the twist alpha and of Hayati's fifth parameter.
     fn of_row(&self, row: usize) -> [usize; 3] {
         [2, 3, 4].map(|k| PER_LINK * row + k)
     }
@@ -33,16 +35,17 @@ impl ErrorRows<'_> {
     /// Returns the indices of the parameters that no key of a file with modified rows sets; None for standard
     /// rows.
     ///
-    /// These parameters are dl, dalpha and dbeta of the last standard row.
+    /// These parameters are dl, dalpha and dbeta ([`Self::of_row`]) of the last standard row.
     pub fn unused(&self) -> Option<[usize; 3]> {
         (self.modified && self.axes > 0).then(|| self.of_row(self.axes - 1))
     }
 
-    /// Reorders a list from the rows of the file to the order of [`Parameter::of_robot`].
+    /// Converts `list`, one entry per robot parameter, from the rows of the file to standard rows. The
+    /// parameters are in the order of [`Parameter::of_robot`]. A list for standard rows does not change.
     ///
-    /// dl, dalpha and dbeta of a modified row belong to the standard row before it. Values of the first row
-    /// move to the parameters of [`Self::of_first_row`]. The former values of these parameters move to
-    /// [`Self::unused`].
+    /// The entries for dl, dalpha and dbeta ([`Self::of_row`]) of a modified row move to the row before it.
+    /// For row 1, they move to the parameters of [`Self::of_first_row`]. The former entries of these
+    /// parameters move to [`Self::unused`].
     pub fn in_order<T>(&self, list: &mut [T]) {
         let Some(last) = self.unused() else { return };
         for (k, first) in self.of_first_row().into_iter().enumerate() {

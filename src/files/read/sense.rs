@@ -46,7 +46,7 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))
 }
 
-/// Term of a sense. The directions of its rows are unit vectors, not yet weighted.
+/// Term of a sense. The directions of its rows ([`Row`]) are unit vectors, not yet weighted.
 struct Term {
     at: At,
     rows: Vec<Row>,

@@ -43,7 +43,8 @@ pub fn read(t: &mut Table) -> Option<Tool> {
 
 /// Appends the solids of the tool to those of the links.
 ///
-/// The mechanical interface is at `tip` in the frame after the last row.
+/// `interface` is the index of the last link, which carries the tool. `tip` is the pose of the mechanical
+/// interface in the frame after the last row.
 pub fn mount(
     tool: &Option<Tool>,
     (interface, tip): (usize, &Pose),

@@ -211,8 +211,8 @@ fn printable() -> Value {
     json!({ "minLength": 1, "maxLength": MAX_NAME, "pattern": pattern })
 }
 
-/// Returns the schemas of a rule. The first applies only to tables that are not merged over another file. The
-/// others apply to all tables.
+/// Returns the schemas of a rule. The optional schema applies only to tables that are not merged over another
+/// file. The schemas in the list apply to all tables.
 fn of_rule(rule: &Rule, table: &'static KeyTable) -> (Option<Value>, Vec<Value>) {
     match rule {
         Rule::AnyOf(keys) => {

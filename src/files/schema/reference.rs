@@ -25,7 +25,7 @@ struct Document {
     text: String,
     /// Tables that have a description or will get one, each with the heading of this description.
     known: Vec<(&'static KeyTable, String)>,
-    /// Tables in the order of their descriptions, each with the heading of its description.
+    /// Tables to describe, in the order of the document, each with the heading of its description.
     next: Vec<(&'static KeyTable, String)>,
 }
 

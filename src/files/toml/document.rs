@@ -11,8 +11,8 @@ const MAX_FAULTS: usize = 500;
 /// Largest size of a TOML file, bytes.
 const MAX_TOML: usize = 4_000_000;
 
-/// Largest total size, bytes, of the cell file and the files that others name. A file named twice counts
-/// twice.
+/// Largest total size, bytes, of the cell file and all files that it names directly or indirectly. A file
+/// named twice counts twice.
 const MAX_NAMED: usize = 100_000_000;
 
 const PACKAGE: &str = "give the folder of the package: --package NAME=DIR";
@@ -47,8 +47,8 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
-    /// Index of the source that holds the settings; for each line of this source, whether a flag other than
-    /// `--set` states the line.
+    /// Index of the source that holds the settings, and one entry per line of this source. The entry is true
+    /// if the setting on the line comes from a flag other than `--set`.
     pub flags: Option<(usize, Vec<bool>)>,
     parsed: HashMap<usize, Option<Vec<Entry>>>,
     /// Total size, bytes, of the cell file and of the files named so far.

@@ -163,7 +163,8 @@ fn parted(text: &str, mark: char, most: usize) -> Vec<&str> {
 
 /// Applies the settings to the tree of a cell.
 ///
-/// The `from` at the top of the cell must be followed before this call, every other `from` after it.
+/// Before this call, the caller must follow the `from` at the top of the cell. After the call, the caller
+/// follows every other `from`.
 pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
     if settings.is_empty() {
         return;
@@ -180,9 +181,10 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
 }
 
 /// Removes `reading = "signed"` of the file if a flag chooses the error set or the registration. The key
-/// stays if a setting chooses a reading.
+/// stays if a setting states a reading.
 ///
-/// The kind of the error sets then decides the reading, because a tolerance has no signed sample.
+/// Without the key, the kind of the error sets decides the reading. The word "signed" would be wrong for
+/// tolerances, which have no signed sample.
 fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     let is_set = |key: &str| settings.iter().any(|s| s.path == key);
     let chooses = |s: &Setting| s.flag.is_some() && (s.path == "errors" || s.path == "registration");

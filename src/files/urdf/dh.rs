@@ -1,17 +1,20 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! If all joint coordinates are 0, the joint axes are fixed lines. Row k leads from a frame with z along axis
-//! k to a frame with z along the next axis. The x axis of the second frame lies along the common normal of
-//! the two axes. If this leaves a choice, the following rules apply:
+//! If all joint coordinates are 0, the joint axes are fixed lines. Row k has the angle theta, the axial
+//! offset r, the common normal l and the twist alpha. The row leads from a frame with z along axis k to a
+//! frame with z along the next axis. The x axis of the second frame lies along the common normal of the two
+//! axes. If this definition leaves a choice, the following rules apply:
 //!
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is as near as
-//!   possible to the base x axis. If axis 1 is within 26 degrees of x, the base y axis replaces the x axis;
+//!   possible to the base x axis. If axis 1 is within 26 degrees of the base x axis, the base y axis replaces
+//!   that axis;
 //! - parallel axes: r = 0. Two axes on the same line: theta = 0 and l = 0, too;
-//! - direction of x: a row rotates x by less than a right angle. So l may be negative, as in many data
-//!   sheets. If the rotation is a right angle, l > 0; if the axes also intersect, theta = +90 degrees;
+//! - direction of x: a row rotates x by at most a right angle. So l may be negative, as in many data sheets.
+//!   If the rotation is a right angle, l > 0. If the axes also intersect (l = 0), theta = +90 degrees;
 //! - the last row leads from the last joint axis to the z axis of the tip link. If the two are parallel, this
-//!   row ends at the origin of the tip link. If they are almost but not quite parallel, the row is empty, and
-//!   the pose of the tip holds the whole transform.
+//!   row ends at the origin of the tip link. If they are almost but not quite parallel, the row is empty:
+//!   theta = r = l = alpha = 0. [`Derived::tip`] is then the pose of the tip link in the frame of the last
+//!   joint axis.
 
 use crate::cell::JointKind;
 use crate::pose::Pose;
@@ -48,7 +51,8 @@ pub struct Derived {
     /// Frame of joint k in frame k - 1.
     pub joint_frames: Vec<Pose>,
     /// Largest difference, m, between the tip poses of the rows and of the URDF over sampled postures. A
-    /// rotation counts as the Frobenius norm of the matrix difference: 1.4 m per rad if it is small.
+    /// difference of orientation counts as the Frobenius norm of the difference of the rotation matrices, in
+    /// m. For a small angle, this is 1.4 m per rad.
     pub gap: f64,
 }
 
@@ -65,7 +69,7 @@ const SHORTEST: f64 = 1e-13;
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
 /// Least sine of the angle between last joint axis and tip z axis at which a row connects them. At a smaller
-/// angle the last row is empty, unless the axes are parallel.
+/// angle all values of the last row are 0, unless the axes are parallel.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.
@@ -217,7 +221,8 @@ fn moved(axis: &Axis, q: f64) -> Pose {
 }
 
 /// Returns the transform of a row: `Rz(theta + turn) Tz(r + slide) Tx(l) Rx(alpha)`, where R rotates about an
-/// axis and T translates along an axis.
+/// axis and T translates along an axis. The coordinate of the joint is `turn` (rad) if the joint is revolute,
+/// `slide` (m) if it is prismatic.
 fn pose_of(row: &UrdfDhRow, turn: f64, slide: f64) -> Pose {
     let (s, c) = (row.theta + turn).sin_cos();
     let (sa, ca) = exact(row.alpha);
@@ -238,7 +243,7 @@ fn first_frame(z: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
 }
 
 /// Returns the D-H row that leads to the axis through `p` along the unit vector `d`; both are in the frame
-/// before the row.
+/// before the row. Below the angle `parallel`, rad, the axis counts as parallel to z.
 fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
     let s = d.x.hypot(d.y);
     if s <= parallel {
@@ -264,8 +269,11 @@ fn beside(up: f64, (x, y): (f64, f64), r: f64, along: (f64, f64)) -> UrdfDhRow {
     in_sense(r, l, alpha, (x / l, y / l))
 }
 
-/// Returns a D-H row that rotates x by at most a right angle; reverses the new x axis if necessary. The
-/// module documentation gives the rule for right angles.
+/// Returns a D-H row with the axial offset `r`, the common normal `l` and the twist `alpha`.
+///
+/// `(x, y)` is the direction of the new x axis in the frame before the row. If the row would rotate x by more
+/// than a right angle, the new x axis, `l` and `alpha` are reversed. The module documentation gives the rule
+/// for right angles.
 fn in_sense(r: f64, l: f64, alpha: f64, (x, y): (f64, f64)) -> UrdfDhRow {
     let square = x.abs() <= MAX_ROUNDING;
     let turn_round = if !square {

@@ -87,7 +87,7 @@ pub struct UrdfJoint {
     /// Frame of the joint at coordinate 0 in the frame of the parent link.
     pub origin: Pose,
     pub origin_at: At,
-    /// Unit vector in the frame of the joint.
+    /// Unit vector along the joint axis, in the frame of the joint.
     pub axis: Vector3<f64>,
     /// Limits as the file gives them, with the place of `<limit>`.
     pub limits: Option<(f64, f64, At)>,

@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 /// Link that moves with a D-H frame.
 pub struct Carried {
     link: usize,
-    /// Number of joints that move the link.
+    /// Index of the D-H frame with which the link moves: the number of moving joints between base and link.
     frame: usize,
     /// Pose of the link in the base link with all coordinates at 0.
     pose: Pose,

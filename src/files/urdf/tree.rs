@@ -90,9 +90,9 @@ impl<'u> Tree<'u> {
 
     /// Returns the chain from the base link to the tip link.
     ///
-    /// `base` or `tip` is None if the robot file does not name that end. The base is then the root of the tree,
-    /// the tip the only leaf below the base. Some(None) stands for a name that no link has. `at` is the place
-    /// where the robot file names the URDF.
+    /// If the robot file names no base link, `base` is None and stands for the root of the tree. If the robot
+    /// file names no tip link, `tip` is None and stands for the only leaf below the base. Some(None) stands
+    /// for a name that no link has. `at` is the place where the robot file names the URDF.
     pub fn way(
         &self,
         base: Option<Option<usize>>,
