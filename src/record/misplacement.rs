@@ -55,28 +55,30 @@ pub struct MisplacedOperation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobustnessEntry {
-    /// Value as drawn, in the unit of the objective.
+    /// Value of the operation without misplacement, in the unit of the objective.
     pub value: f64,
     /// Half widths of the tolerance box of the robot base and the equipment on which the operation depends.
     /// Empty if their placements have no tolerance.
     pub tolerance: MovesByName,
-    /// Number of evaluated corners, including those of the tolerance boxes of all other bodies.
+    /// Number of evaluated corners. Corners of the tolerance boxes of bodies that are not in `tolerance` are
+    /// included.
     pub corners: usize,
-    /// Evaluated corner with the greatest value. Null if `tolerance` is empty, or if the operation cannot be
-    /// done at any corner.
+    /// Evaluated corner with the greatest value of the operation. Null if `tolerance` is empty, or if the
+    /// operation cannot be done at any corner.
     pub worst: Option<CornerEntry>,
     /// Evaluated corners at which the operation cannot be done.
     pub lost: Vec<LostEntry>,
-    /// Gradient of the value per mm or degree: coordinates of the equipment, then the other coordinates in
-    /// `tolerance`.
+    /// Change of the value of the operation per mm or degree of each coordinate. The coordinates of the
+    /// equipment come first, then the other coordinates in `tolerance`.
     pub gradient: Vec<SlopeEntry>,
-    /// Largest multiple of the tolerances that the operation withstands; null if no placement has a
-    /// tolerance.
+    /// Largest multiple of the tolerances at which the operation stays feasible and within its limit. Null if
+    /// no placement has a tolerance.
     pub largest_times_tolerance: Option<LargestEntry>,
-    /// Largest displacement of the equipment in the horizontal plane that the operation withstands in every
-    /// direction.
+    /// Largest horizontal displacement of the equipment that is allowed in every direction. A displacement is
+    /// allowed if the operation stays feasible and within its limit.
     pub largest_in_plan_mm: LargestEntry,
-    /// Largest yaw of the equipment that the operation withstands in both directions.
+    /// Largest yaw of the equipment that is allowed in both directions. A yaw is allowed if the operation
+    /// stays feasible and within its limit.
     pub largest_yaw_deg: LargestEntry,
     /// Whether the operation stays feasible and within its limit over the tolerances.
     pub holds: bool,
@@ -99,7 +101,7 @@ pub struct MoveEntry {
     pub yaw_deg: Option<f64>,
 }
 
-/// Misplacement, with the value that the operation then has.
+/// Misplacement, and the value of the operation at this misplacement in the unit of the objective.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CornerEntry {
@@ -116,7 +118,7 @@ pub struct LostEntry {
     pub reason: String,
 }
 
-/// Change of the value per unit of one coordinate.
+/// Change of the value of an operation per mm or degree of one coordinate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SlopeEntry {
@@ -124,30 +126,29 @@ pub struct SlopeEntry {
     pub of: String,
     /// Name of the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`.
     pub number: String,
-    /// Change of the value per unit of the coordinate; null if a small change of the coordinate puts the
-    /// operation out of reach.
+    /// Change of the value of the operation, in the unit of the objective, per mm or degree of the
+    /// coordinate. Null if a small change of the coordinate puts the operation out of reach.
     pub value: Option<f64>,
     /// Unit of the coordinate.
     pub per: Unit,
 }
 
-/// Largest misplacement that the operation withstands.
+/// Largest misplacement at which the operation stays feasible and within its limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LargestEntry {
     pub most: f64,
-    /// Reason why a larger misplacement fails; null if the operation withstands every misplacement that was
-    /// checked.
+    /// Reason why a larger misplacement is not allowed; null if every checked misplacement is allowed.
     pub ended: Option<EndedEntry>,
 }
 
-/// Reason why a misplacement cannot be larger.
+/// Reason why a larger misplacement is not allowed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum EndedEntry {
     /// The operation cannot be done.
     Lost(LostEntry),
-    /// The value exceeds the limit.
+    /// The value of the operation exceeds its limit.
     Limit(CornerEntry),
 }
 

@@ -149,7 +149,7 @@ pub enum MapNodes<'a> {
 }
 
 impl MapNodes<'_> {
-    /// Iterates over the nodes; x runs fastest.
+    /// Iterates over the nodes; the index along x of the surface runs fastest.
     pub fn iter(&self) -> Box<dyn Iterator<Item = Cow<'_, MapNode>> + '_> {
         match self {
             Self::Read(nodes) => Box::new(nodes.iter().map(Cow::Borrowed)),

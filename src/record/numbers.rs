@@ -1,4 +1,4 @@
-//! Numbers of documents: millimetres, degrees and percent, rounded to 9 decimals.
+//! Conversion of SI values to the numbers of documents: mm, degrees and percent, rounded to 9 decimals.
 
 use crate::cell::{Cell, JointKind, JointVector, Unit};
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};

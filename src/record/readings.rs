@@ -54,13 +54,13 @@ pub struct ReadingEntry {
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
-    /// Value under this reading at the posture that the signed reading chooses with the same registration.
+    /// Value under `reading` at the posture that the signed reading chooses, both with `registration`.
     pub at_signed_choice: Option<f64>,
-    /// Value under this registration at the posture that the same reading chooses without registration.
+    /// Value under `reading` and `registration` at the posture that `reading` chooses without registration.
     pub at_unregistered_choice: Option<f64>,
     /// Regret of the signed spot: `at_signed_choice` divided by `value`.
     pub ratio: Option<f64>,
-    /// Distance between the best nodes of this reading and of the signed reading.
+    /// Distance between the best node under `reading` and the best node under the signed reading.
     pub moved_mm: Option<f64>,
     /// Reason why no node can be used.
     pub reason: Option<String>,

@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RefinedEntry {
-    /// TCP in the world frame.
+    /// Position of the TCP in the world frame.
     pub position_mm: [f64; 3],
     /// Coordinates x and y of the spot in the frame of the equipment.
     pub on_surface_mm: [f64; 2],
     pub joints_deg: Vec<f64>,
-    /// Value at the spot, in the unit of the objective.
+    /// Value of the operation at the refined spot, in the unit of the objective.
     pub value: f64,
-    /// Value at the best node.
+    /// Value of the operation at the best node, in the unit of the objective.
     pub node_value: f64,
     pub node_on_surface_mm: [f64; 2],
     pub gain_percent: f64,

@@ -42,7 +42,8 @@ pub struct RobotEntry {
 }
 
 impl RobotsDocument {
-    /// Makes the list from library names, robots and families of inverse kinematics.
+    /// Makes the document from one tuple per robot: library name, robot, and family of its inverse
+    /// kinematics.
     pub fn new(all: &[(&str, Robot, &str)]) -> Self {
         let robots = all.iter().map(|(stem, robot, family)| RobotEntry {
             robot: stem.to_string(),
@@ -104,9 +105,9 @@ pub struct JointSheet {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ToolSheet {
-    /// TCP in the frame after the last Denavit-Hartenberg row.
+    /// Position of the TCP in the frame of the last Denavit-Hartenberg row.
     pub position_mm: [f64; 3],
-    /// Working direction in the frame of the TCP, unit vector.
+    /// Unit vector of the tool axis in the frame of the TCP.
     pub axis: [f64; 3],
 }
 
@@ -229,7 +230,7 @@ pub struct EnvelopeDocument {
     pub robot: String,
     /// Name of the method that solves the inverse kinematics.
     pub family: String,
-    /// Operation whose attitude the tool keeps; null if the attitude was given.
+    /// Operation whose attitude the tool keeps; null if the attitude does not come from an operation.
     pub operation: Option<String>,
     #[schemars(extend("const" = BASE_FRAME))]
     pub frame: String,
@@ -310,8 +311,8 @@ impl EnvelopeDocument {
     }
 }
 
-/// Converts the outlines of a region with `make`. The arguments of `make` are whether the outline is a hole, and
-/// the coordinates of the outline along both axes, mm.
+/// Converts the outlines of a region with `make`. The arguments of `make` are whether the outline is a hole,
+/// and the coordinates of the outline along both axes, mm.
 fn outlines<O>(region: &EnvelopeSection, make: impl Fn(bool, [Vec<f64>; 2]) -> O) -> Vec<O> {
     let outlines = region.outlines.iter();
     let axes = |o: &crate::reach::Outline| {

@@ -25,14 +25,14 @@ pub struct SearchResult {
     #[schemars(extend("const" = SEARCH_SCHEMA))]
     pub schema: String,
     pub status: SearchStatus,
-    /// Objective of the best layout, if it is a length.
+    /// Objective of the best layout; null if the objective is not a length or the layout is not feasible.
     pub objective_mm: Option<f64>,
     /// Objective of the best layout, in `unit`; null if no layout is feasible.
     pub objective_value: Option<f64>,
     pub unit: Unit,
     /// Reduction of the objective from the layout as drawn to the best layout, percent.
     pub gain_percent: Option<f64>,
-    /// Proven lower bound of the objective of every layout.
+    /// Proven lower bound of the objective of every layout, in `unit`.
     pub bound: Option<f64>,
     /// Gap: how far the best layout lies above the bound, in percent of the bound.
     pub gap_percent: Option<f64>,
@@ -74,8 +74,8 @@ pub struct SearchResult {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
-    /// Share of arms that keep the limits of all operations. Left out unless the reading is statistical,
-    /// every operation has a spot, and at least one operation has a limit.
+    /// Joint yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     pub start: StartEntry,
@@ -100,7 +100,7 @@ pub enum SearchStatus {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProofEntry {
-    /// Part of the objective that the bound covers.
+    /// Whether the bound covers all operations, some or none, or proves that no layout is feasible.
     pub covers: Covers,
     pub operations: Vec<ProvenOperation>,
 }
@@ -110,7 +110,7 @@ pub struct ProofEntry {
 #[serde(deny_unknown_fields)]
 pub struct ProvenOperation {
     pub name: String,
-    /// Lower bound of the value of the operation at every spot of every layout.
+    /// Lower bound of the value of the operation at any spot in any layout, in `unit`.
     pub bound: Option<f64>,
     /// Unit of the operation's sense.
     pub unit: Unit,
@@ -131,8 +131,8 @@ pub struct StartEntry {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
-    /// Share of arms that keep the limits of all operations. Left out unless the reading is statistical,
-    /// every operation has a spot, and at least one operation has a limit.
+    /// Joint yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
 }
@@ -204,9 +204,10 @@ impl SearchResult {
         }
     }
 
-    /// Makes the result of a search from a comparison: first the layout as drawn, then the best layout.
+    /// Makes the result of a search from a comparison of two layouts: the layout as drawn and the best
+    /// layout.
     ///
-    /// Returns None unless the comparison has exactly two layouts.
+    /// Returns None if the comparison does not have two layouts.
     pub fn of_comparison(record: &SearchRecord, proof: &Proof, comparison: &Comparison<'_>) -> Option<Self> {
         let [start, best] = &comparison.columns[..] else { return None };
         let gain = comparison.change_percent(1, Assessment::objective).map(|c| rounded(-c, 6));

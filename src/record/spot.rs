@@ -22,7 +22,7 @@ pub struct SpotEntry {
     pub over: NodeAggregation,
     /// Value of the operation, in the unit of the objective.
     pub value: Option<f64>,
-    /// Limit and margin; null without a limit or a spot.
+    /// Limit and margin; null if the operation has no limit or no spot.
     pub requirement: Option<RequirementEntry>,
     /// Indices of the node of the spot along x and y of the surface.
     pub node: Option<[usize; 2]>,

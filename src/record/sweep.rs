@@ -40,8 +40,8 @@ pub struct SweepPlan {
     pub combinations: usize,
     /// Hashes of the files that the combinations read; empty until the program has read these files.
     pub inputs: Vec<HashedFile>,
-    /// SHA-256 of the bytes of the file before the comma in front of this key, in hexadecimal. Only the
-    /// written file has this key.
+    /// SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
+    /// exists only in the written file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -78,7 +78,7 @@ pub struct SweepRow {
     /// Value of every `--set` option by its path: parsed as JSON if possible, otherwise text.
     pub set: ByName<Value>,
     pub feasible: bool,
-    /// Objective in `unit`; null if no layout is feasible.
+    /// Objective of the layout in `unit`; null if the layout is not feasible.
     pub objective: Option<f64>,
     pub unit: Unit,
     /// Proven lower bound of the objective of every layout; null if no bound is known or no search ran.
@@ -95,8 +95,8 @@ pub struct SweepRow {
     /// Hashes of the settings file and of the cell file with fixed layout; empty if the layout is not
     /// feasible.
     pub files: Vec<HashedFile>,
-    /// SHA-256 of the bytes of the file before the comma in front of this key, in hexadecimal. Only the
-    /// written file has this key.
+    /// SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
+    /// exists only in the written file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -114,7 +114,7 @@ pub struct SweepSpot {
     /// Largest allowed error of the operation, in `error_unit`.
     pub limit: Option<f64>,
     pub error_unit: Unit,
-    /// Whether the limit is met; null without a limit or a spot.
+    /// Whether the limit is met; null if the operation has no limit or no spot.
     pub limit_met: Option<bool>,
 }
 
@@ -172,8 +172,8 @@ pub struct SweepTable {
     pub mode: SweepMode,
     pub combinations: usize,
     pub feasible: usize,
-    /// Index of the row with the least objective; null if no row is feasible, or if the units of feasible
-    /// rows differ.
+    /// Index of the feasible row with the least objective. Null if no row is feasible, or if feasible rows
+    /// have objectives in different units.
     pub best: Option<usize>,
     /// Best row for every value of every `--set` option.
     pub best_of: Vec<SweepGroup>,
@@ -197,8 +197,8 @@ pub struct SweepGroup {
     /// Number of combinations with this value of the option.
     pub combinations: usize,
     pub feasible: usize,
-    /// Index of the best row with this value; null if no such row is feasible, or if the units of feasible
-    /// ones differ.
+    /// Index of the feasible row with the least objective among the rows with this value. Null if none of
+    /// these rows is feasible, or if their objectives have different units.
     pub best: Option<usize>,
     pub objective: Option<f64>,
 }
@@ -224,7 +224,7 @@ impl SweepTable {
 }
 
 /// Returns the feasible row with the least objective, the first one among equals. Returns None if no row is
-/// feasible, or if the objectives of feasible rows differ in unit.
+/// feasible, or if feasible rows have objectives in different units.
 fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a SweepRow> {
     let feasible = rows.filter(|r| r.feasible);
     let unit = feasible.clone().next()?.unit;
@@ -233,7 +233,8 @@ fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a 
     feasible.min_by(|a, b| objective(a).total_cmp(&objective(b))).filter(|_| is_one_unit)
 }
 
-/// Returns a group for every value of every `--set` option, in the order of the rows.
+/// Returns a group for every value of every `--set` option. The values of an option are in the order in which
+/// the rows first use them.
 fn groups(rows: &[SweepRow]) -> Vec<SweepGroup> {
     let mut groups = Vec::new();
     let Some(first) = rows.first() else { return groups };

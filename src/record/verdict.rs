@@ -37,8 +37,8 @@ pub struct VerdictDocument {
     pub requirement: RequirementState,
     pub runner_up: Option<RunnerUpEntry>,
     pub facts: Vec<FactEntry>,
-    /// Share of arms that keep the limits of all operations. Left out unless the reading is statistical,
-    /// every operation has a spot, and at least one operation has a limit.
+    /// Joint yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     pub operations: Vec<VerdictSpot>,
@@ -100,7 +100,8 @@ pub enum FactMood {
 #[serde(deny_unknown_fields)]
 pub struct RunnerUpEntry {
     pub kind: RunnerUpKind,
-    /// Objective of the next best layout, or of this layout with the next best node, in the verdict's `unit`.
+    /// Objective of the runner-up, in the `unit` of the verdict. If the runner-up is a node, one operation
+    /// uses this node and all others stay at their spots.
     pub value: f64,
     pub text: String,
     pub note: String,

@@ -17,7 +17,8 @@ pub struct ColourScale {
 }
 
 impl ColourScale {
-    /// Returns the scale of a span. Values that differ only by rounding count as equal.
+    /// Returns the colour scale from `low` to `high`. The scale has only one colour if `high` exceeds `low`
+    /// by at most 1e-9 of `high`.
     pub fn new(low: f64, high: f64) -> Self {
         let high = if high - low > 1e-9 * high.abs() { high } else { low };
         Self { low, high, step: step(high - low, 8.0) }

@@ -12,8 +12,8 @@ use crate::units::mm_from_m;
 
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 420.0);
-/// Colour of the best end of the scale (blue); [`WORSE`] is the other end. Colour-blind readers can tell the
-/// two colours apart.
+/// Colour of the largest decrease of the error (blue); [`WORSE`] is the colour of the largest increase.
+/// Colour-blind readers can tell the two colours apart.
 const BETTER: [f64; 3] = [0.0, 90.0, 160.0];
 const EQUAL: [f64; 3] = [240.0, 240.0, 236.0];
 const WORSE: [f64; 3] = [190.0, 75.0, 0.0];
@@ -92,8 +92,8 @@ fn told(pair: &NodePair, unit: Unit) -> String {
     format!("{} against {}{}", value(pair.other), value(pair.first), by.unwrap_or_default())
 }
 
-/// Returns the colour of `share`: a difference divided by the end of the scale, from -1 (better) to 1
-/// (worse).
+/// Returns the colour of `share`. A share is a difference divided by the upper end of the scale, from -1
+/// (better) to 1 (worse).
 pub fn colour(share: f64) -> String {
     let t = share.clamp(-1.0, 1.0);
     let end = if t < 0.0 { BETTER } else { WORSE };
@@ -101,8 +101,8 @@ pub fn colour(share: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Draws the colour bar, whose upper end is the worse one. Returns the position of the lower end of the bar,
-/// px.
+/// Draws the colour bar with the colour of the largest increase of the error at the top. Returns the position
+/// of the lower end of the bar, px.
 fn draw_bar(canvas: &mut ChartCanvas, unit: Unit, most: f64, (left, top): (f64, f64)) -> f64 {
     let tall = 8.0 * STEPS as f64;
     for k in 0..STEPS {

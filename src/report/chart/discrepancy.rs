@@ -10,12 +10,12 @@ use crate::kinematic_error::{Discrepancy, discrepancy as between};
 use crate::svg_text::{PathEnd, path_data};
 
 const PANEL: f64 = 260.0;
-/// Span of the axis, percent. Values beyond the span are drawn on its edge.
+/// Span of the vertical axis, percent. Values beyond the span are drawn on its edge.
 const AXIS_PERCENT: (f64, f64) = (1e-3, 1e2);
-/// Largest number of nodes in a panel.
+/// Largest number of nodes that are drawn in a panel.
 const MAX_NODES: usize = 2000;
 
-/// Curve of a panel: name, ink, value in percent.
+/// Curve of a panel: name, ink, and the function that returns its value in percent.
 type Curve = (&'static str, Ink, fn(&Discrepancy) -> Option<f64>);
 const CURVES: [Curve; 4] = [
     ("x", Ink::Blue, |d| d.x),

@@ -235,7 +235,8 @@ fn far_edge(corners: &[(f64, f64); 4], base: &Placement) -> Option<(f64, f64)> {
     edges.max_by(|p, q| away(p).total_cmp(&away(q)))
 }
 
-/// Returns the least and the greatest value over all maps, in the unit of the cell.
+/// Returns the least and the greatest value over all maps, in the unit of the objective. Returns (0, 1) if no
+/// node is usable.
 fn error_range(a: &Assessment<'_>) -> (f64, f64) {
     let errors =
         || a.maps.iter().flat_map(OperationMap::usable).map(|(_, _, p)| a.cell.unit().from_si(p.value));

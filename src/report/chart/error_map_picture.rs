@@ -21,7 +21,7 @@ pub(super) struct ErrorMapPicture<'a> {
 
 /// Colour scale, arrow scale and thinning of the error maps, and the drawn outlines of the reach.
 pub(super) struct MapScales {
-    /// Ends of the colour scale in the unit of the cell.
+    /// Ends of the colour scale in the unit of the objective.
     pub range: (f64, f64),
     /// Enlargement of the arrows: drawn length divided by the length of the error at the picture's scale.
     pub enlarged: f64,

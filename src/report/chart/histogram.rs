@@ -10,7 +10,7 @@ use crate::cell::Cell;
 use crate::units::percent_from_share;
 
 const HEIGHT: f64 = 250.0;
-/// Largest value on the axis, in multiples of the upper end of the histogram. Figures beyond the axis are named
+/// Largest figure on the axis, divided by the upper end of the histogram. Figures beyond this limit are named
 /// below the plot.
 const AXIS_LIMIT: f64 = 1.7;
 

@@ -1,9 +1,9 @@
 //! Iso-lines of a field on a grid with holes, and areas where the field is at least a given level.
 //!
-//! A grid cell with four values consists of four triangles round its centre. The value at the centre is the
-//! mean of the four (the bilinear value). A cell with three values is one triangle; a cell with fewer is a
-//! hole. The field is linear in a triangle. A level therefore crosses a triangle in one straight line, and
-//! the centre value resolves a saddle.
+//! A grid cell with values at all four corners consists of four triangles round its centre. The value at the
+//! centre is the mean of the four corners (the bilinear value). A grid cell with values at three corners is
+//! one triangle; a grid cell with fewer values is a hole. The field is linear in a triangle. A level
+//! therefore crosses a triangle in one straight line, and the centre value resolves a saddle.
 
 use crate::geometry::{PlanePoint, join_edges};
 
@@ -22,8 +22,8 @@ struct GridCell {
 }
 
 impl IsoSurface {
-    /// Makes the surface. `size` is the number of nodes along both axes; nodes are listed row by row along
-    /// the first axis.
+    /// Makes the surface. `size` is the number of nodes along both axes. The nodes are in the order of the
+    /// grid; the index along the first axis runs fastest.
     pub fn new(size: (usize, usize), points: &[PlanePoint], values: &[Option<f64>]) -> Self {
         let (m, n) = size;
         let mut surface = Self {
@@ -119,9 +119,9 @@ impl IsoSurface {
     /// Returns the lines along which the field equals `level`; a closed line repeats its first point.
     pub fn lines(&self, level: f64) -> Vec<Vec<PlanePoint>> {
         let is_in = |k: usize| self.values[k] >= level;
-        // A level crosses two edges of a triangle or none. Each segment runs from the edge that leaves the area
-        // above the level to the edge that enters it. All triangles have the same orientation, so neighbouring
-        // segments join head to tail.
+        // A level crosses two edges of a triangle or none. Each segment runs from the edge that leaves the
+        // area above the level to the edge that enters it. All triangles have the same orientation, so
+        // neighbouring segments join head to tail.
         let segment = |t: [usize; 3]| {
             let edges = [0, 1, 2].map(|k| (t[k], t[(k + 1) % 3]));
             let cut = |leaves: bool| {

@@ -1,8 +1,9 @@
 //! Charts of a report: each is a pure function from records to one `<svg>`, for a file or inline in a page.
 //!
 //! A chart has neither a style element nor a style attribute, which a Content-Security-Policy would forbid.
-//! Colours are presentation attributes. Each one comes with a class (`fill-blue`, `line-grid`). Through this
-//! class, the style sheet of a page can repaint it, as [`dark_rules`] does.
+//! Colours are presentation attributes. An element with such a colour also has a class, for example
+//! `fill-blue` or `line-grid`. The style sheet of a page can repaint all elements of a class, as
+//! [`dark_rules`] does.
 
 #[doc(hidden)] // open for tests/it
 pub mod axes;

@@ -76,7 +76,8 @@ fn under(a: &BudgetReport<'_>, count: usize) -> Vec<String> {
     )]
 }
 
-/// Returns the name of a bar with the tolerance, the drawn share, and the gain of halving the tolerance.
+/// Returns the label of a bar (parameter and tolerance), its share, and the gain of halving the tolerance as
+/// text.
 fn row(a: &BudgetReport<'_>, share: &Share, part: f64) -> (String, f64, String) {
     let cell = a.context.cell;
     let unit = names::unit(cell, share.parameter);

@@ -1,7 +1,8 @@
 //! DXF file of release 2000 (AC1015): group codes, tables, blocks, objects.
 //!
 //! The writer follows the DXF reference of Autodesk. Every table, record, block and entity has a unique
-//! handle and names its owner. The dxf crate does not support this. Lengths are given in m and written in mm.
+//! handle and names its owner. The dxf crate does not write such handles and owners. Lengths are given in m
+//! and written in mm.
 
 mod tables;
 

@@ -2,9 +2,9 @@
 
 use crate::files::shown;
 
-/// Returns a text of one line that a CAD program reads without commands. Control characters are escaped,
-/// backslashes become slashes, and a space breaks `^` and `%%` codes. Characters outside ASCII become `\U+`
-/// and their code point; those beyond U+FFFF become `?`.
+/// Returns the text as one line that contains no formatting code of CAD programs. Control characters are
+/// escaped, backslashes become slashes, and a space breaks `^` and `%%` codes. Characters outside ASCII
+/// become `\U+` and their code point; those beyond U+FFFF become `?`.
 pub fn safe(text: &str) -> String {
     let mut safe = String::new();
     for c in shown(text).chars() {

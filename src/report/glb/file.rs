@@ -55,7 +55,7 @@ impl GlbFile {
     }
 
     /// Adds an accessor of elements of the type `kind`, such as vectors. If `bounds` is true, the accessor
-    /// states their least and greatest components.
+    /// states the least and the greatest value of each component.
     fn floats(&mut self, kind: Type, values: &[f32], of: Option<Target>, bounds: bool) -> Index<Accessor> {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let width = kind.multiplicity();

@@ -1,5 +1,5 @@
 //! 3-D scene of the cell with its motion: binary glTF 2.0 in m. The z axis of the world points up. The root
-//! node rotates it to the y axis, which points up in glTF.
+//! node rotates the z axis to the y axis, which points up in glTF.
 
 mod file;
 
@@ -241,7 +241,7 @@ fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     scene.file.group("error map", operations)
 }
 
-/// Adds the resultant errors of an operation, coloured by the error in its sense.
+/// Adds arrows of the resultant errors of an operation, coloured by the error in the sense of the operation.
 fn arrows(
     scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,

@@ -20,7 +20,8 @@ const MAX_NODES: usize = 4000;
 /// Number of decimals of lengths (mm) and angles (degrees) that are sent; more would not be visible.
 const VISIBLE_DECIMALS: i32 = 4;
 
-/// Converts a record to a JSON value, which cannot fail for plain numbers and texts.
+/// Converts a record to a JSON value. The conversion cannot fail, because a record holds only plain numbers
+/// and texts.
 fn value(record: &impl Serialize) -> Value {
     serde_json::to_value(record).unwrap_or_default()
 }
@@ -58,8 +59,8 @@ pub fn form(cell: &Cell) -> Value {
     })
 }
 
-/// Returns the coordinates that the page can change, by owner. For equipment and the robot base, the coordinates
-/// that the file fixes are included.
+/// Returns the coordinates that the page can change, by owner. For equipment and the robot base, the
+/// coordinates that the file fixes are included.
 fn groups(cell: &Cell) -> Vec<FormGroup<'_>> {
     let four = |slot: &dyn Fn(usize) -> Slot, c: &[Coordinate; 4]| {
         c.iter().enumerate().map(|(axis, c)| form_number(slot(axis), c)).collect::<Vec<_>>()

@@ -1,4 +1,5 @@
-//! Records that the live page of `view` reads. `records.d.ts` of the page declares them for its scripts.
+//! Records that the live page of `view` reads. The file `records.d.ts` declares the types of these records
+//! for the scripts of the page.
 
 use crate::cell::{Model, Reading, Unit};
 use crate::error_map::NodeSign;
@@ -30,7 +31,7 @@ pub struct FormRecord<'a> {
 pub struct FormEquipment<'a> {
     pub name: &'a str,
     pub obstacle: bool,
-    /// Index of the equipment that carries this one.
+    /// Index of the equipment that carries this equipment.
     pub on: Option<usize>,
     pub footprint: [f64; 4],
     pub surface: Option<[f64; 4]>,

@@ -1,4 +1,5 @@
-//! Records that the 3-D viewer reads. `records.d.ts` of the viewer declares them for its scripts.
+//! Records that the 3-D viewer reads. The file `records.d.ts` declares the types of these records for the
+//! scripts of the viewer.
 //!
 //! Long lists of numbers are base64 of little-endian f32 or u32. NaN means that there is no value. Positions
 //! are in the world frame, mm; angles in degrees.
@@ -8,7 +9,7 @@ use crate::error_map::NodeSign;
 use crate::record::{JointEntry, SenseEntry};
 use serde::Serialize;
 
-/// Pose as the three columns of the rotation matrix, then the origin.
+/// Pose: the three columns of the rotation matrix, then the position of the origin, mm.
 pub type PoseNumbers = [f64; 12];
 
 /// Layouts for the viewer. A mesh that several layouts share is written once.
@@ -60,7 +61,7 @@ pub struct DrawingRecord<'a> {
 pub struct EquipmentRecord<'a> {
     pub name: &'a str,
     pub obstacle: bool,
-    /// Index of the equipment that carries this one.
+    /// Index of the equipment that carries this equipment.
     pub on: Option<usize>,
     /// Pose of the equipment; null if it has no solid.
     pub at: Option<PoseNumbers>,

@@ -10,9 +10,9 @@ use crate::files::shown;
 use crate::record::value_word;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
-/// Number of nodes above which the tables list only the best ones.
+/// Total number of nodes of all operations above which each table lists only its best nodes.
 const MAX_ROWS: usize = 2000;
-/// Number of nodes in a table that lists only the best ones.
+/// Number of nodes in a table that lists only its best nodes.
 const BEST_ROWS: usize = 200;
 
 /// Returns one table per operation of the recommended layout.

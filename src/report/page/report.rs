@@ -68,7 +68,7 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
 }
 
 /// Returns robot, error set, model, reading and registration in words. The name of the cell is left out,
-/// because the page shows it in its heading.
+/// because the heading of the page contains this name.
 fn question(cell: &Cell) -> String {
     let line = headline(cell);
     line.strip_prefix(&format!("{}: ", cell.name)).map(str::to_string).unwrap_or(line)

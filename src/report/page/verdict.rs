@@ -208,7 +208,8 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     }
 }
 
-/// Returns the entry on the share of arms that keep the limits of all operations; None without such a share.
+/// Returns the entry on the joint yield: the share of sampled arms that keep the limits of all operations.
+/// Returns None if the assessment has no joint yield.
 fn joint_yield(a: &Assessment<'_>) -> Option<FactEntry> {
     let value = a.cell_yield?.value;
     let (text, note) = (format!("{:.3} %", percent_from_share(value)), yield_in_words(a)?);
@@ -234,7 +235,7 @@ fn gain(v: &VerdictDocument, unit: Unit) -> FactEntry {
     FactEntry { label: "Gain".into(), value: v.gain_percent, text, note, mood }
 }
 
-/// Returns the entry on the proven gap: the most by which any layout could be better than the best one found.
+/// Returns the entry on the gap between the objective of the best layout found and the proven lower bound.
 fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     let covers = match found.proof.covers {
         Covers::Part => format!("; counted as 0: {}", unproven(found)),

@@ -1,7 +1,7 @@
 //! Drawing of the cell on paper: plan and front view to scale, with dimensions and a title block.
 //!
-//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216), with a scale of ISO 5455. Outlines are
-//! 0.35 mm wide and inner edges 0.18 mm (ISO 128). Print the sheet at 100 %.
+//! Sizes are in mm on paper. The sheet is A4 or A3 landscape (ISO 216), with a scale of ISO 5455. Outlines
+//! are 0.35 mm wide and inner edges 0.18 mm (ISO 128). Print the sheet at 100 %.
 
 mod dimensions;
 mod title;
@@ -34,7 +34,7 @@ struct SheetSolid {
     silhouette: Silhouette,
 }
 
-/// Mapping of a view from the world (m, right and up) to the paper (mm).
+/// Mapping from the plane of a view (right and up, m) to the paper (mm).
 pub struct SheetView {
     low: Vector2<f64>,
     high: Vector2<f64>,
@@ -144,8 +144,8 @@ fn bounds(drawing: &Drawing<'_>, view: &[SheetSolid], is_plan: bool) -> (Vector2
     pairs.reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q))).unwrap_or_default()
 }
 
-/// Returns the paper and the scale. The scale is the largest at which the views fit the larger paper; the
-/// paper is the smallest that holds the views at this scale.
+/// Returns the paper and the scale. The scale is the largest at which the views fit on the larger paper. The
+/// paper is the smallest on which the views fit at this scale.
 fn fitting(
     [plan, front]: &[(Vector2<f64>, Vector2<f64>); 2],
     (rows, away): (usize, f64),

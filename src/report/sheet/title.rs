@@ -8,13 +8,13 @@ use crate::svg_text::escaped;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 
-/// Height of a line of the list, mm on paper.
+/// Height of a line of the list of placements, mm on paper.
 pub const LINE: f64 = 4.2;
 pub const LIST: f64 = 122.0;
-/// Largest number of characters of a name in the list.
+/// Largest number of characters of a name in the list of placements.
 const NAME: usize = 24;
 
-/// Returns the number of lines of the list, and the space that the dimensions need, mm on paper.
+/// Returns the number of lines of the list of placements, and the space for the dimension lines, mm on paper.
 pub fn rows(drawing: &Drawing<'_>) -> (usize, f64) {
     (marks(drawing).len() + drawing.fields.len() + 3, room(drawing))
 }
@@ -28,8 +28,8 @@ fn mm(m: f64) -> f64 {
     rounded(mm_from_m(m), 1)
 }
 
-/// Draws the list: corners and frames of the equipment, and spots in the world frame. Corners and frames are
-/// given along the world axes from the robot base, heights from the floor.
+/// Draws the list of placements: corners and frames of the equipment, and spots. Spots are in the world
+/// frame. Corners and frames are given along the world axes from the robot base, heights from the floor.
 pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
     let base = &drawing.layout.base;
     let mut y = top;

@@ -7,7 +7,7 @@ use crate::files::shown;
 use crate::reading::{Estimate, MonteCarlo};
 use crate::units::percent_from_share;
 
-/// Returns a limit and the margin of the value to this limit.
+/// Describes a limit, whether it is met, and by which margin.
 pub fn requirement_line(r: Requirement, unit: Unit) -> String {
     format!("limit {:.4} {}: {}", unit.from_si(r.limit), unit.word(), margin(unit, r))
 }
@@ -32,7 +32,8 @@ pub fn samples_line(samples: &MonteCarlo, unit: Unit, holds: bool) -> String {
     )
 }
 
-/// Returns the yield of all operations together and of each alone; empty without a joint yield.
+/// Returns the joint yield of all operations and the yield of each operation alone. The text is empty if the
+/// assessment has no joint yield.
 pub fn yield_lines(a: &Assessment<'_>) -> String {
     let line = a.cell_yield.zip(yield_in_words(a));
     line.map_or(String::new(), |(all, said)| {
@@ -40,10 +41,10 @@ pub fn yield_lines(a: &Assessment<'_>) -> String {
     })
 }
 
-/// Describes the joint yield and the yield of each operation alone. The joint yield is the share of the sampled
-/// arms that keep all limits.
+/// Describes the joint yield and the yield of each operation alone. The joint yield is the share of the
+/// sampled arms that keep all limits.
 ///
-/// Each share has its 95 % confidence interval. Returns None without a joint yield.
+/// Each share has its 95 % confidence interval. Returns None if the assessment has no joint yield.
 pub fn yield_in_words(a: &Assessment<'_>) -> Option<String> {
     let (together, samples) = (a.cell_yield?, a.samples.iter().flatten().map(|s| s.samples).max()?);
     let alone = a.cell.operations.iter().zip(&a.samples).filter_map(|(operation, samples)| {

@@ -101,7 +101,8 @@ fn attitude_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// Adds the value of an operation that uses every node, and the margin of any operation with a limit.
+/// Adds the value of an operation that happens at every node. Adds the margin to the limit if the operation
+/// has a limit and the objective is not a share.
 fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     let (operation, unit) = (&columns[0].cell.operations[k], columns[0].cell.unit());
     if operation.over.needs_every_node() {
@@ -116,7 +117,7 @@ fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// Returns the margin of a value to its limit.
+/// Describes whether a limit is met, and by which margin.
 pub fn margin(unit: Unit, r: Requirement) -> String {
     if r.is_met() {
         format!("met, {} to spare", fixed(unit.from_si(r.margin), 4))

@@ -9,8 +9,8 @@ use crate::record::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Largest number of lost corners that are listed. A lost corner is a corner of the placement tolerances at
-/// which the operation cannot be done.
+/// Largest number of corners of the box of placement tolerances that are listed. A corner is listed if the
+/// operation cannot be done there.
 const MAX_LOST_SHOWN: usize = 3;
 
 /// Returns the effect of misplacement on each operation of a layout; empty if misplacement was not computed.
@@ -121,7 +121,7 @@ fn axis(slot: Slot) -> &'static str {
     }
 }
 
-/// Returns the gradient of the value with respect to misplacement: unit of the objective per mm or degree.
+/// Returns the gradient of the value of an operation: change in the unit of the objective per mm or degree.
 fn slopes(cell: &Cell, r: &Robustness) -> String {
     let unit = cell.unit();
     let one = |(slot, slope): &(Slot, Option<f64>)| {
