@@ -14,10 +14,8 @@ pub(super) struct CollisionBody {
     pub(super) shape: SharedShape,
     /// Pose of the shape in the frame that carries it.
     pub(super) local: Pose,
-    /// Point, in the frame of the shape, for the test whether the solid lies wholly inside a closed mesh.
-    ///
-    /// For an equipment mesh it is the origin of the mesh frame, which may lie outside the mesh. Otherwise it
-    /// is a point of the solid.
+    /// Point of the solid, in the frame of the shape, for the test whether the solid lies wholly inside a
+    /// closed mesh.
     pub(super) inside: pm::Vector,
     /// Shorter capsules whose union is this body, for checks against meshes; empty unless it is a capsule.
     ///
