@@ -60,10 +60,11 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
     Ok(loaded)
 }
 
-/// Refuses a sense given by a flag if an operation's limit in the cell file has another unit.
+/// Refuses the sense that a flag states if an operation's limit in the cell file has another unit than that
+/// sense.
 ///
-/// `cell` has the sense of the flag; `drawn` is the cell file without flags. The file best.toml states the
-/// new sense and inherits the limit, so it would be invalid.
+/// `cell` has the sense of the flag; `drawn` is the cell file without flags. Such a search would write an
+/// invalid best.toml: the file would state the new sense and inherit the limit.
 fn refuse_lost_limits(cell: &Cell, drawn: &Cell) -> Result<(), Exit> {
     let pairs = cell.operations.iter().zip(&drawn.operations);
     let Some((lost, _)) = pairs.into_iter().find(|(now, drawn)| now.limit.is_none() && drawn.limit.is_some())

@@ -66,7 +66,7 @@ fn is_ours(about: &std::fs::Metadata) -> bool {
     about.uid() == rustix::process::geteuid().as_raw() && about.mode() & 0o022 == 0
 }
 
-/// Returns true: except on Unix, the cache folder of a user is assumed to be private.
+/// Returns true: outside Unix, the cache folder is assumed to be private to the user.
 #[cfg(not(unix))]
 fn is_ours(_about: &std::fs::Metadata) -> bool {
     true

@@ -79,7 +79,7 @@ impl CheckpointWriter {
     }
 
     /// Fails if a checkpoint could not be written, or if the resumed search did not repeat the steps of the
-    /// stopped one. Prints the reason.
+    /// stopped search. Prints the reason.
     pub fn verdict(&self, record: &SearchRecord) -> Result<(), Exit> {
         let last = *self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let folder = path_word(self.path.parent().unwrap_or(Path::new(".")));

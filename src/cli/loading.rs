@@ -116,7 +116,8 @@ fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
     faults
 }
 
-/// Reads `package://NAME/PATH` in the folder of that package, and any other file in the folder of the cell.
+/// Reads the file `package://NAME/PATH` from the folder of the package NAME. Reads any other file from the
+/// folder of the cell.
 fn read_named(folder: &Path, packages: &PackageFolders, name: &str) -> Result<Vec<u8>, String> {
     let Some((package, inside)) = name.strip_prefix("package://").and_then(|rest| rest.split_once('/'))
     else {

@@ -29,8 +29,8 @@ impl Deref for OutputFolder {
     }
 }
 
-/// Makes and locks a result folder: `asked`, which must be new or empty, or else the first free
-/// `results/STEM-NNN`.
+/// Makes and locks the result folder `asked`, which must be new or empty. If `asked` is None, makes and locks
+/// the first free folder `results/STEM-NNN`.
 pub fn new_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<OutputFolder, Exit> {
     let cannot = |path: &Path, e: &std::io::Error| {
         output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), e));

@@ -46,8 +46,8 @@ pub struct QuestionFlags {
     pub registration: Option<String>,
 }
 
-/// Returns the setting that the flag `--name` states: the key `path` gets the text `value`. Returns None
-/// without a value.
+/// Returns the setting that the flag called `name` states: the key `path` gets the text `value`. Returns
+/// None without a value.
 pub fn word(name: &str, path: &str, value: Option<&String>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, toml_string(value)))
 }

@@ -81,8 +81,8 @@ pub struct StoppingFlags {
     pub time: Option<f64>,
 }
 
-/// Returns the setting that the flag `--name` states: the key `path` gets the whole number `value`. Returns
-/// None without a value.
+/// Returns the setting that the flag called `name` states: the key `path` gets the whole number `value`.
+/// Returns None without a value.
 pub fn whole(name: &str, path: &str, value: Option<u64>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, value.to_string()))
 }

@@ -64,7 +64,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Describes the error sets: their number, and name, kind and reading of the chosen set.
+/// Describes the number of error sets, and the name, kind and reading of the chosen set.
 fn error_sets(cell: &Cell) -> String {
     let kind = match cell.error_set() {
         ErrorSet::Signed(_) => "a signed sample",

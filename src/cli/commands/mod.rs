@@ -51,7 +51,7 @@ use std::path::Path;
 /// Remedy for a tool orientation that the kinematics of the robot does not allow.
 const UNSOLVED: &str = "relax the orientation of the tool, or use another robot: see `sweetspot robots`";
 
-/// Warns of every overlap between two bodies if a search can move neither.
+/// Warns of every overlap that no search can remove, because a search can move neither body.
 fn warn_of_hopeless(workcell: &Workcell) {
     let cell = &workcell.cell;
     let moves = |k: usize| {

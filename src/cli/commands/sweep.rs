@@ -77,7 +77,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     finish(&sweep, rows, a.json)
 }
 
-/// Returns whether a combination must be computed, and says so if one of its files is damaged.
+/// Returns whether a combination must be computed. Prints a warning if one of its files is damaged.
 fn is_missing(folder: &Path, index: usize) -> bool {
     match row(folder, index) {
         StoredRow::Whole(_) => false,

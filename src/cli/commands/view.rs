@@ -63,7 +63,8 @@ fn end_at_signals() -> Arc<Notify> {
     over
 }
 
-/// Opens the page in a browser. Returns the temporary file, which must exist until the session ends.
+/// Opens the page in a browser through a temporary file. Returns this file, which must exist until the
+/// session ends; None if no browser could be started.
 fn opened(url: &str) -> Option<TempPath> {
     let opened = open_in_browser(url);
     if let Err(why) = &opened {

@@ -1,4 +1,7 @@
-//! Start of the user's browser without the secret on a command line, which all users of the machine can read.
+//! Start of the user's browser.
+//!
+//! All users of the machine can read command lines, so the command line of the browser must not contain the
+//! secret of the URL.
 
 use std::io::Write;
 use tempfile::TempPath;

@@ -36,7 +36,7 @@ use session::Session;
 use std::sync::{Arc, Mutex, MutexGuard};
 use values::LayoutValues;
 
-/// Decimals of numbers in documents.
+/// Number of decimals to which the objective of the previous step is rounded for the page.
 const DIGITS: i32 = 9;
 /// Detail of drawings: one model and reading, no envelope, and few nodes.
 ///

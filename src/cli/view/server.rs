@@ -2,7 +2,7 @@
 //!
 //! Anybody on this machine can connect, so a connection without the secret must cost little: a head of
 //! limited size and time, no body, no thread. One thread accepts and serves all connections. Each admitted
-//! request computes in a thread of its own, so a long computation delays no other.
+//! request computes in a thread of its own, so a long computation delays no other request.
 
 use super::LiveView;
 use super::access_control::AccessControl;

@@ -180,7 +180,8 @@ fn dh_rows(context: &PostureContext<'_>) -> Vec<DhRow> {
     rows.collect()
 }
 
-/// Returns the rows of the operation's sense in the base frame, each with its component of `error`.
+/// Returns the rows (weighted directions) of the operation's sense in the base frame. Each row states the
+/// component of `error` that it measures.
 fn sense_rows(context: &PostureContext<'_>, error: &Displacement) -> Vec<SenseRow> {
     let PostureContext { evaluator, situation, frames, .. } = context;
     let axes: &Matrix3<f64> = match evaluator.sense.frame {

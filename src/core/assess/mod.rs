@@ -150,7 +150,7 @@ impl<'a> Assessment<'a> {
     }
 
     /// Returns the value of the reading at the spot of an operation in the sense with the name `sense`, mm or
-    /// degrees.
+    /// degrees. If the quantity is the yield, returns the 95th percentile instead.
     ///
     /// Returns None without a spot, or if the map does not report the sense.
     pub fn error_at(&self, operation: usize, sense: &str) -> Option<f64> {

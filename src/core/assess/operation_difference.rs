@@ -103,7 +103,7 @@ fn pair(first: &Assessment<'_>, map: &OperationMap, x: &NodeRecord, y: &NodeReco
     NodePair { i: x.i, j: x.j, at: (place.x, place.y), first: value(x), other: value(y) }
 }
 
-/// Returns the value of a node; None if the node is not usable.
+/// Returns the value of the reading at a node; None if the node is not usable.
 fn value(node: &NodeRecord) -> Option<f64> {
     node.usable_posture().map(|p| p.value)
 }

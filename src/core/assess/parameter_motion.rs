@@ -50,8 +50,8 @@ impl ParameterMotion {
 
 /// Returns the small motions that one unit of a parameter causes at a posture (given by `frames`).
 ///
-/// `work` is the pose of the operation's equipment in the base frame. A parameter of equipment moves this
-/// frame.
+/// `work` is the pose of the operation's equipment in the base frame. An error of a piece of equipment moves
+/// the frame `work`.
 pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter) -> Vec<ParameterMotion> {
     let one = |place: MotionFrame, axis: usize, turns: bool, factor: f64| {
         let frame = match place {

@@ -134,8 +134,8 @@ impl PostureContext<'_> {
     }
 }
 
-/// Returns the context of the errors of an operation that uses a taught frame or places a picked part. The
-/// taught frame and the pick are computed from postures other than that of the operation.
+/// Returns the [`WorkContext`] of an operation that uses a taught frame or places a picked part. The taught
+/// frame and the pick are computed from postures other than that of the operation.
 fn situation_elsewhere(
     cell: &Cell,
     workcell: Result<&Workcell, &str>,

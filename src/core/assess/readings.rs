@@ -1,8 +1,8 @@
 //! Comparison of readings: the layout of the cell file under every reading and registration.
 //!
-//! For each reading the comparison gives the spot that this reading would choose, and the regret of the
-//! signed spot. The regret is the value at the signed spot divided by the least value, both under that
-//! reading.
+//! For each reading R, the comparison gives the spot that R chooses, and a regret. The signed spot is the
+//! spot that the signed reading chooses. The regret is the value at the signed spot divided by the least
+//! value; both values are those of R.
 
 use super::posture_context::no_spot;
 use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
@@ -41,7 +41,7 @@ pub struct ReadingRow {
 }
 
 impl ReadingRow {
-    /// Returns the name of the quantity that the reading minimizes.
+    /// Returns the name of the figure that a search minimizes under this reading.
     pub fn quantity_name(&self) -> &'static str {
         match self.reading {
             Reading::Signed => "error",
@@ -51,12 +51,12 @@ impl ReadingRow {
         }
     }
 
-    /// Returns the value of the best node.
+    /// Returns the value of the best node under the reading of this row; None if no node can be used.
     pub fn value(&self) -> Option<f64> {
         self.choice.as_ref().ok().map(|c| c.value)
     }
 
-    /// Returns the regret: the value at the signed spot ([`Self::at_signed`]) divided by the least value.
+    /// Returns the regret: [`Self::at_signed`] divided by the value of the best node ([`Self::value`]).
     pub fn ratio(&self) -> Option<f64> {
         let value = self.value().filter(|v| *v > NEGLIGIBLE)?;
         Some(self.at_signed? / value).filter(|r| r.is_finite())
@@ -176,8 +176,8 @@ fn row(
     }
 }
 
-/// Returns the value of operation `k` under the reading of the workcell, whose maps are `maps`. The posture
-/// is that of the best node of the maps `chosen`.
+/// Returns the value of operation `k` under the reading of the workcell, at the posture of the best node in
+/// `chosen`. `maps` holds the maps under the reading of the workcell.
 fn value_at_choice(workcell: &Workcell, maps: &Maps, chosen: &Maps, k: usize) -> Option<f64> {
     let place = chosen[k].best?;
     let posture = chosen[k].nodes[place].posture.as_ref()?;

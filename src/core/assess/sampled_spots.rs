@@ -1,4 +1,5 @@
-//! Monte Carlo check of the spots of a layout, and the joint yield of its operations.
+//! Monte Carlo check of the spots of a layout, and the overall yield: the share of samples that keep
+//! the limits of all operations together.
 
 use crate::cell::{Layout, Reading};
 use crate::error_map::{OperationMap, PostureRecord};

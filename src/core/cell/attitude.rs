@@ -37,7 +37,7 @@ pub enum Azimuth {
 /// Spin of the tool: its rotation about the tool axis.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spin {
-    /// Any spin is allowed. If the arm can choose the spin, [`FREE_STEPS`] values are tried.
+    /// Any spin is allowed. If the joints of the arm can set the spin, [`FREE_STEPS`] values are tried.
     Free,
     /// The spin must be one of these angles, rad.
     At(Vec<f64>),
@@ -54,7 +54,7 @@ pub struct Attitude {
     pub spin: Spin,
     /// Largest allowed tilt of the tool axis, rad.
     ///
-    /// If the arm cannot choose azimuth and spin, the tolerance also applies to these two angles.
+    /// If the joints of the arm cannot set the azimuth or the spin, the tolerance also applies to that angle.
     pub tolerance: f64,
 }
 

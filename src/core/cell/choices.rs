@@ -86,7 +86,8 @@ impl Quantity {
 pub enum Registration {
     /// No frame is measured: robot base and equipment are assumed to be placed as drawn.
     None,
-    /// The base frame is measured: the best fit over all postures between the joint limits.
+    /// The base frame is measured: a least-squares fit to the TCP positions of all postures between the joint
+    /// limits.
     BestFit,
     /// The frame of each work surface is taught by touching three points.
     Taught,
