@@ -53,7 +53,7 @@ impl Placement {
         }
     }
 
-    /// Returns this placement relative to `other`; both are given in one frame.
+    /// Returns this placement relative to `other`; both must be given in the same frame.
     pub fn seen_from(&self, other: &Placement) -> Placement {
         let (dx, dy) = (self.x - other.x, self.y - other.y);
         let (s, c) = other.yaw.sin_cos();
@@ -86,7 +86,8 @@ pub struct Equipment {
     /// Floor space, which contains all solids of the equipment in plan.
     pub footprint: Rectangle,
     pub solids: Vec<Solid>,
-    /// Index of the equipment on which this one stands and with which it moves; None if there is none.
+    /// Index of the equipment on which this one stands and with which it moves; None if it stands on no other
+    /// equipment.
     pub on: Option<usize>,
     /// Coordinates x, y, z, yaw in the world frame, or in the frame of the equipment that carries this one.
     pub placement: [Coordinate; 4],

@@ -86,7 +86,7 @@ impl Cell {
 
     /// Returns a copy of this cell with another interpretation, for uses that do not combine operations.
     ///
-    /// Senses of different units are therefore allowed, since their values are not added up.
+    /// The values of the operations are not added up, so their senses may have different units.
     ///
     /// # Errors
     /// Returns every fault of the interpretation, except senses of different units.

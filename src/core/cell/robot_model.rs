@@ -82,8 +82,8 @@ pub struct LinkSolid {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfCollision {
     pub checked: bool,
-    /// Pairs of [`Robot::solids`] that may touch. Solids of one link and of neighbouring links may always
-    /// touch.
+    /// Pairs of [`Robot::solids`] that may touch. Two solids may also touch if they belong to one link or to
+    /// neighbouring links.
     pub allowed: Vec<(usize, usize)>,
 }
 

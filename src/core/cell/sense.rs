@@ -1,13 +1,13 @@
 //! Senses: the components of an error that count.
 //!
-//! A sense is a list of rows. Each row is a weighted component of the position or rotation error at a point.
+//! A sense is a list of rows. A row is a weighted component of the position or rotation error at a point.
 
 use crate::units;
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of rows of a sense: three of position, three of rotation.
+/// Largest number of rows (weighted components) of a sense: three of position, three of rotation.
 pub const MAX_ROWS: usize = 6;
 
 /// Frame in which the directions of a sense are given.
@@ -34,8 +34,8 @@ impl Frame {
 
 /// Row of a sense: the position error along a direction, or the rotation error about that direction.
 ///
-/// The length of the direction is the weight of the row. Built-in senses have weight 1. In a sense
-/// that combines rotations with lengths, the weight of a rotation is in m.
+/// The length of the direction is the weight of the row. The rows of built-in senses have weight 1. If a
+/// sense combines rotation errors with position errors, its rotation rows have weights in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     pub turns: bool,
@@ -99,7 +99,8 @@ pub const PLAIN: [&str; 9] = ["x", "y", "z", "xy", "xyz", "rx", "ry", "rz", "rot
 pub const PAPER: [&str; 5] = ["x", "y", "z", "xy", "xyz"];
 
 impl Sense {
-    /// Returns a sense with the rows `given`; rows after the first [`MAX_ROWS`] are left out.
+    /// Returns a sense with the rows (weighted components) `given`; rows after the first [`MAX_ROWS`] are
+    /// left out.
     pub fn new(name: &str, frame: Frame, point: Vector3<f64>, unit: Unit, given: &[Row]) -> Self {
         let mut rows = [Row::ZERO; MAX_ROWS];
         let count = given.len().min(MAX_ROWS);
@@ -122,7 +123,8 @@ impl Sense {
         Some(Self::new(name, frame, Vector3::zeros(), unit, &rows))
     }
 
-    /// Returns the rows of the built-in sense with a name of [`PLAIN`]; None for any other word.
+    /// Returns the rows (weighted components) of the built-in sense with a name of [`PLAIN`]; None for any
+    /// other word.
     pub fn plain_rows(word: &str) -> Option<Vec<Row>> {
         let (turns, axes) = match word {
             "rotation" => (true, "xyz"),
@@ -147,7 +149,8 @@ impl Sense {
         &self.rows[..self.count]
     }
 
-    /// Returns whether all rows are world-frame components of the position error at the TCP.
+    /// Returns whether all rows (weighted components) are position errors of the TCP along world-frame
+    /// directions.
     pub fn is_of_position(&self) -> bool {
         self.frame == Frame::World && self.point == Vector3::zeros() && self.rows().iter().all(|r| !r.turns)
     }

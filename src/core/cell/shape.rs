@@ -46,7 +46,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Returns the shape in another frame; `pose` is the pose of its present frame in the new one.
+    /// Returns the shape in another frame; `pose` is the pose of the present frame in the new frame.
     ///
     /// A leg stays unchanged, since it stands on the floor.
     pub fn seen_from(self, pose: &Pose) -> Self {
@@ -108,7 +108,7 @@ pub fn extent(shape: &Shape) -> Extent {
     }
 }
 
-/// Returns the common bounding box of several shapes; None if there are none.
+/// Returns the common bounding box of several shapes; None if `shapes` is empty.
 pub fn extent_of<'s>(shapes: impl IntoIterator<Item = &'s Shape>) -> Option<Extent> {
     shapes.into_iter().map(extent).reduce(|(a, b), (c, d)| (a.inf(&c), b.sup(&d)))
 }

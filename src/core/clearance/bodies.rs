@@ -17,7 +17,8 @@ pub(super) struct CollisionBody {
     /// Point of the solid, in the frame of the shape, for the test whether the solid lies wholly inside a
     /// closed mesh.
     pub(super) inside: pm::Vector,
-    /// Shorter capsules whose union is this body, for checks against meshes; empty unless it is a capsule.
+    /// Shorter capsules whose union is this body, for checks against meshes; empty if the body is not a
+    /// capsule.
     ///
     /// The bounding box of a long oblique capsule would contain most triangles of a mesh.
     pub(super) pieces: Vec<SharedShape>,
@@ -43,7 +44,7 @@ impl CollisionBody {
         Self { is_at_origin: local == Pose::identity(), local, ..self }
     }
 
-    /// Returns the pose of the shape if the frame that carries it has the pose `frame`.
+    /// Converts `frame`, the pose of the carrier frame, to the pose of the shape in the same reference frame.
     pub(super) fn pose_in(&self, frame: &Pose) -> pm::Pose {
         if self.is_at_origin { parry_pose(frame) } else { parry_pose(&(*frame * self.local)) }
     }
@@ -92,7 +93,8 @@ pub(super) enum EquipmentSolid {
 
 /// Returns the bodies of a link solid, each enlarged by `by` (m).
 ///
-/// A mesh gives one body for each of its convex parts `parts`. Any other shape gives one body.
+/// A mesh gives one body for each of its convex parts, which are given in `parts`. Any other shape gives one
+/// body.
 pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<CollisionBody> {
     let Shape::Mesh { pose, .. } = shape else { return vec![swollen(shape, by)] };
     let body = |hull: &Hull| {
@@ -168,13 +170,15 @@ pub(super) fn part(shape: &Shape) -> EquipmentSolid {
     }
 }
 
-/// Returns a point of a mesh; the origin of the mesh frame may lie anywhere.
+/// Returns the first corner of the first triangle, as a point that certainly lies on the mesh.
 fn first_corner(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> pm::Vector {
     let corner = triangles.first().and_then(|[first, ..]| vertices.get(*first as usize));
     corner.map_or(pm::Vector::ZERO, vector)
 }
 
-/// Returns the body of a shape that contains the origin of its frame.
+/// Returns the body of a shape, with the origin of the shape's frame as [`CollisionBody::inside`].
+///
+/// If the origin is not a point of the shape, the caller must replace this field.
 fn centred(shape: SharedShape, local: Pose) -> CollisionBody {
     let bounds = shape.compute_local_aabb();
     let (inside, pieces, unswollen) = (pm::Vector::ZERO, Vec::new(), None);
@@ -195,7 +199,7 @@ fn capsule(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64) -> CollisionBody {
     CollisionBody { inside: vector(a), pieces: pieces.collect(), ..centred(shape, Pose::identity()) }
 }
 
-/// Returns the pose of a shape of parry3d whose axis y runs from `a` to `b`.
+/// Returns the pose of the frame whose y axis points from `a` to `b` and whose origin is midway between them.
 fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
     let turn = nalgebra::Rotation3::rotation_between(&Vector3::y(), &(b - a));
     // Opposite directions have no unique rotation between them; half a turn about x is one.
@@ -206,8 +210,8 @@ fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
 
 /// Returns a triangle mesh. A closed mesh gets an orientation, which tells inner from outer points.
 ///
-/// A mesh that parry3d refuses is replaced by a box around the origin that contains it. Empty meshes do not
-/// occur here, because the reader refuses them.
+/// A mesh that parry3d refuses is replaced by a box, which contains the mesh and is centred at the origin.
+/// Empty meshes do not occur here, because the reader refuses them.
 fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> SharedShape {
     let flags = if closed { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
     let points: Vec<_> = vertices.iter().map(vector).collect();

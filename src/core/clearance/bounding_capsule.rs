@@ -180,8 +180,9 @@ fn point_to_segment_squared(p: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>
 /// along`.
 ///
 /// The box has the half edge lengths `half`. The squared distance of the point `a + t along` from the box is
-/// a convex function of t. It is quadratic between the six planes of the faces, so its derivative is linear
-/// there. The function finds the two planes between which the derivative is zero.
+/// a convex function of t. The planes of the six faces divide the segment into at most seven parts. In each
+/// part, the squared distance is quadratic in t, so its derivative is linear. The minimum lies in the part in
+/// which the derivative changes sign, or at an end of the segment.
 fn segment_to_box_squared(a: &Vector3<f64>, along: &Vector3<f64>, half: &Vector3<f64>) -> f64 {
     let outside = |t: f64| {
         let x = a + along * t;

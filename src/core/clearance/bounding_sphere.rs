@@ -1,4 +1,4 @@
-//! Bounding spheres of the robot's solids, which bound how far a move displaces them.
+//! Bounding spheres of the robot's solids, for bounds on how far a move of the robot displaces each solid.
 
 use super::bodies::CollisionBody;
 use super::robot_solids::RobotSolid;

@@ -100,8 +100,8 @@ pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
 
 /// Returns, for every triangle, the index of the part to which it belongs.
 ///
-/// The function repeatedly cuts the part whose cut reduces the volume of the hulls most. Each cut is made at
-/// the best of nine planes.
+/// The function repeatedly makes the cut that reduces the total volume of the hulls most. It tries nine cuts
+/// of each part: along each axis, after one, two and three quarters of the triangles.
 fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let centre = |t: u32| triangles[t as usize].iter().map(|&i| vertices[i as usize]).sum::<Vector3<f64>>();
     let volume = |part: &[u32]| {

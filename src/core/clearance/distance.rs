@@ -99,8 +99,9 @@ impl Scene {
         nearest
     }
 
-    /// Returns whether a pair keeps the clearance if every point of the first solid moves by at most `by`
-    /// (m).
+    /// Returns whether a pair certainly keeps its clearance while the first solid moves.
+    ///
+    /// Every point of the first solid may move by at most `by` (m).
     ///
     /// Two solids of the robot must not touch, but need no clearance.
     pub fn is_apart(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair, by: f64) -> bool {

@@ -49,7 +49,7 @@ pub(super) fn base_top(robot: &Robot) -> f64 {
     solids.map(|s| extent(&s.solid.shape).1.z).reduce(f64::max).unwrap_or(f64::INFINITY)
 }
 
-/// Returns the vertical distance between two ranges, m; negative if they share a height.
+/// Returns the vertical distance between two height ranges, m; negative if the ranges overlap.
 pub(super) fn rise(a: HeightRange, b: HeightRange) -> f64 {
     (a.0 - b.1).max(b.0 - a.1)
 }

@@ -142,27 +142,29 @@ impl FloorPlan {
         }
     }
 
-    /// Returns whether a piece of equipment stands on another, directly or through equipment between them.
+    /// Returns whether `equipment` stands on `other`, directly or through equipment between them.
     fn rides(&self, equipment: usize, other: usize) -> bool {
         self.on[equipment].is_some_and(|under| under == other || self.rides(under, other))
     }
 
-    /// Returns the vertical distance between two pieces of equipment (index and placement), m; negative if
-    /// they share a height.
+    /// Returns the vertical distance between two pieces of equipment, each given by index and placement, m.
+    ///
+    /// The distance is negative if the height ranges of the two pieces overlap.
     pub(super) fn rise(&self, (i, at): (usize, &Placement), (j, there): (usize, &Placement)) -> f64 {
         rise(self.equipment[i].heights.at(at.z), self.equipment[j].heights.at(there.z))
     }
 
-    /// Returns the vertical distance of a piece of equipment from the robot base, m; negative if they share a
-    /// height.
+    /// Returns the vertical distance of a piece of equipment from the robot base, m; negative if their height
+    /// ranges overlap.
     ///
     /// The base occupies everything from its top down to the floor.
     pub(super) fn rise_from_base(&self, i: usize, at: &Placement, base: &Placement) -> f64 {
         rise(self.equipment[i].heights.at(at.z), (f64::NEG_INFINITY, base.z + self.base_top))
     }
 
-    /// Returns the vertical distance of a piece of equipment from a range of heights, m; negative if they
-    /// share a height.
+    /// Returns the vertical distance of a piece of equipment from the height range `heights`, m.
+    ///
+    /// The distance is negative if the height range of the piece overlaps `heights`.
     pub(super) fn rise_from(&self, i: usize, at: &Placement, heights: HeightRange) -> f64 {
         rise(self.equipment[i].heights.known_at(at.z), heights)
     }

@@ -26,14 +26,15 @@ pub struct Overlap {
     pub depth: f64,
     /// Part of `depth` that is the required clearance, m.
     pub clearance: f64,
-    /// Vertical distance between `a` and `b`, m; 0 if they share a height or if a height is not known.
+    /// Vertical distance between `a` and `b`, m; 0 if their height ranges overlap or if a height is not
+    /// known.
     pub rise: f64,
 }
 
 impl Overlap {
-    /// Returns whether the overlap involves a piece of equipment.
+    /// Returns whether the overlap concerns a piece of equipment.
     ///
-    /// A robot base that reaches beyond the fence involves all equipment.
+    /// If the robot base reaches beyond the fence, the overlap concerns every piece of equipment.
     pub fn concerns(&self, equipment: usize) -> bool {
         let parties = [self.a, self.b];
         parties.contains(&Party::Equipment(equipment)) || parties == [Party::RobotBase, Party::Fence]

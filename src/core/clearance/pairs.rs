@@ -68,7 +68,8 @@ impl Scene {
         &self.bounding_spheres
     }
 
-    /// Returns the contact of the robot base, if there is one. No posture can avoid it.
+    /// Returns the first contact of the robot base with equipment or fence, if there is one. No posture can
+    /// avoid this contact.
     pub fn base_hit(&self, placed: &PlacedSolids) -> Option<Hit> {
         placed.base_hit
     }

@@ -14,7 +14,8 @@ pub struct PlacedSolids {
     /// Pose of the robot base in the world; None if the base frame is the world frame.
     pub(super) base: Option<Pose>,
     pub(super) bodies: Vec<PlacedSolid>,
-    /// Contact of the robot base itself, if there is one. No posture can avoid it.
+    /// First contact of the robot base with equipment or fence, if there is one. No posture can avoid this
+    /// contact.
     pub(super) base_hit: Option<Hit>,
 }
 

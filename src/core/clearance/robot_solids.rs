@@ -26,7 +26,8 @@ pub(super) struct RobotSolid {
     pub(super) bodies: Vec<CollisionBody>,
     /// Solid enlarged by [`TOUCHING`] alone, for distances and for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,
-    /// Closed mesh of a solid with several convex parts. It tells whether another solid lies wholly inside.
+    /// Closed mesh of a solid with several convex parts. It serves to test whether another solid lies wholly
+    /// inside the mesh.
     pub(super) shell: Option<CollisionBody>,
     /// Bounding capsule of the solid without the clearance, in the carrier frame.
     pub(super) core: BoundingCapsule,
@@ -34,7 +35,7 @@ pub(super) struct RobotSolid {
     reach: f64,
 }
 
-/// Returns the solids of links and tool in the order of the robot, then those held in each operation.
+/// Returns all solids in [`crate::cell::Robot::solids`], then the solids of the part held in each operation.
 pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     let mut links = Vec::new();
     for (k, s) in cell.robot.solids.iter().enumerate() {
@@ -54,7 +55,7 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     links
 }
 
-/// A solid of the cell with the frame that carries it.
+/// Solid of the cell, and the frame that carries it.
 struct CarriedSolid<'a> {
     id: SolidRef,
     frame: usize,

@@ -11,9 +11,9 @@ use std::f64::consts::TAU;
 
 /// Length of the longest arrow, as a multiple of the distance between nodes.
 const LONGEST_ARROW: f64 = 1.5;
-/// Length of an arrow head as a share of the arrow length.
+/// Length of an arrow head: the smaller of two lengths, each given as a share.
 ///
-/// The second value is the upper limit of this length as a share of the distance between nodes.
+/// The first is a share of the arrow length, the second a share of the distance between nodes.
 const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
 /// Half width of an arrow head and half width of its shaft, each as a share of the length of the head.
 const HALF_WIDTH: (f64, f64) = (0.35, 0.12);

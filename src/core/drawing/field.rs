@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 pub struct ErrorView {
     pub model: Model,
     pub reading: Reading,
-    /// Quantity of the statistical reading; a yield is shown as the 95th percentile.
+    /// Quantity of the statistical reading. If this is the yield, the 95th percentile is shown instead.
     pub quantity: Quantity,
 }
 
@@ -98,7 +98,7 @@ pub struct ViewedErrors {
     pub values: Vec<Vec<Option<f64>>>,
     /// Spot under this model and reading, as an index into [`Field::nodes`].
     ///
-    /// The field is None if there is no spot, or if [`Field::nodes`] lacks the node of the spot.
+    /// This index is None if there is no spot, or if [`Field::nodes`] lacks the node of the spot.
     pub best: Option<usize>,
 }
 
@@ -119,7 +119,7 @@ pub struct Field {
     pub nodes: Vec<FieldNode>,
     /// Spot of the operation, as an index into [`Self::nodes`].
     ///
-    /// The field is None if there is no spot, or if [`Self::nodes`] lacks the node of the spot.
+    /// This index is None if there is no spot, or if [`Self::nodes`] lacks the node of the spot.
     pub best: Option<usize>,
     /// Position of the spot, world frame, m; present even if [`Self::nodes`] lacks the node of the spot.
     pub spot: Option<Vector3<f64>>,

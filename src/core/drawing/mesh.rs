@@ -87,7 +87,7 @@ impl Mesh {
         i
     }
 
-    /// Returns the mesh in another frame; `pose` is the pose of its present frame in the new one.
+    /// Returns the mesh in another frame; `pose` is the pose of the present frame in the new frame.
     pub fn seen_from(&self, pose: &Pose) -> Self {
         Self {
             positions: self.positions.iter().map(|p| pose.transform(p)).collect(),

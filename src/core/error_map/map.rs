@@ -127,7 +127,9 @@ impl OperationQuery<'_> {
     }
 }
 
-/// Returns the node shown as the spot and the value of the operation, from the usable nodes and their values.
+/// Returns the index of the node shown as the spot, and the value of the operation.
+///
+/// `values` holds the index and the value of every usable node.
 fn chosen(over: NodeAggregation, values: &[(usize, f64)], all_usable: bool) -> (Option<usize>, Option<f64>) {
     let by_value = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
     if !over.needs_every_node() {

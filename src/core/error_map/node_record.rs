@@ -25,7 +25,9 @@ pub enum Status {
         by: f64,
         joint: Option<usize>,
     },
-    /// The numeric inverse kinematics stopped with these errors (m, rad); a posture may still exist.
+    /// The numeric inverse kinematics found no posture for the node, but one may still exist.
+    ///
+    /// `position` (m) and `angle` (rad) are the errors of the best attempt.
     NotConverged {
         position: f64,
         angle: f64,
@@ -49,7 +51,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// Returns the class of the status, which leaves out its details.
+    /// Returns the class of the status, without the details that the status holds.
     pub fn sign(&self) -> NodeSign {
         match self {
             Self::Ok => NodeSign::Usable,
@@ -154,9 +156,15 @@ pub struct PostureRecord {
     pub nonlinear: Vector3<f64>,
     /// Position error by the linear model, m.
     pub linear: Vector3<f64>,
-    /// Deviation of the linear model from the nonlinear one, as a share of the nonlinear resultant.
+    /// Deviation of the linear model, as a share of the length of the nonlinear position error.
+    ///
+    /// The deviation is the length of the difference between the model's position error and the nonlinear
+    /// one.
     pub linear_off: f64,
-    /// Deviation of the second-order model from the nonlinear one, as a share of the nonlinear resultant.
+    /// Deviation of the second-order model, as a share of the length of the nonlinear position error.
+    ///
+    /// The deviation is the length of the difference between the model's position error and the nonlinear
+    /// one.
     pub second_order_off: f64,
     /// Whether the robot touches the node to teach the surface frame; if so, the node cannot be the spot.
     pub touched: bool,
@@ -169,7 +177,10 @@ pub struct PostureRecord {
 }
 
 impl PostureRecord {
-    /// Returns the deviation of a model from the nonlinear one, as a share of the nonlinear resultant.
+    /// Returns the deviation of a model, as a share of the length of the nonlinear position error.
+    ///
+    /// The deviation is the length of the difference between the model's position error and the nonlinear
+    /// one.
     pub fn off(&self, model: Model) -> f64 {
         match model {
             Model::Nonlinear => 0.0,
@@ -192,12 +203,12 @@ pub struct OperationMap {
     /// For an operation at every node, the index is that of the node with the greatest value. It is None if
     /// any node of such an operation is unusable.
     pub best: Option<usize>,
-    /// Value of the operation: the value of the best node, or the combined value of all nodes.
+    /// Value of the operation: the value of its spot, or, for an operation at every node, the combined value.
     pub value: Option<f64>,
 }
 
 impl OperationMap {
-    /// Marks every reachable node as blocked, because its equipment overlaps something.
+    /// Marks every reachable node as blocked by `overlap`, which concerns the equipment of the operation.
     pub fn block(&mut self, overlap: Overlap) {
         let blocked = |n: &&mut NodeRecord| {
             matches!(
@@ -232,8 +243,8 @@ impl OperationMap {
 
     /// Compares a model with the nonlinear one over the usable nodes.
     ///
-    /// Returns the largest deviation, as a share of the nonlinear resultant. Two counts follow: the nodes
-    /// whose deviation exceeds `guard`, and all usable nodes.
+    /// Returns the largest deviation ([`PostureRecord::off`]) first. Two counts follow: nodes whose deviation
+    /// exceeds `guard`, and all usable nodes.
     pub fn off(&self, model: Model, guard: f64) -> (f64, usize, usize) {
         self.usable().map(|(_, _, p)| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
             (f64::max(most, off), above + usize::from(off > guard), all + 1)

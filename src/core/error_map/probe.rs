@@ -103,8 +103,8 @@ impl<'a> Probe<'a> {
     ///
     /// Closed-form inverse kinematics gives the posture of the held branch at the moved point.
     ///
-    /// Numeric inverse kinematics does not keep branch indices from target to target. With such an arm, the
-    /// posture nearest to the held joints is taken.
+    /// Numeric inverse kinematics does not keep branch indices from target to target. In this case, the
+    /// function takes the usable posture whose joint coordinates are nearest to those of `held`.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -136,8 +136,8 @@ impl<'a> Probe<'a> {
 
     /// Finds the branch of a held posture.
     ///
-    /// The branch may exceed a joint limit, except with numeric inverse kinematics, which takes the nearest
-    /// usable branch.
+    /// The branch may exceed a joint limit, unless the inverse kinematics is numeric. In that case, the
+    /// usable branch nearest to `held` is taken.
     fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
         let inverse = &self.query.placed.mapper.arm.inverse;
         let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.query.attitudes) else {
