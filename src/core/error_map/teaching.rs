@@ -31,10 +31,10 @@ pub fn work_frame(
     Ok(WorkFrame { equipment: setup.equipment, work: surface.at.pose(), world: surface.world, taught })
 }
 
-/// Finds the postures that touch the three points.
+/// Finds the postures in which the robot touches three points to teach the frame.
 ///
-/// If the points are nodes, the robot may be unable to touch them, or they may lie nearly in one line. Then a
-/// wide triangle of nodes that the robot can touch replaces them.
+/// If the points are nodes, the robot may be unable to touch them, or they may lie nearly in one line. Then
+/// the function chooses three nodes that the robot can touch and that form a wide triangle.
 fn touching_postures(
     placed: &PlacedLayout<'_>,
     surface: &PlacedSurface<'_>,

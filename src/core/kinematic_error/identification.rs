@@ -105,7 +105,8 @@ pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length:
     values.max() / values.min()
 }
 
-/// Returns the translational parameters that depend linearly on others at a run of prismatic joints.
+/// Returns the translational parameters that depend linearly on others because successive joints are
+/// prismatic.
 fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
     // Nothing rotates within a run of prismatic joints, so the angles between its translations are the same
     // in every posture.

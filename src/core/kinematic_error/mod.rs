@@ -9,8 +9,9 @@
 //! - six components of the base frame, of the tool frame and of every joint frame. A joint frame precedes the
 //!   Denavit-Hartenberg (D-H) row of its joint.
 //!
-//! Number the motions from the base on. Let `S_k` be the twist of motion k per unit in the base frame and
-//! `a_k` its size. Let T be the pose of the TCP without errors and T' the pose with errors. Then
+//! Number the motions from the base to the tool. Motion k has the size `a_k` (rad or m). Let `S_k` be its
+//! twist for `a_k = 1`, base frame. Let T be the pose of the TCP without errors and T' the pose with errors.
+//! Then
 //!
 //! ```text
 //! T' T^-1 = exp(S_1 a_1) exp(S_2 a_2) ... exp(S_K a_K)
@@ -24,9 +25,9 @@
 //! - linear, eqs. (7)-(8): the position error is `e = sum_k a_k g_k`. The displacement per unit is
 //!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
 //! - second-order (section 2.3): the linear model plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k a_k^2 w_k x
-//!   g_k`. In these sums `w_j` and `w_k` are the axes of rotations; they are zero for translations. This is
-//!   the exact quadratic form: a motion nearer to the base also rotates the displacements that later motions
-//!   cause.
+//!   g_k`. In these sums `w_j` and `w_k` are the axes of rotations; they are zero for translations. The two
+//!   sums together are the exact second-order part of the product. A motion nearer to the base also rotates
+//!   the displacements that later motions cause.
 //!
 //! Errors are in the base frame: position in m, rotation as a rotation vector in rad.
 

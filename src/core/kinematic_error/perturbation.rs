@@ -48,7 +48,8 @@ pub struct FrameError {
 }
 
 impl FrameError {
-    /// Returns the frame error with these six components (m, then rad); None if all are 0.
+    /// Returns the frame error with the components `values`: three translations (m), then three rotations
+    /// (rad) about x, y, z; None if all are 0.
     pub fn new(values: &[f64]) -> Option<Self> {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
         let any = (0..PER_FRAME).any(|k| value(k) != 0.0);

@@ -34,7 +34,7 @@ impl Workcell {
     ///   distance. The second is between the floor and a solid that only the first joint moves. The third is
     ///   between two floor spaces that cannot move.
     /// - joint limits, singularity: the least value of the measure ([`measures`], a number without unit) at
-    ///   the nodes where an operation happens, with the joint limits of the robot file.
+    ///   the nodes where an operation happens. The joint limits are those of the robot file, without margins.
     /// - travel: the joint travel (rad) of the transfers or, if they are not checked, of direct moves from
     ///   spot to spot.
     /// - footprint: area (m^2) of the convex hull of the floor spaces of robot base and equipment.

@@ -19,14 +19,16 @@ pub enum BoxPoints {
     Surface,
 }
 
-/// Boxes of placement tolerances in two groups: those on which one operation depends, and all others.
+/// Boxes of placement tolerances, one for each body (robot base or piece of equipment) that has tolerances.
+///
+/// There are two groups: the boxes of the bodies on which one operation depends, and all other boxes.
 ///
 /// An operation depends on the robot base, on its equipment and on the equipment that carries it. An
 /// operation relative to a pick also depends on the equipment of the pick and its carriers.
 pub struct ToleranceBoxes {
-    /// One box for each body that the operation depends on.
+    /// One tolerance box for each body on which the operation depends.
     pub own: Vec<Moves>,
-    /// One box for each other body.
+    /// One tolerance box for each body on which the operation does not depend.
     pub others: Vec<Moves>,
 }
 

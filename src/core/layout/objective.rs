@@ -8,8 +8,9 @@ use crate::cell::{Cell, Objective, Unit};
 /// Such a layout ranks after every layout that keeps its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
-/// Lower edge of the first step of [`lexicographic`] (m, rad, or share of failures); first values below it
-/// also belong to this step.
+/// Lower edge of the first step of [`lexicographic`] (m, rad, or share of failures).
+///
+/// A value below this edge also belongs to the first step.
 const LEAST_STEP: f64 = 1e-9;
 /// Combined value of the later operations (m, rad, or share of failures) for which [`lexicographic`] returns
 /// the middle of a step.
@@ -29,7 +30,11 @@ impl Workcell {
         }
     }
 
-    /// Returns the cost of a feasible layout: its objective, or a penalty if a value is above its limit.
+    /// Returns the cost of a feasible layout: `objective`, or a penalty if a value in m or rad is above the
+    /// limit of the operation.
+    ///
+    /// A share of failures is not compared with the limit, because it already counts the arms that exceed the
+    /// limit.
     pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
         let limited = self.cell.operations.iter().zip(values).filter(|_| self.cell.unit() != Unit::Share);
         let excess = limited.filter_map(|(o, value)| o.limit.map(|limit| (value - limit).max(0.0)));

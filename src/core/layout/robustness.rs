@@ -8,17 +8,18 @@
 //! through the posture. For a taught frame, the postures in which the robot touches the taught points change,
 //! too.
 //!
-//! - Worst corner: all corners of the box of tolerances are checked, up to 8 dimensions. For a larger box,
-//!   the corners of the box of each body are checked, with the other bodies as drawn. In addition, the corner
-//!   of the whole box that is worst to first order is checked. A corner is called lost if the posture cannot
-//!   be used there, or if floor spaces overlap. The corners of the box of every other body are checked, too,
-//!   because this body may get in the way.
+//! - Worst corner: all corners of the box of tolerances are checked if it has at most 8 dimensions. For a
+//!   larger box, the corners of the box of each body are checked, with the other bodies as drawn. In
+//!   addition, the corner of the whole box that is worst to first order is checked. A corner is called lost
+//!   if the posture cannot be used there, or if floor spaces overlap. The corners of the box of every other
+//!   body are checked, too, because this body may get in the way.
 //! - Gradient: central differences.
-//! - Largest allowed misplacement: a multiple of the box, a distance in plan and a yaw. A misplacement is
-//!   allowed if no floor spaces overlap, the posture is usable and the value is within its limit. The checks
-//!   are made at the corners and the middles of all edges and faces of the box, in 16 directions in plan, and
-//!   in both directions of yaw. Each of these three sizes grows by the factor [`STRIDE`] until a check fails,
-//!   then bisection follows. A failure that occurs only between two checked sizes is missed.
+//! - Largest allowed misplacement: three separate sizes. They are a multiple of the tolerance box, a
+//!   displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces overlap,
+//!   the posture is usable and the value is within its limit. A multiple of the box is checked at the corners
+//!   and the middles of all edges and faces. A displacement is checked in 16 directions, and a yaw in both
+//!   directions. Each size grows by the factor [`STRIDE`] until a check fails, then bisection follows. A
+//!   failure that occurs only between two checked sizes is missed.
 
 use super::misplaced_overlaps::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -91,7 +92,9 @@ pub struct Largest {
 pub struct Robustness {
     /// Value of the operation in the layout as drawn (m, rad, or share of failures).
     pub value: f64,
-    /// Box of the tolerances on which the operation depends: coordinates with half widths (m, rad).
+    /// Placement tolerances of the bodies on which the operation depends: coordinates and half widths.
+    ///
+    /// The half widths are in m or rad.
     pub tolerance: Moves,
     /// Number of corners of the placement tolerances that were checked.
     pub corners: usize,

@@ -1,11 +1,11 @@
 //! The choice of the spot of one operation, for evaluation and maps alike.
 //!
-//! A robust search judges a spot by its worst value in the layout as drawn and at the corners of the box of
-//! placement tolerances. The point on the surface and the branch of the posture are the same at all corners.
-//! Usable spots are judged in ascending order of their value as drawn, and the spot with the least worst
-//! value is chosen. The worst value is never below the value as drawn. So no later spot can be better once
-//! the next value as drawn reaches the least worst value. At most [`MAX_NODES`] nodes are judged; if the
-//! search stops there, a better spot may exist.
+//! A robust search judges a spot by its worst value. This is the maximum of the value as drawn and the values
+//! at the corners of the placement tolerances. The point on the surface and the branch of the posture are the
+//! same at all corners. Usable spots are judged in ascending order of their value as drawn, and the spot with
+//! the least worst value is chosen. The worst value is never below the value as drawn. So the search ends
+//! when the next spot's value as drawn reaches the least worst value found. At most [`MAX_NODES`] nodes are
+//! judged; if the search ends at this number, a better spot may exist.
 
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
@@ -148,7 +148,9 @@ impl Corners<'_> {
     }
 }
 
-/// Returns the penalty of one corner at which the posture cannot be used, at most [`LOST_PENALTY`], m.
+/// Returns the penalty (m) of one corner of the placement tolerances at which the posture cannot be used.
+///
+/// The penalty is at most [`LOST_PENALTY`].
 fn penalty(status: &Status) -> f64 {
     let share = match status {
         Status::OutOfReach { by } => 0.5 + by.min(0.5),

@@ -115,7 +115,7 @@ impl Workcell {
     }
 }
 
-/// Returns the first fault in one line.
+/// Returns message and help of the first fault as one line of text; empty if there is no fault.
 fn first_of(faults: &[QuestionFault]) -> String {
     faults.first().map_or(String::new(), |fault| format!("{}; {}", fault.message, fault.help))
 }

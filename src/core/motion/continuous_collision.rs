@@ -11,9 +11,9 @@
 //! ```
 //!
 //! and by |dr_i| if joint i is prismatic. Here dtheta_i and dr_i are the changes of the D-H coordinates of
-//! joint i, and l and r the length and offset of a D-H row. The solid is rigidly fixed to the last row, so
-//! this row and the solid form one lever arm. Only the joints between two solids of the robot change the
-//! distance of these solids.
+//! joint i, and l and r the length and offset of a D-H row. The lever arm of the last row ends at the centre
+//! of the solid's bounding sphere. Only the joints between two solids of the robot change the distance of
+//! these solids.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::clearance::{BoundingSphere, Hit, Load, Pair, PlacedSolids, Scene};

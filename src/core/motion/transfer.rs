@@ -210,7 +210,8 @@ fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVe
     let mut near = *to;
     for j in 0..chain.axes() {
         let link = &chain.links[j];
-        // A whole turn of joint j turns each revolute joint that it drives by a whole factor by whole turns.
+        // After a whole turn of joint j, a revolute joint i is as before if its coupling factor is whole. A
+        // prismatic joint i must not move at all.
         let comes_back = |i: usize| match chain.links[i].kind {
             JointKind::Revolute => chain.coupling[i][j].fract() == 0.0,
             JointKind::Prismatic => chain.coupling[i][j] == 0.0,

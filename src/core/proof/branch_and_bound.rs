@@ -37,7 +37,7 @@ const ROUNDING: f64 = 1e-11;
 const MIN_SIDE: f64 = 1e-12;
 /// Difference of two values, m or rad, below which the search treats them as equal.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Value, m or rad: if the least value found is below it, the search accepts 0 as lower bound.
+/// Threshold (m or rad) of the least value found, below which the search accepts 0 as lower bound.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// Result of the search over boxes.

@@ -97,8 +97,11 @@ type LinkSums = [Matrix3<f64>; MAX_JOINTS + 1];
 /// Returns the first and second derivatives of the weighted sum of effects with respect to the joint
 /// displacements.
 ///
-/// Joint i rotates the effects of the motions after it in the chain (the sums `f`). For the motions that
-/// precede joint i, the joint moves the point on which they act (the sums `p`).
+/// On entry, `f` and `p` hold for each link the sums F and P of the module documentation.
+///
+/// Joint i rotates the effects of the motions after it in the chain: the sums `f` give this part of the
+/// derivatives. For the motions that precede joint i, the joint moves the point on which they act: the sums
+/// `p` give this part.
 fn by_theta(
     screws: &Screws,
     placed: &PosedScrews,

@@ -1,12 +1,12 @@
 //! Proof: a lower bound of the objective of every layout, by branch and bound with Taylor models.
 //!
 //! The problem is relaxed. Collisions and overlaps do not count. Each operation chooses its spot
-//! independently, wherever its height, tool elevation and distance from the robot base allow it
-//! ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over joint
-//! coordinates within their limits. If the first joint axis is vertical, errors that come after this axis in
-//! the chain rotate with it. Then the first joint does not matter, with two exceptions. The sense may
+//! independently, anywhere within the operation's ranges of height, tool elevation and distance from the
+//! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
+//! joint coordinates within their limits. Errors that come after the first joint in the chain rotate with
+//! this joint. So a first joint with a vertical axis does not matter, with two exceptions. The sense may
 //! distinguish horizontal directions, or an error that precedes this joint may act along or about an axis
-//! other than the first joint axis.
+//! other than the axis of this joint.
 //!
 //! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
 //! found. The files of this module:
@@ -23,8 +23,8 @@
 //! | `branch_and_bound`, `witness` | the search over boxes, and postures in them |
 //!
 //! The bound holds for the objective of [`crate::layout::evaluate`], which combines the values of the
-//! operations. A weighted sum is at least the weighted sum of their bounds, and a weighted maximum at least
-//! the largest weighted bound. An operation without a bound counts as 0.
+//! operations. A weighted sum of values is at least the weighted sum of their bounds. A weighted maximum of
+//! values is at least the largest weighted bound. An operation without a bound counts as 0.
 
 mod branch_and_bound;
 mod coordinates;
@@ -57,7 +57,7 @@ pub struct ProofOptions {
     /// Largest number of boxes of joint coordinates that are examined per operation.
     pub boxes: u64,
     /// Values of the operations in a known layout, if any. A box of joint coordinates is not bisected further
-    /// once its lower bound reaches the known value, up to `gap`.
+    /// once its lower bound is at least the known value times `1 - gap`.
     pub known: Option<Vec<f64>>,
 }
 

@@ -31,8 +31,8 @@ pub(super) struct Task<'a> {
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,
-    /// Upper bound, m, of the amount by which the value by the cell's model may be below the value computed
-    /// from the field `error`.
+    /// Upper bound, m, of a difference: the value computed from the field `error`, minus the value of the
+    /// operation. The value of the operation is computed with the error model of the cell.
     ///
     /// This amount is subtracted from the bound.
     lost: f64,
@@ -128,8 +128,10 @@ impl<'a> Task<'a> {
         Ok(task)
     }
 
-    /// Returns an upper bound, m, of the amount by which the value by the model of the cell may be below the
-    /// value computed from the [`BoundedError`].
+    /// Returns an upper bound, m, of a difference: the value computed from the [`BoundedError`], minus the
+    /// value of the operation.
+    ///
+    /// The value of the operation is computed with the error model of the cell.
     ///
     /// Let the error at a corner of the tolerance box be L + E + O. L is the linear term, E the terms of even
     /// order, and O the odd terms from third order on. The opposite corner has the error -L + E - O. So the
@@ -138,7 +140,7 @@ impl<'a> Task<'a> {
     /// A signed sample in the second-order model lacks all terms of the nonlinear model from third order on.
     /// Let `a_k` be the angle of motion k, and `b_k` the largest displacement that it causes. Then `|O|` and
     /// the sum of the lacking terms are each at most `sum_k b_k (sum_j a_j)^2 / 2`. The function multiplies
-    /// this bound by the root sum square of the lengths of the rows of the sense.
+    /// this bound by the root sum square of the weights of the sense's components.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.evaluator.reading, self.evaluator.model) {
             (Reading::Signed, Model::SecondOrder) => self.evaluator.sources.signed(),
@@ -162,7 +164,7 @@ impl<'a> Task<'a> {
         rows * (moved + slid) * sum * sum / 2.0
     }
 
-    /// Returns the nominal chain at the coordinates `y` of a box.
+    /// Returns the nominal chain in the posture with the [`Coordinates`] `y`.
     pub fn place(&self, y: &JointValues) -> PosedScrews {
         self.screws.place(&self.coordinates.theta(y))
     }
@@ -236,7 +238,7 @@ impl<'a> Task<'a> {
         Some(taylor)
     }
 
-    /// Returns the joint coordinates of the actuators at the coordinates `y` of a box.
+    /// Returns the actuator coordinates (rad or m) of the posture with the [`Coordinates`] `y`.
     pub fn joints(&self, y: &JointValues) -> JointVector {
         let mut q = middle(self.workcell.inverse().chain());
         q.iter_mut().zip(self.coordinates.actuators(y)).for_each(|(q, by)| *q += by);
@@ -248,8 +250,8 @@ impl<'a> Task<'a> {
         self.evaluator.memory()
     }
 
-    /// Returns the value of the operation (as in the layout search) in the posture at the coordinates `y` of
-    /// a box.
+    /// Returns the value of the operation, as in the layout search, in the posture with the [`Coordinates`]
+    /// `y`.
     pub fn value(&self, y: &JointValues, memory: &mut EvaluatorScratch) -> f64 {
         let chain = self.workcell.inverse().chain();
         let frames = chain.frames(&chain.posture(&self.joints(y)));
@@ -272,10 +274,10 @@ fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
     Ok(())
 }
 
-/// Returns the rows of the sense in the base frame.
+/// Returns the rows (weighted components) of the sense, with directions in the base frame.
 ///
 /// # Errors
-/// Returns the reason if these rows depend on the layout.
+/// Returns the reason if these directions depend on the layout.
 fn rows(cell: &Cell, evaluator: &ErrorEvaluator, operation: usize) -> Result<Vec<Row>, WhyNot> {
     let sense = &evaluator.sense;
     let turned = |by: &Matrix3<f64>| -> Vec<Row> {
@@ -313,7 +315,8 @@ fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     [gram(false), gram(true)]
 }
 
-/// Returns whether the size of an error in these rows is invariant under rotations about z.
+/// Returns whether rotating an error about z never changes the root sum square of its components along
+/// `rows`.
 fn turns_with_z(rows: &[Row]) -> bool {
     grams(rows).iter().all(|g| {
         let off = (g[(0, 0)] - g[(1, 1)]).abs() + g[(0, 1)].abs() + g[(0, 2)].abs() + g[(1, 2)].abs();
@@ -321,7 +324,7 @@ fn turns_with_z(rows: &[Row]) -> bool {
     })
 }
 
-/// Returns whether the size of an error in these rows is invariant under all rotations.
+/// Returns whether rotating an error never changes the root sum square of its components along `rows`.
 fn is_isotropic(rows: &[Row]) -> bool {
     turns_with_z(rows)
         && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())

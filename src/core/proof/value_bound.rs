@@ -13,9 +13,9 @@
 //! ```
 //!
 //! For the mean of |e| this bound is the tangent of a convex function of the effects. Percentiles have a
-//! bound for senses of up to three rows. The bound of a percentile assumes that the squared percentile is a
-//! convex function of the covariance S. We know no proof of this assumption. tests/maths/proof.rs tests it
-//! for 95 % and 99 %, and [`super::Proof::in_words`] states it.
+//! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the
+//! squared percentile is a convex function of the covariance S. We know no proof of this assumption.
+//! tests/maths/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`] states it.
 
 use super::WhyNot;
 use super::linear_effects::Effect;
@@ -26,9 +26,11 @@ use crate::reading::zonotope::{ZonotopeScratch, farthest_1, farthest_2, farthest
 use crate::reading::{ErrorEvaluator, MAX_SOURCES};
 use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 
-/// Largest number of rows of a sense whose mean, percentiles and worst case have a bound.
+/// Largest number of rows (weighted components) of a sense for which mean, percentiles and worst case can
+/// have a bound.
 ///
-/// For a sense with more rows, only the RMS, the signed sample and the linear worst case have a bound.
+/// For a sense with more rows, only three values can have a bound: the RMS, the error of the signed sample,
+/// and the worst case in the linear model.
 const MAX_ROWS_OF_PERCENTILE: usize = 3;
 /// Step of a numeric derivative with respect to an eigenvalue of the covariance, as a share of the trace.
 const DERIVATIVE_STEP: f64 = 1e-3;
@@ -55,7 +57,7 @@ pub(super) enum EffectSum {
 
 impl EffectSum {
     /// Returns the way in which the reading of `evaluator` combines effects into a value, for a sense with
-    /// `rows` rows.
+    /// `rows` rows (weighted components).
     ///
     /// # Errors
     /// Returns the reason if the value has no lower bound in this reading.
@@ -192,9 +194,10 @@ fn spread(
     Some(())
 }
 
-/// Returns a matrix A with `<A, S> <= quantity(S)^2` for every covariance S of `rows` rows.
+/// Returns a matrix A with `<A, S> <= quantity(S)^2` for every covariance matrix S of `rows` components.
 ///
-/// `<A, S>` is the sum of the products of corresponding entries. Returns None if `covariance` is zero.
+/// `<A, S>` is the sum of the products of corresponding entries. `quantity(S)` is the quantity of the norm of
+/// a normal vector with mean zero and covariance S. Returns None if `covariance` is zero.
 ///
 /// If S is `covariance`, the two sides differ only by a margin for the error of numeric derivatives.
 pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Option<Matrix3<f64>> {

@@ -2,9 +2,9 @@
 //! joint rotations.
 //!
 //! The pose of the TCP is `T' = B_0 Rz(theta_1) B_1 Rz(theta_2) B_2 ... B_N`, where `Rz(theta_i)` is the
-//! rotation of joint i about its axis. The constant motions `B_i` contain all errors and are computed once.
-//! The error is then the difference of two positions some metres from the base. It is accurate to 1e-14 m,
-//! which is enough to rank nodes.
+//! rotation of joint i about its axis, and N the number of joints. The constant motions `B_i` contain all
+//! errors and are computed once. The error is then the difference of two positions some metres from the base.
+//! It is accurate to 1e-14 m, which is enough to rank nodes.
 
 use super::lanes::{CosSin, Lanes};
 use crate::cell::JointKind;
@@ -105,7 +105,7 @@ impl ConstantMotion {
     }
 }
 
-/// Returns the pose of a frame with errors in the nominal frame.
+/// Returns the pose of a frame that has errors, relative to the same frame without errors.
 ///
 /// The errors are applied in the order translation, rotation about z, about y, about x.
 fn moved(error: &FrameError) -> Pose {

@@ -26,14 +26,14 @@ pub struct Level<S: Simd> {
     pub z: f64,
 }
 
-/// Targets seen from frame 0, m.
+/// Targets in D-H frame 0, which precedes the first joint, m.
 pub struct TargetLanes<S: Simd> {
     x: Lanes<S>,
     y: Lanes<S>,
     z: Lanes<S>,
     /// Distance of the target from the base axis, measured parallel to the plane of the arm, m.
     along: Lanes<S>,
-    /// Reciprocal of the squared distance `x^2 + y^2` from the base axis, 1/m2.
+    /// Reciprocal of the squared distance of the target from the base axis, 1/m^2.
     inverse2: Lanes<S>,
     /// Lanes with a target nearer to the base axis than the tool can come.
     beside: Mask<S>,
@@ -64,7 +64,7 @@ impl PlanarLanes {
 
 // The compiler would not use the SIMD instructions inside closures, so these functions contain none.
 impl PlanarLanes {
-    /// Transforms targets from the base frame to frame 0.
+    /// Transforms targets from the base frame to D-H frame 0, which precedes the first joint.
     #[inline(always)]
     pub fn targets<S: Simd>(&self, level: &Level<S>) -> TargetLanes<S> {
         let [x, y, z] = self.in_zero(level);

@@ -16,13 +16,14 @@ use crate::reading::ErrorEvaluator;
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Amount by which a bound is lowered: the bound times this number, plus this number in m for each unit
-/// direction of the sense.
+/// Relative and absolute margin by which a bound is lowered.
 ///
-/// Rounding errors are 1e-14 m at most postures, and 1e-10 m next to a singular posture.
+/// The relative margin is this share of the bound. The absolute margin (m) is this number times the sum of
+/// the lengths of the sense's directions. Rounding errors are typically 1e-14 m; next to a singular posture
+/// they are 1e-10 m.
 const BOUND_MARGIN: f64 = 1e-9;
 
-/// Number of nodes in a group: a search compares the groups first, then the nodes of the best group.
+/// Number of nodes in a group: [`Ranking::pop`] finds the best group first, then the best node in this group.
 const GROUP: usize = 2 * MAX_LANES;
 
 /// Ranker of the nodes of one operation by lower bounds of their errors.
