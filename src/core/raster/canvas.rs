@@ -12,7 +12,8 @@ const PART: i64 = 256;
 /// Largest absolute coordinate of a corner, in samples; triangles with a corner beyond it are not drawn.
 const FARTHEST: f64 = 1e5;
 
-/// Grid of samples, row by row from the top left, each with the value and nearness of the nearest surface.
+/// Grid of samples, row by row from the top left. Each sample holds a painted value, such as a colour, and
+/// the nearness of the surface nearest to the eye.
 pub struct DepthBuffer<T> {
     pub width: usize,
     pub height: usize,
@@ -27,9 +28,9 @@ impl<T: Copy> DepthBuffer<T> {
 
     /// Paints the samples at which a triangle is nearer to the eye than all surfaces drawn so far.
     ///
-    /// For each such sample, `paint` receives the value of the sample and the barycentric coordinates. A
-    /// sample on the common edge of two neighbouring triangles is painted by only one of them. If `solid` is
-    /// false, the triangle does not hide what is drawn later.
+    /// For each such sample, `paint` receives the painted value of the sample and the barycentric coordinates
+    /// of the sample in the triangle. A sample on the common edge of two neighbouring triangles is painted by
+    /// only one of them. If `solid` is false, the triangle does not hide what is drawn later.
     pub fn fill(&mut self, corners: &[ScreenPoint; 3], solid: bool, mut paint: impl FnMut(&mut T, [f32; 3])) {
         let is_drawn = |c: &ScreenPoint| c.near.is_finite() && c.at.coords.iter().all(|v| v.abs() < FARTHEST);
         if !corners.iter().all(is_drawn) {

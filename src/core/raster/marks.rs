@@ -81,8 +81,8 @@ fn add_glyph(
     scene.lines.extend(strokes);
 }
 
-/// Returns a horizontal dot at a node, with the radius `radius` (m). The argument `size` is the size of the
-/// scene, m.
+/// Returns a horizontal dot at a node, with the radius `radius` (m). The shift of the dot towards the eye is
+/// a fixed share of `size`, the size of the scene (m).
 fn disc(node: &FieldNode, radius: f64, colour: Colour, size: f64) -> SceneBody {
     const SIDES: u32 = 12;
     let rim = (0..SIDES).map(|k| {

@@ -94,8 +94,8 @@ impl Shot {
     /// Checks the size of the picture, and that the drawing contains the operation and the errors to show.
     ///
     /// # Errors
-    /// Returns a message if the size is out of range. It also returns a message if the drawing lacks the
-    /// operation or the combination of model and reading.
+    /// Returns a message if the size is out of range. The function also returns a message if the drawing
+    /// lacks the operation or the combination of model and reading.
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
         if !(64..=MAX_SIDE).contains(&self.width) || !(64..=MAX_SIDE).contains(&self.height) {
             return Err(format!(
@@ -162,8 +162,8 @@ fn staged(drawing: &Drawing<'_>, shot: &Shot) -> Result<FittedScene, String> {
 /// Returns the picture as PNG with 8 bits per colour.
 ///
 /// # Errors
-/// Returns a message if the size is out of range or the picture cannot be encoded. It also returns a message
-/// if the drawing lacks the operation or the combination of model and reading of `shot`.
+/// Returns a message if the size is out of range or the picture cannot be encoded. The function also returns
+/// a message if the drawing lacks the operation or the combination of model and reading of `shot`.
 pub fn png(drawing: &Drawing<'_>, shot: &Shot) -> Result<Vec<u8>, String> {
     let stage = staged(drawing, shot)?;
     let mut sheet = PixelImage::of(&rendered(&stage, shot), SAMPLES);

@@ -68,7 +68,7 @@ impl SceneLine {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelSide {
     Above,
-    /// Below the two points of the object's top that are lowest in the picture.
+    /// Below the object's top: centred under the two top points that are lowest in the picture.
     Below,
     /// Beside a spot, to which a leader line is drawn.
     Spot,

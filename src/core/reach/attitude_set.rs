@@ -38,8 +38,8 @@ pub struct AttitudeSet {
 impl AttitudeSet {
     /// Sets the attitudes over a surface rotated by `yaw` (rad) in the base frame, without rotation matrices.
     ///
-    /// [`Self::update_columns`] adds the matrices. `fixed_elevation` is the elevation (rad) of the tool of an
-    /// arm that cannot change it; None for any other arm.
+    /// [`Self::update_columns`] adds the matrices. `fixed_elevation` is the tool's elevation (rad) if the arm
+    /// cannot change this elevation; otherwise None.
     pub fn update(&mut self, attitude: &Attitude, yaw: f64, fixed_elevation: Option<f64>) {
         self.vertical = attitude.is_vertical();
         self.radial = attitude.azimuth == Azimuth::Radial;
@@ -66,7 +66,7 @@ impl AttitudeSet {
         self.columns.clear();
     }
 
-    /// Sets the rotation matrices of all attitudes, for a solver that needs whole poses.
+    /// Sets the rotation matrices of all attitudes, for a solver that needs the full pose of the flange.
     ///
     /// [`Self::update`] must be called first.
     pub fn update_columns(&mut self, attitude: &Attitude, yaw: f64) {
@@ -104,8 +104,8 @@ impl AttitudeSet {
     /// Returns the excess of the tool's attitude error over the tolerance, rad; 0 within the tolerance.
     ///
     /// `columns` is the rotation matrix of the tool in the base frame, with the columns that
-    /// [`Self::columns`] describes. Only an arm that cannot choose heading or spin needs this check. `rolls`
-    /// says whether the arm can choose the spin.
+    /// [`Self::columns`] describes. Only planar arms need this check: the target decides their heading, and
+    /// some cannot choose the spin. `rolls` says whether the arm can choose the spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);
@@ -130,7 +130,8 @@ impl AttitudeSet {
 
     /// Returns whether [`Self::off`] is needed.
     ///
-    /// It is needed if the attitude requires a heading, or a spin that the arm cannot choose.
+    /// It is needed if the attitude requires a heading. It is also needed if the attitude requires a spin and
+    /// the arm cannot choose the spin.
     pub(super) fn is_checked(&self, rolls: bool) -> bool {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }
@@ -146,15 +147,16 @@ impl AttitudeSet {
     }
 }
 
-/// Returns the elevations to try (rad): the nominal one, then the nominal one minus and plus the tolerance.
+/// Returns the elevations to try (rad): the nominal elevation, then this elevation minus and plus the
+/// tolerance.
 fn tilted(elevation: f64, tolerance: f64) -> impl Iterator<Item = f64> {
     let around = [-tolerance, tolerance].map(|by| (elevation + by).clamp(-FRAC_PI_2, FRAC_PI_2));
     let around = around.into_iter().filter(move |e| *e != elevation);
     std::iter::once(elevation).chain(around)
 }
 
-/// Returns the rotation matrix `columns` after a tilt by an angle (rad) out of the vertical plane of the
-/// tool.
+/// Returns the rotation matrix `columns` after a tilt by the angle `by` (rad) out of the vertical plane
+/// through the tool axis.
 fn sideways(columns: &Matrix3<f64>, by: f64) -> Matrix3<f64> {
     let d = columns.column(2).into_owned();
     let level = Vector3::new(-d.y, d.x, 0.0).try_normalize(1e-9);

@@ -44,7 +44,7 @@ impl Gap {
 pub struct Branch {
     /// Number that encodes the solution, the attitude and the sample of a redundant joint.
     ///
-    /// See [`super::Inverse`] for its bits.
+    /// [`super::Inverse`] documents the bits of this number.
     pub index: u32,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,

@@ -11,8 +11,8 @@ use crate::robot::{Chain, Link, Posture};
 pub(super) struct HeldJoint {
     /// Closed form that solves the joints that are not held.
     pub solver: PoseSolver,
-    /// Variant of `solver` that does not compute the distance to an unreachable target; None if computing it
-    /// is cheap.
+    /// Variant of `solver` that does not compute how far a target is out of reach; None if this distance is
+    /// cheap to compute.
     pub fast: Option<PoseSolver>,
     /// Numeric solver of the whole arm, for targets at the edge of the reach.
     pub numeric: Numeric,
@@ -129,8 +129,8 @@ impl HeldJoint {
 
     /// Returns a distance, m, that limits the search between the samples of the held joint.
     ///
-    /// A target counts as out of reach if, at every sample, all reachable points are farther from it than
-    /// this distance.
+    /// A target counts as out of reach if it is farther than this distance from the reachable points of every
+    /// sample.
     pub fn sample_reach(&self) -> f64 {
         let step = (self.values[Self::SAMPLES - 1] - self.values[0]) / (Self::SAMPLES - 1) as f64;
         match self.link.kind {

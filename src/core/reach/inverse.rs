@@ -146,9 +146,9 @@ impl Inverse {
 
     /// Returns whether any branch keeps joint limits and attitude.
     ///
-    /// A closed form for whole poses stops at the first attitude that has such a branch. If a joint is
-    /// redundant, the search stops at the first sample of this joint that has one. A redundant joint is tried
-    /// only at its sampled values.
+    /// If a closed form solves for the full pose of the flange, the search stops at the first attitude with
+    /// such a branch. If a joint is redundant, the search stops at the first sample of this joint with such a
+    /// branch. A redundant joint is tried only at its sampled values.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
         let usable = |posture: &Posture| self.excess(posture, target, attitudes) == 0.0;
         match &self.solver {
@@ -314,7 +314,7 @@ impl Inverse {
         }
     }
 
-    /// Solves attitude `k` of an arm that has a closed form for whole poses.
+    /// Solves attitude `k` of an arm whose closed form solves for the full pose of the flange.
     ///
     /// Returns the distance of the target from the nearest reachable point, m.
     #[inline]

@@ -7,9 +7,10 @@ use crate::cell::JointKind;
 
 /// Range of one revolute joint as a cone of unit vectors.
 ///
-/// Every angle is written as a complex number of length 1, so a division subtracts angles. The coordinate of
-/// actuator i is the D-H angle `theta_i`, divided by `a_j^factor` for every joint j that drives joint i. Here
-/// `a_j` is the coordinate of actuator j. The axis of the cone includes the D-H offsets of all these joints.
+/// Every angle is written as a complex number of length 1, so a division subtracts angles. Let `theta_i` be
+/// the D-H angle of joint i, and `a_i` the coordinate of its actuator. Then `a_i` is `theta_i` divided by
+/// `a_j^factor` for every joint j that drives joint i. Here `factor` is the coupling factor from joint j to
+/// joint i. The axis of the cone includes the D-H offsets of all these joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCone {
     /// Cosine and sine of the angle of the cone's axis.

@@ -40,8 +40,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a variant that does not compute the distance to an unreachable target; None if computing it is
-    /// cheap.
+    /// Returns a variant of the solver that does not compute how far a target is out of reach; None if this
+    /// distance is cheap to compute.
     pub fn fast(&self) -> Option<Self> {
         match self {
             Self::SphericalWrist(arm) => arm.fast().map(|arm| Self::SphericalWrist(Box::new(arm))),

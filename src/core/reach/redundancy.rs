@@ -17,7 +17,8 @@ const REFINEMENTS: usize = 5;
 /// Number of values of the held joint that each refinement tries inside its interval.
 const INNER_VALUES: usize = 11;
 
-/// Largest distance out of reach, m, at which the numeric solver is tried after all samples have failed.
+/// Largest distance (m) by which a target may be out of reach at the best tried value of the held joint. Up
+/// to this distance, the numeric solver is tried.
 ///
 /// The values of the held joint that reach the target may lie between two neighbouring samples.
 const GRAZING: f64 = 0.01;
@@ -133,8 +134,8 @@ impl Inverse {
 /// Searches values between the samples of the held joint for a usable posture.
 ///
 /// The search covers the interval around every sample whose [`Gap`] is not larger than those of its
-/// neighbours. If the distance to an unreachable target is expensive to compute (see [`HeldJoint::fast`]),
-/// the function searches no values.
+/// neighbours. The function searches no values if the distance out of reach is expensive to compute (see
+/// [`HeldJoint::fast`]).
 ///
 /// # Errors
 /// Returns the least gap if no searched value has a usable posture.

@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 
 /// Coordinates of the point that three joints move, as linear forms in the variable of joint 3; lengths in m.
 ///
-/// A form has three coefficients. For a revolute joint 3 they multiply 1, cos theta_3 and sin theta_3. For
-/// a prismatic joint 3 the first two multiply 1 and r_3, and the third is 0.
+/// A form has three coefficients. For a revolute joint 3 they multiply 1, cos theta_3 and sin theta_3. For a
+/// prismatic joint 3 the first two multiply 1 and the D-H offset r_3, and the third is 0.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct PointForms {
     pub kinds: [JointKind; 3],
@@ -25,7 +25,7 @@ pub(in crate::reach) struct PointForms {
     pub u: Quadratic,
     /// Coordinate y of the point in the frame of `u`.
     pub v: Quadratic,
-    /// Coordinate z of the point in frame 1, without r_2 if joint 2 is prismatic.
+    /// Coordinate z of the point in frame 1. If joint 2 is prismatic, the D-H offset r_2 is left out.
     pub h: Quadratic,
     /// Two forms F and G; `F + G^2` is the squared distance of the point from the origin of frame 1. They are
     /// used only if joint 2 is revolute.
@@ -38,7 +38,8 @@ pub(in crate::reach) struct PointForms {
 pub(in crate::reach) struct PointTarget {
     /// Target in frame 0, m.
     pub p: Vector3<f64>,
-    /// Height of the target above the origin of frame 1 along axis 1, m. Used only if joint 1 is revolute.
+    /// Height of the target above the origin of frame 1 along axis 1, m. The height is used only if joint 1
+    /// is revolute.
     pub height: f64,
     /// Difference `d^2 - l_1^2`, m^2; it is used only if joint 1 is revolute.
     ///
@@ -54,7 +55,7 @@ pub(in crate::reach) struct PointTarget {
 /// Joint 3 as a function of a parameter t, given by the ratios of three polynomials of t.
 ///
 /// For a revolute joint 3, `a / one` is cos theta_3 and `b / one` is sin theta_3. For a prismatic joint 3,
-/// `a / one` is r_3 and `b` is 0.
+/// `a / one` is the D-H offset r_3, and `b` is 0.
 pub(in crate::reach) struct Path {
     pub one: Quadratic,
     pub a: Quadratic,
@@ -100,8 +101,8 @@ impl PointForms {
 
     /// Returns joint 3 as a function of a parameter t.
     ///
-    /// For a prismatic joint 3, t is r_3. For a revolute joint 3, t is the tangent of half the angle
-    /// between theta_3 and an origin. The origin is the angle with the cosine `c` and the sine `s`.
+    /// For a prismatic joint 3, t is the D-H offset r_3. For a revolute joint 3, t is the tangent of half the
+    /// angle between theta_3 and an origin. The origin is the angle with the cosine `c` and the sine `s`.
     pub fn path(&self, (c, s): Angle) -> Path {
         match self.kinds[2] {
             Revolute => Path { one: [1.0, 0.0, 1.0], a: [c, -2.0 * s, -c], b: [s, 2.0 * c, -s] },

@@ -5,8 +5,9 @@
 //!
 //! Let s be the signed horizontal distance of the TCP from the base axis in the vertical plane: positive in
 //! front, negative behind. Let z be the height of the TCP, and phi the angle of the last parallel link. Let
-//! (U, V) be the vector from the wrist to the TCP, a function of phi. The wrist then lies at `u = s - l_1 -
-//! U(phi)` and `v = z - r_1 - V(phi)` relative to axis 2.
+//! (U, V) be the vector from the wrist to the TCP, a function of phi. Let l_1 and r_1 be the D-H length and
+//! offset of link 1. The wrist then lies at `u = s - l_1 - U(phi)` and `v = z - r_1 - V(phi)` relative to
+//! axis 2.
 //!
 //! The law of cosines gives two solutions for the elbow, and theta_4 = phi - theta_2 - theta_3. A given
 //! elevation of the tool (its bending angle) allows two values of phi. With the first value, the tool points
@@ -24,9 +25,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Excess over 1 up to which the cosine of the elbow angle counts as 1.
 ///
-/// Rounding would otherwise lose the solution of a stretched arm. A target is not too near to the base axis
-/// if `lateral^2 <= d^2 (1 + STRETCHED)`. Here d is the distance of the target from this axis, and `lateral`
-/// is the lateral offset of the arm.
+/// Rounding would otherwise lose the solution of a stretched arm. A target with
+/// `lateral^2 <= d^2 (1 + STRETCHED)` counts as far enough from the base axis. Here d is the distance of the
+/// target from this axis, and `lateral` is the lateral offset of the arm.
 pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
 /// Largest deviation of a unit vector (no unit) or of a point (m) that counts as rounding.

@@ -79,7 +79,7 @@ pub(in crate::reach) fn real_roots(p: &Polynomial) -> Roots {
 
 /// Returns the real roots of the polynomial `p`.
 ///
-/// `leading` is the leading coefficient of `p`, and `critical` holds the real roots of its derivative.
+/// `leading` is the leading coefficient of `p`, and `critical` holds the real roots of the derivative of `p`.
 fn between(p: &Polynomial, leading: f64, critical: &Roots) -> Roots {
     // Cauchy's bound of the roots.
     let bound = 1.0 + p.iter().fold(0.0f64, |m, c| m.max((c / leading).abs()));

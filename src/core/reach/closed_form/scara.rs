@@ -31,7 +31,7 @@ pub struct Scara {
     sides: [Plane; 4],
     /// Direction of the x axis of the flange with every revolute joint at theta = 0.
     flange: Plane,
-    /// Height of the flange if r of the prismatic joint is 0, m.
+    /// Height of the flange if the D-H offset r of the prismatic joint is 0, m.
     height: f64,
 }
 
@@ -133,8 +133,8 @@ impl Scara {
         0.0
     }
 
-    /// Returns whether the arm can hold the z axis of the pose `flange`. The flange of a SCARA has the same z
-    /// axis in every posture.
+    /// Returns whether the flange of the arm has the z axis of the pose `flange`. The flange of a SCARA has
+    /// the same z axis in every posture.
     pub(in crate::reach) fn can_hold(&self, flange: &Pose) -> bool {
         (flange.rotation[(2, 2)] - self.flange_sense).abs() < 1e-12
     }

@@ -21,8 +21,8 @@ pub struct SphericalWrist {
     twists: Twists,
     /// Wrist centre in the last D-H frame.
     centre: Vector3<f64>,
-    /// Constant transform `Tx(l_6) Rx(alpha_6)` of an arm that is solved from flange to base; None for a
-    /// spherical wrist.
+    /// Constant part `Tx(l_6) Rx(alpha_6)` of the last D-H row, if the arm is solved from flange to base;
+    /// None for a spherical wrist.
     reversed: Option<Pose>,
 }
 
@@ -106,8 +106,8 @@ impl SphericalWrist {
         })
     }
 
-    /// Returns a variant of the solver that does not compute the distance to an unreachable target; None if
-    /// computing it is cheap.
+    /// Returns a variant of the solver that does not compute how far a target is out of reach; None if this
+    /// distance is cheap to compute.
     pub fn fast(&self) -> Option<Self> {
         let mut fast = self.clone();
         match &mut fast.arm {

@@ -85,9 +85,9 @@ pub(in crate::reach) struct Twists {
     pub first: Angle,
     pub second: Angle,
     per_sines: f64,
-    /// `1 - cos` and `1 + cos` of the angle first + second.
+    /// `1 - cos` and `1 + cos` of the angle `first + second`.
     sum: (f64, f64),
-    /// `1 - cos` and `1 + cos` of the angle first - second.
+    /// `1 - cos` and `1 + cos` of the angle `first - second`.
     apart: (f64, f64),
 }
 
@@ -100,8 +100,8 @@ impl Twists {
         Self { first, second, per_sines: 1.0 / (sa * sb), sum: sides(sum), apart: sides(apart) }
     }
 
-    /// Returns the angle about the middle axis, with sine >= 0; None if the twists exclude the angle between
-    /// the outer axes.
+    /// Returns the rotation about the middle axis, from 0 to 180 degrees; None if no rotation gives the angle
+    /// between the outer axes.
     ///
     /// `cosine` and `sine2` are the cosine and the squared sine of the angle between the outer axes.
     #[inline]

@@ -190,8 +190,8 @@ impl ThreeJointPoint {
 /// Number of angles of the grid for each of joints 2 and 3.
 const GRID: usize = 12;
 
-/// Returns the damped least-squares solution of `moves * step = rest`; None if its matrix is not positive
-/// definite.
+/// Returns the damped least-squares solution of `moves * step = rest`; None if the damped matrix `J^T J` is
+/// not positive definite.
 ///
 /// `moves` is the Jacobian J of a point, and `rest` is the vector from the point to its target, m. `damping`
 /// is relative to the trace of `J^T J`.

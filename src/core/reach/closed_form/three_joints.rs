@@ -20,8 +20,8 @@ const ACCURACY: f64 = 1e-10;
 /// Closed form of three joints that put a point at a target; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct ThreeJoints {
-    /// Whether [`Self::solve`] returns a constant instead of the distance to an unreachable target. Computing
-    /// that distance takes a hundred times as long as computing the solutions.
+    /// Whether [`Self::solve`] returns a constant, not the actual distance, for a target out of reach.
+    /// Computing the actual distance takes a hundred times as long as computing the solutions.
     pub fast: bool,
     forms: PointForms,
     r1: f64,
@@ -221,8 +221,8 @@ impl ThreeJoints {
         (angles.map(|theta| (theta, r2)), count)
     }
 
-    /// Returns the values of all three joints. Joint 1 turns the point to the heading of the target, or
-    /// moves it to the height of the target.
+    /// Returns the values of all three joints. A revolute joint 1 turns the point to the heading of the
+    /// target. A prismatic joint 1 moves the point to the height of the target.
     fn joints(&self, target: &PointTarget, third: &Third, theta2: Angle, r2: f64) -> ThreeJointState {
         let links = &self.point.links;
         let (theta3, r3) = match self.forms.kinds[2] {
@@ -236,7 +236,8 @@ impl ThreeJoints {
     }
 }
 
-/// Returns up to two rotations that give the vector (u, v) the coordinates `x` and `y`, and their number.
+/// Returns up to two rotations, and how many of them are valid. Each rotates the vector (u, v) so that its
+/// coordinates become `x` and `y`.
 ///
 /// A coordinate that is None is not prescribed.
 ///

@@ -67,7 +67,7 @@ impl<'a> Envelope<'a> {
 
     /// Returns the azimuth (rad) of the TCP when every joint is in the middle of its range.
     ///
-    /// It is 0 if joint 1 is prismatic, or if the TCP is then on the base axis.
+    /// It is 0 if joint 1 is prismatic, or if the TCP is on the base axis in this posture.
     pub fn middle(&self) -> f64 {
         let chain = &self.inverse.chain;
         let mut q = [0.0; MAX_JOINTS];
@@ -97,7 +97,7 @@ impl<'a> Envelope<'a> {
     /// Returns the number of points that are sampled to compute the requested sections and, if wanted, the
     /// size.
     ///
-    /// Requested are `sections` vertical sections and one horizontal section at each of `heights` (m). The
+    /// The sections are `sections` vertical ones, and one horizontal section at each of `heights` (m). The
     /// number includes the points of [`Self::size`] if `size` is true.
     pub fn work(&self, sections: u64, heights: &[f64], size: bool, step: f64) -> u64 {
         let plans: u64 = heights.iter().map(|z| self.level(*z, step).count()).sum();
@@ -120,10 +120,10 @@ impl<'a> Envelope<'a> {
     /// Returns whether the envelope would be exactly symmetric about the base axis if joint 1 had no limits.
     ///
     /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
-    /// rotate with joint 1. With the numeric solver, joint 1 must also have a range of at least one turn. A
-    /// closed form for whole poses samples free angles from a fixed direction. With this closed form, two
-    /// more conditions apply if the azimuth is not radial. The tool must be vertical, and joint 1 must have a
-    /// range of at least one turn.
+    /// rotate with joint 1. With the numeric solver, joint 1 must also have a range of at least one turn.
+    /// Every closed form except that of the planar arm samples free angles from a fixed direction. With such
+    /// a closed form, two more conditions apply if the azimuth is not radial. The tool must be vertical, and
+    /// joint 1 must have a range of at least one turn.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

@@ -189,8 +189,8 @@ struct Samples<'a> {
     jump: f64,
 }
 
-/// Returns the integral of `f(u) m'(u)` over the coordinate u. Here f is the sampled function, and m is
-/// `moment`.
+/// Returns the integral of `f(u) m'(u)` over the coordinate u. Here f is the sampled function, and m' is the
+/// derivative of `moment`.
 ///
 /// The function `value` evaluates f between the samples to locate a jump.
 fn integral(
@@ -223,7 +223,7 @@ impl FreedArm {
     }
 }
 
-/// Returns the total angle (rad) of a circle that these arcs cover together.
+/// Returns the total angle (rad) that the union of `arcs` covers on a circle.
 ///
 /// An arc runs from its first to its second angle (rad).
 fn covered(mut arcs: Vec<(f64, f64)>) -> f64 {

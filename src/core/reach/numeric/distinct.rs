@@ -25,7 +25,7 @@ pub(super) struct DistinctSolutions<'a> {
 }
 
 impl<'a> DistinctSolutions<'a> {
-    /// Returns an empty set for a goal with this number of scalar conditions (`rows`).
+    /// Returns an empty set of solutions for a goal that states `rows` scalar conditions.
     pub fn new(joints: &'a JointRanges, rows: usize) -> Self {
         let apart = if rows < joints.ranges().len() { CONTINUUM_SPACING } else { SAME_SOLUTION };
         Self { found: Vec::new(), joints, apart, idle: 0 }

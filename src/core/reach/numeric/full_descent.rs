@@ -42,8 +42,8 @@ pub(super) struct RestingPoint {
 
 /// Quadratic model of the cost at a posture.
 ///
-/// The cost is `|e|^2 / 2` for the twist e to the goal. A step d of the joints changes it by about
-/// `d^T H d / 2 - b . d`, where H is the Hessian and -b the gradient.
+/// The cost is `|e|^2 / 2` for the twist e to the goal. A step d of the joints changes the cost by about
+/// `d^T H d / 2 - b . d`. Here H is the Hessian and -b the gradient.
 struct Linearization {
     miss: TwistError,
     cost: f64,
@@ -69,7 +69,7 @@ impl Numeric {
     /// The factor `scale` (1/m) multiplies lengths in the cost. Every accepted step lowers the cost. A trial
     /// step can fail to lower the cost because it holds a joint at a bound that the joint should leave. In
     /// this case, a quadratic program computes the step. For a goal without attitude, the method uses the
-    /// exact Hessian. Its convergence is then quadratic even if the goal is out of reach.
+    /// exact Hessian. The method then converges quadratically even if the goal is out of reach.
     pub(super) fn descend_to_rest(
         &self,
         goal: &TcpGoal,
@@ -112,7 +112,8 @@ impl Descent<'_> {
         Linearization { miss, cost: miss.cost(self.scale), h, b }
     }
 
-    /// Returns the joint coordinates and the model after a step that lowers the cost; None if no step does.
+    /// Returns the joint coordinates after a step that lowers the cost, and the quadratic model of the cost
+    /// there. Returns None if no step lowers the cost.
     ///
     /// The damping is increased until the step lowers the cost.
     fn downhill(&mut self, q: &JointVector, here: &Linearization) -> Option<(JointVector, Linearization)> {
@@ -149,7 +150,7 @@ impl Descent<'_> {
 }
 
 impl Linearization {
-    /// Returns the largest diagonal entry of the Hessian.
+    /// Returns the largest absolute diagonal entry of the Hessian.
     fn stiffness(&self) -> f64 {
         self.h.iter().enumerate().map(|(i, row)| row[i].abs()).fold(0.0, f64::max)
     }

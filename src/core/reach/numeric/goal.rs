@@ -166,7 +166,8 @@ fn finite(v: &Vector3<f64>) -> bool {
     v.iter().all(|x| x.is_finite())
 }
 
-/// Returns the rotation by the least angle that turns one unit vector to another, as a rotation vector (rad).
+/// Returns the rotation vector (rad) of the rotation by the least angle that turns the unit vector `from` to
+/// `to`.
 pub fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let (cross, cosine) = (from.cross(to), from.dot(to));
     let sine = cross.norm();
@@ -181,7 +182,7 @@ pub fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     from.cross(&other).normalize() * std::f64::consts::PI
 }
 
-/// Returns the rotation vector (rad) of a rotation matrix, its logarithm; the length is at most pi.
+/// Returns the rotation vector (rad) of the rotation matrix `m`; the length of the vector is at most pi.
 pub fn rotation_vector(m: &Matrix3<f64>) -> Vector3<f64> {
     let v = vector![m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12] / 2.0;
     let (sine, cosine) = (v.norm(), (m.trace() - 1.0) / 2.0);

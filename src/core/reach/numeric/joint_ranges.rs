@@ -27,7 +27,8 @@ impl JointRange {
         if self.turns { (self.middle() - PI, self.middle() + PI) } else { (self.lo, self.hi) }
     }
 
-    /// Returns the equivalent of the coordinate `q` within the limits, in the turn nearest to the middle.
+    /// Returns the coordinate `q` clamped to the limits. If [`Self::turns`] is set, whole turns are first
+    /// added so that `q` is nearest to the middle of the range.
     pub fn kept(&self, q: f64) -> f64 {
         let q = if self.turns { self.middle() + wrapped(q - self.middle()) } else { q };
         q.clamp(self.lo, self.hi)
@@ -125,7 +126,7 @@ impl JointRanges {
         held.max_by(|&i, &j| push(i).total_cmp(&push(j)))
     }
 
-    /// Returns the equivalent of the joint coordinates `q` within the limits; see [`JointRange::kept`].
+    /// Returns the joint coordinates `q`, each brought within its limits by [`JointRange::kept`].
     pub fn kept(&self, q: &JointVector) -> JointVector {
         let mut kept = *q;
         kept.iter_mut().zip(&self.0).for_each(|(q, range)| *q = range.kept(*q));

@@ -12,8 +12,9 @@ pub(super) type StepBounds = [(f64, f64); MAX_JOINTS];
 
 /// Returns a step d within `bounds` that approximately minimizes `d^T H d / 2 - b . d`.
 ///
-/// The method is an active set that only grows. A joint whose step violates a bound is fixed at the bound,
-/// and the step of the other joints is computed again. The result is None if H is not positive definite.
+/// The lower triangle of H is `h`. The method is an active-set method in which a bound, once active, stays
+/// active. A joint whose step violates a bound is fixed at the bound, and the step of the other joints is
+/// computed again. The result is None if H is not positive definite.
 pub(super) fn bounded_step(
     n: usize,
     h: &NormalMatrix,
@@ -38,9 +39,10 @@ pub(super) fn bounded_step(
     }
 }
 
-/// Returns whether a step of [`bounded_step`] holds a joint at a bound that the minimizer would leave.
+/// Returns whether a step of [`bounded_step`] holds a joint at a bound although leaving the bound would lower
+/// the cost.
 ///
-/// The cost falls if such a joint moves from its bound inward: its Lagrange multiplier has the wrong sign.
+/// The Lagrange multiplier of such a bound has the wrong sign.
 pub(super) fn holds_too_much(
     n: usize,
     h: &NormalMatrix,
