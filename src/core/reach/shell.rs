@@ -5,12 +5,12 @@
 //! be the vector along the last row and the tool to the TCP. Its length is constant, too. The position of the
 //! TCP is a fixed point of the first axis plus the sum of these vectors. The shell allows arbitrary
 //! directions of these vectors. So the distance of the TCP from that point is at most the sum of the lengths.
-//! It is at least the longest length minus the sum of the others (polygon inequality). If joint i + 1 is
-//! prismatic, r_(i+1) varies, so the vector has a range of lengths. Joint limits and attitude only reduce the
-//! reach.
+//! The distance is at least the longest length minus the sum of the other lengths (polygon inequality). If
+//! joint i + 1 is prismatic, r_(i+1) varies, so the vector has a range of lengths. Joint limits and attitude
+//! only reduce the reach.
 //!
-//! Let the unit vector a be the tool axis. If it has a fixed elevation e, the vertical component of `(v . a)
-//! a` is known: `(v . a) sin(e)`. This component shifts the centre of the shell.
+//! Let the unit vector a be the tool axis. If the elevation e of this axis is fixed, the vertical component
+//! of `(v . a) a` is known: `(v . a) sin(e)`. This component shifts the centre of the shell.
 
 use super::Inverse;
 use crate::cell::{Attitude, JointKind};
@@ -84,12 +84,13 @@ fn offset(chain: &Chain, i: usize) -> (f64, f64) {
     (middle, half)
 }
 
-/// Splits the vector of the last D-H row and the tool into a known vertical component and a remainder.
+/// Splits the vector v of the module documentation, which ends at the TCP, into a vertical component and a
+/// remainder.
 ///
 /// Returns the vertical component (m) and the range of the length of the remainder.
 ///
-/// The component follows from `elevation` (rad), the elevation of the tool axis. It is 0 if `elevation` is
-/// None, or if the remainder could be as long as the whole vector.
+/// The vertical component follows from `elevation` (rad), the elevation of the tool axis. This component is 0
+/// if `elevation` is None, or if the remainder could be as long as the whole vector.
 fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
     let row = chain.links.last().map_or_else(Vector3::zeros, |link| along_last(chain, link));
     let v = row + chain.tool.translation;

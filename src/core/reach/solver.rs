@@ -22,7 +22,7 @@ pub(super) enum ChainSolver {
 impl ChainSolver {
     /// Returns the solver of a chain.
     ///
-    /// `limits_by_posture` says whether the joint limits can be checked with the sines and cosines of a
+    /// `limits_by_posture` says whether the joint limits can be checked from the sines and cosines of a
     /// posture alone. If it is false, only the numeric solver can be used.
     pub fn new(chain: &Chain, limits_by_posture: bool) -> Self {
         if limits_by_posture {

@@ -19,7 +19,8 @@ pub struct ErrorPropagation<'a> {
 }
 
 impl ErrorPropagation<'_> {
-    /// Computes the first-order effects at a posture, relative to the equipment on which the robot works.
+    /// Computes the first-order effects of the error sources on the TCP at a posture. The effects are
+    /// relative to the equipment on which the robot works.
     ///
     /// If the operation places a picked part, the effects are also relative to the pick.
     pub fn effects(
@@ -37,7 +38,8 @@ impl ErrorPropagation<'_> {
         }
     }
 
-    /// Computes the first-order effects at a posture, relative to a work frame; a pick is ignored.
+    /// Computes the first-order effects of the error sources on the TCP, relative to a work frame. A pick is
+    /// ignored.
     pub fn effects_at(
         &self,
         site: &WorkFrame,
@@ -120,7 +122,8 @@ pub struct PreparedSample {
     /// Rigid motion that the best fit of the base finds for the sample. Reference point: the centre of the
     /// fit.
     fitted: Option<Displacement>,
-    /// Index and frame error of each piece of equipment whose errors count.
+    /// Indices and frame errors of two pieces of equipment: the one on which the robot works, and the one of
+    /// the pick. None for equipment without a frame error.
     equipment: [Option<(usize, FrameError)>; 2],
 }
 

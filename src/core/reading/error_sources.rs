@@ -1,4 +1,4 @@
-//! Error sources of an operation: parameters of robot and equipment with their errors.
+//! Error sources of an operation: the parameters of robot and equipment that have errors.
 
 use crate::cell::{
     Cell, ErrorSet, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance,
@@ -99,7 +99,8 @@ impl ErrorSources {
         Perturbation::of_values(chain, &all[..self.parameters])
     }
 
-    /// Returns the index and the frame error of each piece of equipment in a sample.
+    /// Returns the frame errors of the equipment in a sample, each with the index of the equipment; None for
+    /// equipment without a frame error.
     pub fn equipment(&self, values: &[f64]) -> [Option<(usize, FrameError)>; 2] {
         let error = |wanted: usize| {
             let mut all = [0.0; PER_FRAME];

@@ -126,7 +126,7 @@ impl ErrorEvaluator {
         self.model != Model::Linear
     }
 
-    /// Returns the rows of a sense at a posture: the directions in which the error counts.
+    /// Returns the rows of a sense at a posture: the weighted directions along which the error is measured.
     pub fn measure(&self, sense: &Sense, context: &WorkContext, frames: &Frames) -> SenseRows {
         SenseRows::new(sense, frames, &context.site.world, &context.site.work.rotation)
     }
@@ -154,8 +154,8 @@ impl ErrorEvaluator {
     ///
     /// In the plain case, the reading is signed, the model is nonlinear, and the sense measures the TCP
     /// position. Only the robot has errors, and neither a registration nor a pick removes a part of these
-    /// errors. [`Self::value`] is then the size of the nonlinear position error in these rows. This value
-    /// depends on the context only through the rotation [`WorkFrame::world`].
+    /// errors. [`Self::value`] is then the root sum square of the nonlinear position error's components along
+    /// these rows. This result depends on the context only through the rotation [`WorkFrame::world`].
     pub fn plain(&self) -> Option<(&Perturbation, Vec<Vector3<f64>>)> {
         let signed = self.reading == Reading::Signed && self.model == Model::Nonlinear;
         let is_plain = signed && self.alone && self.sense.is_of_position();
@@ -206,8 +206,8 @@ impl ErrorEvaluator {
         self.propagation().effects(context, frames, &mut memory.expansion, mean, &mut memory.effects);
     }
 
-    /// Returns the worst-case error at a posture, measured in the rows of a [`Sense`]. Call [`Self::prepare`]
-    /// first.
+    /// Returns the largest size of the error in a [`Sense`] over the tolerance box, at a posture. Call
+    /// [`Self::prepare`] first.
     pub fn worst(
         &self,
         sense: &Sense,
@@ -293,8 +293,7 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the distribution of the size of the error in the rows of a [`Sense`]. Call [`Self::prepare`]
-    /// first.
+    /// Returns the distribution of the size of the error in a [`Sense`]. Call [`Self::prepare`] first.
     pub fn norm<'m>(
         &self,
         sense: &Sense,

@@ -51,11 +51,11 @@ pub struct PostureErrors {
     /// Error by the model of the cell, base frame: of the signed sample in the signed reading, otherwise of
     /// the worst corner of the tolerance box.
     pub error: Displacement,
-    /// Error of the sample or corner of `error` by the nonlinear model, base frame.
+    /// Error by the nonlinear model, base frame, for the sample or corner that `error` refers to.
     pub nonlinear: Displacement,
-    /// Error of the sample or corner of `error` by the linear model, base frame.
+    /// Error by the linear model, base frame, for the sample or corner that `error` refers to.
     pub linear: Displacement,
-    /// Error of the sample or corner of `error` by the second-order model, base frame.
+    /// Error by the second-order model, base frame, for the sample or corner that `error` refers to.
     pub second_order: Displacement,
     /// Figures of each sense of [`super::ErrorEvaluator::reported`].
     pub figures: Vec<Figures>,

@@ -10,8 +10,8 @@
 //! statistical   |mu + sum_k g_k x_k|       random x_k: its RMS, mean, percentiles, P(|e| <= limit)
 //! ```
 //!
-//! Here `g_k` is the effect of [`ErrorSource`] k in the rows of a sense ([`SenseRows`]). The effect is that
-//! of the source at its tolerance for the worst case, and at its standard deviation for a statistic. The mean
+//! Here `g_k` is the effect of [`ErrorSource`] k along the rows of a sense ([`SenseRows`]). In the worst-case
+//! reading the source is at its tolerance; in the statistical reading, at its standard deviation. The mean
 //! error is `mu`. The factors `x_k` have the distributions of the sources, scaled to unit variance. The
 //! effect excludes the error that a registration removes ([`BestFit`], [`Taught`]). For a picked part it also
 //! excludes the error of the pick ([`PickReference`]).

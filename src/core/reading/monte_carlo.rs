@@ -20,12 +20,12 @@ const STUDENT_T: f64 = 2.039_513_446;
 /// Quantile of the standard normal distribution for 97.5 %.
 const NORMAL_QUANTILE: f64 = 1.959_963_985;
 
-/// Largest relative deviation from an estimate at which a first-order figure outside the confidence interval
-/// is still accepted.
+/// Relative deviation from an estimate up to which a first-order figure is accepted even outside the
+/// confidence interval.
 pub const RELATIVE_TOLERANCE: f64 = 0.01;
 
-/// Largest deviation from an estimate at which a first-order yield outside the confidence interval is still
-/// accepted.
+/// Deviation from an estimate up to which a first-order yield is accepted even outside the confidence
+/// interval.
 pub const YIELD_TOLERANCE: f64 = 0.005;
 
 /// Number of bins of a [`Histogram`].
@@ -94,8 +94,8 @@ impl Histogram {
 impl MonteCarlo {
     /// Compares first-order figures and yield with the estimates, and returns whether all agree.
     ///
-    /// If any disagrees, the estimates replace all figures, the yield (`success`) and `value`. Here `value`
-    /// is the figure `quantity`, or the share of failures for a yield.
+    /// If any of them disagrees, the estimates replace all figures and the yield `success`. Then `value`
+    /// becomes the estimate of `quantity`; for a yield, the estimated share of failures.
     pub fn check(
         &self,
         quantity: Quantity,
@@ -229,8 +229,8 @@ impl Replicate {
 }
 
 impl SampledPosture<'_> {
-    /// Estimates the figures of this operation alone, from the samples that a joint estimate with the same
-    /// seed uses.
+    /// Estimates the figures of this operation alone, from the samples that [`joint_monte_carlo`] draws with
+    /// the same seed.
     pub fn monte_carlo(self, space: &SampleSpace, samples: usize, seed: u64) -> MonteCarlo {
         let each = samples.div_ceil(REPLICATES).max(1);
         let one = std::slice::from_ref(&self);
@@ -269,8 +269,8 @@ impl SampledPosture<'_> {
 /// Returns the share of `count` among independent samples, with Wilson's 95 % score interval.
 ///
 /// A share estimated with quasi-random points scatters less, so the interval is conservative. The interval
-/// has a width even at a share of 0 or 1, where replicates do not scatter (E. B. Wilson, "Probable inference,
-/// the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22, 1927).
+/// has a positive width even at a share of 0 or 1, where replicates do not scatter (E. B. Wilson, "Probable
+/// inference, the law of succession, and statistical inference", J. Amer. Statist. Assoc. 22, 1927).
 pub fn share_of(count: usize, samples: usize) -> Estimate {
     let (n, z2) = (samples as f64, NORMAL_QUANTILE * NORMAL_QUANTILE);
     let value = count as f64 / n;

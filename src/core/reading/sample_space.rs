@@ -49,8 +49,8 @@ impl SampleSpace {
         self.list.iter().position(|own| own.parameter == source.parameter)
     }
 
-    /// Returns, for each source of an operation, the index of its value in a draw; sources of other cells are
-    /// left out.
+    /// Returns, for each source of an operation, the index of its value in a draw; sources that are not in
+    /// the space are left out.
     pub(super) fn places(&self, sources: &ErrorSources) -> Vec<usize> {
         sources.list.iter().filter_map(|source| self.place(source)).collect()
     }

@@ -1,4 +1,4 @@
-//! Rows of a sense at a posture: the directions in which the error of a point counts.
+//! Rows of a sense at a posture: the weighted directions along which the error of a point is measured.
 
 use crate::cell::{Frame, MAX_ROWS, Sense};
 use crate::pose::Displacement;
@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 pub struct SenseRows {
     /// Vector from the TCP to the point whose error the sense measures, base frame, m.
     arm: Vector3<f64>,
-    /// Direction of each row (base frame), and whether the row is a component of the rotation, not of the
+    /// Weighted direction of each row (base frame), and whether the row measures the rotation instead of the
     /// position.
     rows: [(bool, Vector3<f64>); MAX_ROWS],
     count: usize,

@@ -6,7 +6,7 @@ use super::{ErrorEvaluator, EvaluatorScratch};
 use crate::cell::{Quantity, Sense};
 use crate::robot::Frames;
 
-/// Figures of a random error measured in the rows of one [`Sense`], m or rad.
+/// Figures of the size of a random error in one [`Sense`], m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Statistics {
     pub rms: f64,
@@ -16,8 +16,8 @@ pub(super) struct Statistics {
 }
 
 impl ErrorEvaluator {
-    /// Returns the statistical figures of the error measured in the rows of a [`Sense`]; `worst` (m or rad)
-    /// is the worst case in these rows. Call [`Self::prepare`] first.
+    /// Returns the statistical figures of the error in a [`Sense`]; `worst` (m or rad) is the worst case in
+    /// this sense. Call [`Self::prepare`] first.
     pub(super) fn statistics(
         &self,
         sense: &Sense,

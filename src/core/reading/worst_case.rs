@@ -1,5 +1,5 @@
-//! Worst-case tolerance analysis: the corner of the tolerance box where the error, measured in the rows of a
-//! sense, is largest.
+//! Worst-case tolerance analysis: the corner of the tolerance box where the size of the error in a sense is
+//! largest.
 
 use super::MAX_SOURCES;
 use super::zonotope::{Farthest, ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
@@ -8,15 +8,15 @@ use nalgebra::{Vector2, Vector3, Vector6};
 /// Largest number of rounds of the local search, which ends earlier if no flip of a sign increases the error.
 const MAX_ROUNDS: usize = 12;
 
-/// Largest error over the tolerance box, measured in the rows of a sense, m or rad.
+/// Largest size of the error in a sense over the tolerance box, m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCase {
     /// Maximum by the linear model, or a proven upper bound if `exact` is false.
     pub linear: f64,
-    /// Whether `linear` is the exact maximum. If the sense has more than three rows and there are very many
-    /// sources, `linear` may be an upper bound.
+    /// Whether `linear` is the exact maximum. If the error has more than three components in the sense and
+    /// there are very many sources, `linear` may be an upper bound.
     pub exact: bool,
-    /// Largest error by the chosen model that the local search finds.
+    /// Largest error by the chosen model that the local search finds; equal to `linear` for the linear model.
     pub by_model: f64,
     /// Corner of the tolerance box with the error `by_model`, one sign per source.
     pub corner: [f64; MAX_SOURCES],
@@ -76,10 +76,11 @@ const PARALLEL_SINE: f64 = 1e-6;
 /// - twice the largest difference between the linear worst case and the error by the model at the two
 ///   corners.
 ///
-/// Flips of parallel columns together are needed, for example, on a planar arm, whose lateral effects are
-/// perpendicular to all others. There the worst linear corners come in pairs, and no single flip leads from
-/// one corner of a pair to the other. `largest` holds the corners with the largest displacement and the
-/// largest rotation of the TCP, which serve as further starts.
+/// Flips of all parallel columns together are needed, for example, on a planar arm, whose lateral effects are
+/// perpendicular to all other effects. So the worst linear corners come in pairs, and no single flip leads
+/// from one corner of a pair to the other. `largest` holds the corners with the largest displacement and the
+/// largest rotation of the TCP. If many sources have hardly any linear effect, further starts take their
+/// signs from these corners.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
@@ -134,7 +135,7 @@ pub fn by_model(
 
 /// Returns, for every column, a bit set of the later columns that are parallel to it.
 ///
-/// The set is empty if an earlier column is parallel to this one.
+/// The set of a column is empty if an earlier column is parallel to this column.
 fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
     let mut groups = [0; MAX_SOURCES];
     let mut taken = 0u128;

@@ -9,8 +9,8 @@
 //!
 //! - 2-D: rotate a direction by half a turn; the signs flip one after another, in the order of the angles;
 //! - 3-D: the planes cut the sphere in great circles, and every cell borders on a circle; walk along each
-//!   circle as in 2-D and visit the cells on both sides (`circle_walk`). With parallel joint axes, all
-//!   generators lie in one plane or along its normal; then the problem is 2-D;
+//!   circle as in 2-D and visit the cells on both sides (`circle_walk`). If all joint axes are parallel,
+//!   every generator lies in one plane or along its normal; then a 2-D walk in this plane suffices;
 //! - 4-D to 6-D: branch and bound (`branch_and_bound`).
 //!
 //! For a few generators all corners are tried (`sign_table`). Every candidate is a true corner, so ties and
@@ -31,8 +31,8 @@ pub const MAX_GENERATORS: usize = 128;
 
 /// Number of 3-D generators up to which it is faster to try all signs than to look for parallel generators.
 const MAX_EXHAUSTIVE: usize = 7;
-/// Number of 3-D generators, parallel ones merged, up to which it is faster to try all signs than to walk
-/// along circles.
+/// Number of 3-D generators up to which it is faster to try all signs than to walk along circles. A group of
+/// parallel generators counts as one generator.
 const MAX_EXHAUSTIVE_MERGED: usize = 11;
 /// Sine of the angle below which generators count as parallel.
 ///

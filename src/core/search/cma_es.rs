@@ -1,7 +1,7 @@
 //! CMA-ES as an argmin solver: the (mu/mu_w, lambda) evolution strategy with covariance matrix adaptation.
 //!
 //! Formulas and default parameters are those of N. Hansen, "The CMA Evolution Strategy: A Tutorial",
-//! arXiv:1604.00772. Equations, sections and Table 1 are numbered as there.
+//! arXiv:1604.00772. Equations, sections and Table 1 have the numbers of that tutorial.
 //!
 //! The steps depend on the rank of each cost in its generation, not on the costs themselves. So the jumps of
 //! the cost at infeasible layouts do not disturb the method.

@@ -1,9 +1,9 @@
 //! Journal of a search, from which the search can be resumed.
 //!
 //! Every run of a solver is a function of the seed, the number of the run and the costs that the solver
-//! receives. So a checkpoint needs no state of a solver. It holds the record at the start of the current run
-//! and the results of all evaluations since then. A resumed search starts the current run again. It takes the
-//! results of the first evaluations of this run from the journal and computes the later ones.
+//! receives. So a checkpoint needs no state of a solver. The checkpoint holds the record at the start of the
+//! current run and the results of all evaluations since then. A resumed search starts the current run again.
+//! It takes the results of the first evaluations of this run from the journal and computes the later ones.
 
 use super::pareto_front::ParetoFront;
 use super::record::{Answer, Record};
@@ -45,7 +45,7 @@ pub struct Checkpoint {
 pub enum Unfit {
     /// The checkpoint belongs to a search with a different number of variables.
     Dimensions { has: usize, needs: usize },
-    /// The checkpoint has more evaluations than the new budget.
+    /// The checkpoint holds more evaluations than the new budget allows.
     Budget { used: u64 },
     /// The checkpoint belongs to a search with different goals or a different number of layouts to keep.
     Kept,
@@ -69,7 +69,8 @@ impl Checkpoint {
         &self.stopping
     }
 
-    /// Checks that a search resumed from here would give the same bytes as one that was never interrupted.
+    /// Checks that a search resumed from this checkpoint would give the same bytes as a search without
+    /// interruption.
     ///
     /// # Errors
     /// Returns the reason if a search with these dimensions and stopping rules cannot resume.
@@ -176,8 +177,7 @@ impl SearchJournal {
 
     /// Begins the local search.
     ///
-    /// The local search ends when the budget is used up, or [`MAX_RUN_EVALUATIONS`] evaluations after the
-    /// limit of the polish.
+    /// The limit `until` increases by [`MAX_RUN_EVALUATIONS`], but not beyond the budget.
     pub fn begin_local_search(&mut self) {
         self.until = self.checkpoint.stopping.budget.min(self.until + MAX_RUN_EVALUATIONS);
     }
@@ -197,7 +197,7 @@ impl SearchJournal {
         self.until = most.min(self.record.evaluations + run);
     }
 
-    /// Returns the scalarization that the current run minimizes; None if it minimizes the error.
+    /// Returns the scalarization that the current run minimizes; None if the search minimizes the error now.
     ///
     /// The scalarization depends only on the record at the start of the run.
     pub fn scalarization(&self) -> Option<Scalarization> {

@@ -47,7 +47,7 @@ pub struct EvaluatedLayout {
     pub evaluation: Evaluation,
 }
 
-/// Layout reported in addition to the best one.
+/// Layout reported in addition to the best layout.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alternative {
     pub candidate: EvaluatedLayout,
@@ -165,8 +165,8 @@ fn alternative(workcell: &Workcell, layout: Layout) -> Option<Alternative> {
     Some(Alternative { candidate, goals })
 }
 
-/// Returns the layouts of the Pareto front or of the shortlist in the record; `keep` limits their number if
-/// it is not 0.
+/// Returns the layouts of the Pareto front or of the shortlist in the record. If `keep` is not 0, at most
+/// `keep` members of the front are returned.
 fn alternatives(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

@@ -69,7 +69,8 @@ impl ParetoFront {
         Some((0..first.losses.len()).map(span).collect())
     }
 
-    /// Adds a layout unless a member is at least as good in every goal; returns whether it was added.
+    /// Adds a layout and returns true; returns false if a member is at least as good in every goal. If the
+    /// front becomes too large, the most crowded member is dropped.
     pub fn take(&mut self, point: &[f64], losses: &[f64]) -> bool {
         let covers = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b);
         if self.members.iter().any(|m| covers(&m.losses, losses)) {

@@ -53,11 +53,11 @@ pub enum Moment {
 /// Function that receives the checkpoints of a search.
 pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 
-/// Cost function on the unit cube with a budget.
+/// Cost function on the unit cube, with a budget of evaluations.
 ///
-/// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. An error
-/// would stop the solvers, too, but the Nelder-Mead solver of argmin panics at an error. The record keeps the
-/// best layouts.
+/// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. A returned
+/// error would stop the solvers, too, but the Nelder-Mead solver of argmin panics at an error. The record
+/// keeps the best layouts.
 pub struct Problem<'a> {
     workcell: &'a Workcell,
     space: &'a SearchSpace<'a>,
@@ -66,7 +66,7 @@ pub struct Problem<'a> {
     budget: u64,
     goals: Goals,
     journal: Mutex<SearchJournal>,
-    /// Scalarization that the current run minimizes; None if it minimizes the error.
+    /// Scalarization that the current run minimizes; None if the search minimizes the error now.
     scalarization: Mutex<Option<Scalarization>>,
     /// Working memory of the threads, reused between calls.
     workspaces: Mutex<Vec<Workspace>>,
@@ -130,7 +130,7 @@ impl<'a> Problem<'a> {
         goes_on
     }
 
-    /// Begins the polish if it is allowed; returns whether it began.
+    /// Begins the polish if the stopping rules allow it; returns whether the polish began.
     pub fn begin_polish(&self) -> bool {
         let mut journal = locked(&self.journal);
         let goes_on = !matches!(journal.met(), Some(SearchEnd::Gap | SearchEnd::Diverged));
@@ -180,7 +180,8 @@ impl<'a> Problem<'a> {
         self.costs(&points.iter().collect::<Vec<_>>());
     }
 
-    /// Returns the nearest point at which no floor spaces overlap, or `point` if no such point is found.
+    /// Returns the point of a nearby layout without overlapping floor spaces, or `point` if no such layout is
+    /// found.
     pub fn separated(&self, point: Vec<f64>) -> Vec<f64> {
         match separated(self.workcell, &self.space.layout(&point)) {
             Some(layout) => self.space.point(&layout),

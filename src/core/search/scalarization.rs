@@ -6,18 +6,18 @@
 //! s = max_i w_i g_i + rho sum_i g_i,     g_i = (loss_i - least_i) / (greatest_i - least_i),
 //! ```
 //!
-//! where w_i is the weight of goal i, and least_i and greatest_i are the extreme losses on the front. The
-//! factor rho is small. Minima of s include points of a non-convex front that minimize no weighted sum (A. P.
-//! Wierzbicki, "The use of reference objectives in multiobjective optimization", 1980; R. E. Steuer, E.-U.
-//! Choo, Mathematical Programming 26 (1983) 326-344). The first runs minimize one goal each. Later runs use
-//! weights that fill the simplex evenly.
+//! where w_i is the weight and g_i the scaled loss of goal i, and least_i and greatest_i are the extreme
+//! losses on the front. The factor rho is small. Minima of s include points of a non-convex front that
+//! minimize no weighted sum (A. P. Wierzbicki, "The use of reference objectives in multiobjective
+//! optimization", 1980; R. E. Steuer, E.-U. Choo, Mathematical Programming 26 (1983) 326-344). The first runs
+//! minimize one goal each. Later runs use weights that fill the simplex evenly.
 
 use super::pareto_front::{ParetoFront, Span};
 use crate::low_discrepancy::halton;
 
-/// Factor rho of the sum of all goals in the scalarization.
+/// Factor rho of the sum of all scaled losses in the scalarization.
 ///
-/// If two layouts have the same largest weighted goal, the layout with the smaller sum of all goals costs
+/// If two layouts have the same largest weighted loss, the layout with the smaller sum of scaled losses costs
 /// less.
 const AUGMENTATION: f64 = 1e-3;
 
@@ -38,7 +38,8 @@ pub struct Scalarization {
 }
 
 impl Scalarization {
-    /// Returns the scalarization of a run that begins with this front.
+    /// Returns the scalarization of the run with the number `run`, at whose start the Pareto front is
+    /// `front`.
     pub fn new(front: &ParetoFront, run: u64) -> Self {
         Self { weights: weights(front.goals().count(), run), spans: front.spans() }
     }

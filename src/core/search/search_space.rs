@@ -32,26 +32,29 @@ impl<'c> SearchSpace<'c> {
         self.variables.len()
     }
 
-    /// Returns the point of the layout in the cell file.
+    /// Returns the point of the unit cube that represents the layout in the cell file.
     pub fn start(&self) -> Vec<f64> {
         self.point(&self.cell.start())
     }
 
-    /// Returns the point of a layout whose free coordinates lie in their ranges.
+    /// Returns the point of the unit cube that represents a layout. The free coordinates of the layout must
+    /// lie in their ranges.
     pub fn point(&self, layout: &Layout) -> Vec<f64> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
-    /// Returns the canonical point, in the unit cube, of the layout at `point`.
+    /// Returns the point of the unit cube that represents the layout at `point`. The result is equal for all
+    /// points with this layout.
     ///
-    /// A variable with a range stands for its rounded value. A variable with listed values is in the middle
-    /// of the interval of its value.
+    /// A variable with a range takes the position of its rounded value. A variable with listed values takes
+    /// the middle of the interval that stands for its value.
     pub fn settled(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.variables.iter().zip(point);
         shares.map(|((slot, c), u)| share(c, value(*slot, c, mirrored(*u)))).collect()
     }
 
-    /// Returns the points in the unit cube to which one change of the kind `change` leads.
+    /// Returns the neighbours of `point` in the unit cube: one point for each possible change of the kind
+    /// `change`.
     pub fn neighbours(&self, point: &[f64], change: NeighbourChange) -> Vec<Vec<f64>> {
         match change {
             NeighbourChange::List => self.other_values(point, 0),
@@ -96,7 +99,7 @@ impl<'c> SearchSpace<'c> {
         Some(all)
     }
 
-    /// Returns the layout of a point.
+    /// Returns the layout that a point of the unit cube represents.
     ///
     /// Points outside the unit cube are mirrored at its faces, so every point has a layout. Coordinates are
     /// rounded to 1 um and 0.0001 degree, so a file can hold exactly the layout that was evaluated.

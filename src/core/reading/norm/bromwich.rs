@@ -48,7 +48,8 @@ struct Parabola {
 
 /// Points `s = z x` on the upper half of the parabola, and their weights `step / pi * exp(s) ds/dt / s`.
 ///
-/// Here t is the parameter of the parabola, and `step` is the step of the trapezoidal rule in t.
+/// Here z is the argument of the transform, and x is the value at which the distribution is evaluated. The
+/// parameter of the parabola is t, and `step` is the step of the trapezoidal rule in t.
 static PARABOLA: LazyLock<Parabola> = LazyLock::new(|| {
     let step = 3.0 / N as f64;
     let root = |k: usize| Complex::new(1.0, step * (k as f64 + 0.5));
@@ -123,7 +124,7 @@ fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
 }
 
 /// Integrates on the hyperbola `z = saddle + width (i sinh u - TILT (cosh u - 1))` by the trapezoidal rule in
-/// u.
+/// u. The function [`saddle`] gives `saddle` and `width`.
 ///
 /// The step is halved until two successive sums agree.
 fn on_hyperbola(spectrum: &Spectrum, above: f64) -> [f64; 3] {

@@ -57,7 +57,7 @@ impl ConditionalScratch {
         scratch
     }
 
-    /// Returns memory for errors of `m` components at `points`, and allocates memory that is missing.
+    /// Returns memory for errors of `m` components at `points`; enlarges the memory if it is too small.
     fn at_least(&mut self, m: usize, points: &PointSet) -> &mut [f64] {
         // The weights, the component along the dominating effect and at least one component across it.
         let size = (1 + m.max(2)) * points.count;
@@ -115,9 +115,9 @@ impl<'a> ConditionalNorm<'a> {
     /// over all points.
     ///
     /// At each point `|e| = sqrt(r + s^2)`, where `s` is the component of `e` along the effect of the
-    /// dominating parameter. The rest `r` does not depend on this parameter. The density of this parameter is
-    /// constant or piecewise linear. So the conditional mean follows from the first or second antiderivative
-    /// of `sqrt(r + s^2)`.
+    /// dominating parameter. The squared length `r` of the perpendicular part of `e` does not depend on this
+    /// parameter. The density of this parameter is constant or piecewise linear. So the conditional mean
+    /// follows from the first or second antiderivative of `sqrt(r + s^2)`.
     pub fn mean(&self) -> f64 {
         let w = self.width;
         let given = |t: f64, r: f64| match self.distribution {

@@ -38,8 +38,8 @@ pub struct Axes<'a> {
 /// Polynomial in `z r_i` that corrects the Laplace transform: coefficients of the products of two, three and
 /// four `z r_i`.
 ///
-/// Here `r_i = 1 / (1 + 2 l_i z)`, where `l_i` is the i-th eigenvalue of the covariance. Products are in
-/// lexicographic order of their indices.
+/// Here z is the argument of the transform, `r_i = 1 / (1 + 2 l_i z)`, and `l_i` is the i-th eigenvalue of
+/// the covariance. Products are in lexicographic order of their indices.
 pub struct Cumulants {
     two: [f64; 21],
     three: [f64; 56],
@@ -48,22 +48,22 @@ pub struct Cumulants {
 
 /// Sums over the parameters k, for combinations of the axes a, b, c and d.
 ///
-/// `g_a` is the component of the effect of parameter k along axis a. `gamma_k` is the fourth cumulant of this
-/// parameter, `six_k` the sixth.
+/// `g_ka` is the component of the effect of parameter k along axis a. `gamma_k` is the fourth cumulant of
+/// this parameter, `six_k` the sixth.
 struct Sums {
-    /// Sum over k of `gamma_k g_a g_b g_c g_d` (symbols of [`Sums`]) for each a <= b <= c <= d, in
+    /// Sum over k of `gamma_k g_ka g_kb g_kc g_kd` (symbols of [`Sums`]) for each a <= b <= c <= d, in
     /// lexicographic order.
     four: [f64; 126],
-    /// Sum over k of `gamma_k g_a^2 g_b g_c` (symbols of [`Sums`]) at `[a][b][c]`, for b <= c.
+    /// Sum over k of `gamma_k g_ka^2 g_kb g_kc` (symbols of [`Sums`]) at `[a][b][c]`, for b <= c.
     twice: [[[f64; 6]; 6]; 6],
-    /// Sum over k of `six_k / 6 g_a^2 g_b^2 g_c^2` (symbols of [`Sums`]) for each a <= b <= c, in
+    /// Sum over k of `(six_k / 6) g_ka^2 g_kb^2 g_kc^2` (symbols of [`Sums`]) for each a <= b <= c, in
     /// lexicographic order.
     six: [f64; 56],
 }
 
 impl Cumulants {
-    /// Returns the correction, if the mean has the components `mu` along the axes; None if all parameters are
-    /// normal.
+    /// Returns the correction; None if all parameters are normal. `mu` holds the components of the mean along
+    /// the axes.
     pub fn new(axes: &Axes, columns: &[Vector6<f64>], kurtosis: &[f64], mu: &[f64; 6]) -> Option<Self> {
         if kurtosis.iter().take(columns.len()).all(|&gamma| gamma == 0.0) {
             return None;

@@ -56,7 +56,7 @@ pub fn diagonalize(m: usize, s: &mut [[f64; 6]; 6]) -> [[f64; 6]; 6] {
     axes
 }
 
-/// Applies the Jacobi rotation in the plane (p, q), which makes `s[p][q]` zero, to `s` and `axes`.
+/// Rotates `s` and `axes` by the Jacobi rotation in the plane (p, q) that makes `s[p][q]` zero.
 fn rotate(m: usize, s: &mut [[f64; 6]; 6], axes: &mut [[f64; 6]; 6], p: usize, q: usize) {
     let theta = 0.5 * (s[q][q] - s[p][p]) / s[p][q];
     let t = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());

@@ -29,7 +29,8 @@ const WIDENED: f64 = 1.2;
 pub struct PointSet {
     /// Number of points; a multiple of 4.
     pub count: usize,
-    /// Values of each distribution in the order of [`Distribution::ALL`], coordinate by coordinate.
+    /// Coordinates of the points for each distribution of [`Distribution::ALL`]: coordinate 0 of all points,
+    /// then coordinate 1 of all points, and so on.
     values: [Vec<f64>; 3],
     /// Weights of the coordinates with a normal distribution; the weights of all other coordinates are 1.
     weights: Vec<f64>,

@@ -1,10 +1,10 @@
-//! Random terms of an error: they represent all parameters except the dominating one, which is treated
+//! Random terms of an error: they represent all parameters except the dominating parameter, which is treated
 //! separately. Each term takes one coordinate of a low-discrepancy point.
 //!
-//! All normal parameters are merged: one term for each principal axis of their joint covariance. Bounded
-//! parameters that contribute little excess kurtosis are merged with them, because fewer coordinates need
-//! fewer points. Each merged term has the excess kurtosis that these parameters cause along its axis
-//! ([`PowerNormal`]). The other bounded parameters have one term each.
+//! All normal parameters are merged: one term for each principal axis of their covariance. Bounded parameters
+//! that contribute little excess kurtosis are merged with the normal parameters, because fewer coordinates
+//! need fewer points. Each merged term has the excess kurtosis that the merged parameters cause along its
+//! axis ([`PowerNormal`]). The other bounded parameters have one term each.
 
 use super::dominance::Dominance;
 use super::jacobi::{covariance, diagonalize};
@@ -111,8 +111,8 @@ fn weight((share, alone): (f64, f64)) -> f64 {
 /// The terms are independent, and their sum has this covariance.
 ///
 /// The term along axis a has the variance v and the excess kurtosis `sum_k gamma_k (g_k.a)^2 |g_k|^2 / v^2`.
-/// Here parameter k has the excess kurtosis `gamma_k` and the effect `g_k`. So the merged terms keep the
-/// variance of the squared length of their sum.
+/// Here parameter k has the excess kurtosis `gamma_k` and the effect `g_k`. So the squared length of the sum
+/// has the same variance as for the merged parameters.
 fn principal_axes(
     m: usize,
     effects: &[Vector6<f64>],

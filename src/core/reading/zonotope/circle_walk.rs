@@ -1,5 +1,5 @@
-//! Search for the longest sum of generators with signs: a walk round a zonogon in 2-D, walks along great
-//! circles in 3-D.
+//! Search for the signs with which the sum of the generators is longest: a walk round a zonogon in 2-D, walks
+//! along great circles in 3-D.
 
 use super::{MAX_GENERATORS, PERPENDICULAR, climb};
 use nalgebra::Vector3;
@@ -49,11 +49,11 @@ impl CircleWalk {
         self.key[k] = f64::from_bits(key.to_bits() & !PLACES | k as u64);
     }
 
-    /// Returns the longest sum of the first `n` generators and one more generator along the axis of the
-    /// circle.
+    /// Returns the longest sum of the first `n` generators and an additional generator, over all signs that
+    /// the walk visits.
     ///
-    /// The additional generator has the length `size`. Its sign is that of the axial component of the sum of
-    /// the other generators.
+    /// The additional generator lies along the axis of the circle and has the length `size`. The sign of this
+    /// generator is that of the axial component of the other generators' sum.
     pub(super) fn farthest(&mut self, n: usize, size: f64) -> WalkMaximum {
         self.sort(n);
         let mut sum: Vector3<f64> = self.at[..n].iter().sum();
@@ -150,7 +150,8 @@ pub(super) fn split(generators: &[Vector3<f64>], walk: &mut CircleWalk, signs: &
 
 /// Returns an axis to which every generator is parallel or perpendicular.
 ///
-/// The candidates are the first generator, the first one not parallel to it, and the perpendicular to both.
+/// The candidates are the first generator a, the first generator b that is not parallel to a, and the
+/// perpendicular to a and b.
 fn axis(generators: &[Vector3<f64>]) -> Option<Vector3<f64>> {
     let a = generators.iter().find(|g| g.norm_squared() > 0.0)?.normalize();
     let sine = |g: &&Vector3<f64>| a.cross(g).norm_squared() > 0.01 * g.norm_squared();
