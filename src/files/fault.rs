@@ -38,7 +38,8 @@ pub struct Fault {
     pub help: String,
     #[serde(skip)]
     pub kind: FaultKind,
-    /// Line of the file, for display. A long line is cut to the part around the fault.
+    /// Line of the file that contains the fault, for display. A long line is cut to the part around the
+    /// fault.
     #[serde(skip)]
     pub excerpt: String,
     /// Position of the fault in the excerpt: the number of characters before it.

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 /// Share of arms that keep the limits of the operations, estimated by Monte Carlo with the nonlinear model.
 ///
-/// One sample is one arm in one cell. The sample is judged in all operations, each at its spot. An operation
-/// at every node is judged at its worst node. An operation without a limit counts as within its limit. The
-/// intervals are Wilson score intervals for 95 %.
+/// One sample is one arm in one cell. For each sample, the error of every operation at its spot is compared
+/// with the limit. An operation at every node is judged at its worst node. An operation without a limit
+/// counts as within its limit. The intervals are Wilson score intervals for 95 %.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CellYieldEntry {

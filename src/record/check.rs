@@ -41,7 +41,7 @@ pub struct OwnPairEntry {
 }
 
 impl OwnPairEntry {
-    /// Returns every pair of robot solids, without pairs of parts that are held in different operations.
+    /// Returns every pair of robot solids except pairs of parts that are held in different operations.
     /// Returns none if self-collision is not checked.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
         let pair = |p: &SelfCollisionPair| {

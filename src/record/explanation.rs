@@ -77,7 +77,7 @@ pub struct ExplanationDocument {
     /// registration, the pick of the part and errors of the equipment cause this displacement.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
-    /// Rows of the sense, each with its error.
+    /// Rows of the sense: weighted components of the error, with their values.
     pub sense_rows: Vec<SenseRowEntry>,
     /// Sign of every parameter at the worst corner of the tolerance box.
     pub worst_corner: ByName<i8>,

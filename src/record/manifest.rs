@@ -17,7 +17,7 @@ pub struct ManifestDocument {
     pub program: String,
     /// Version of the program.
     pub version: String,
-    /// Command line that makes the folder, for people. Programs read `settings` instead.
+    /// Command line that makes the folder, in a form for human readers. Programs read `settings` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<Vec<String>>,
     /// Name of the plan file, in the manifest of a sweep. Such a manifest has no `command`.

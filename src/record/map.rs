@@ -39,8 +39,8 @@ pub struct MapDocument<'a> {
     pub notes: Vec<String>,
     /// Pairs of objects whose floor spaces overlap, or are nearer than the clearance.
     pub overlaps: Vec<String>,
-    /// Yield of all operations together. Left out unless the reading is statistical and an operation has a
-    /// limit.
+    /// Share of arms that keep the limits of all operations, and of each operation alone. Left out unless the
+    /// reading is statistical, every operation has a spot and at least one has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     /// Reasons why the layout is not feasible.
@@ -108,8 +108,8 @@ pub struct OperationMapEntry<'a> {
     pub monte_carlo: Option<MonteCarloEntry>,
     #[schemars(with = "Vec<MapNode>")]
     pub nodes: MapNodes<'a>,
-    /// Spot: the usable node with the least value. For an operation at every node, the node with the greatest
-    /// value; null unless all nodes are usable.
+    /// Spot: the usable node with the least value; null if no node is usable. For an operation at every node,
+    /// the spot is the node with the greatest value. It is then null if any node is unusable.
     pub best: Option<MapNode>,
     /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
@@ -241,7 +241,8 @@ impl GuardEntry {
     }
 }
 
-/// Monte Carlo check of a spot through the nonlinear model, in the unit of the sense.
+/// Monte Carlo check of the first-order figures at a spot, by the nonlinear model. RMS, mean and percentiles
+/// are in the unit of the sense.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MonteCarloEntry {
@@ -254,9 +255,10 @@ pub struct MonteCarloEntry {
     /// Share of samples within the limit; null if the operation has no limit.
     pub r#yield: Option<EstimateEntry>,
     pub share_above_first_order_p95: EstimateEntry,
-    /// Whether the samples confirm the first-order figures. If they do not, figures of the samples replace
-    /// the first-order figures of the spot, and value and margin of the operation. A value that is robust or
-    /// combines several nodes stays first-order.
+    /// Whether the samples confirm the first-order figures. If they do not, the figures of the samples
+    /// replace the first-order figures of the spot. The value and margin of the operation are then also
+    /// computed from the samples. An exception is a value that is robust or combines several nodes: it stays
+    /// first-order.
     pub first_order_holds: Option<bool>,
 }
 

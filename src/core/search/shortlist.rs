@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Any two layouts of a shortlist differ by more than this value in at least one coordinate.
 ///
 /// The difference of a coordinate is a share of its range. For a coordinate with listed values, it is the
-/// difference of the places in the list, divided by the length of the list.
+/// difference of the list indices, divided by the number of values.
 pub const REALLY_DIFFERENT: f64 = 0.05;
 
 /// Number of stored layouts per requested layout.
@@ -31,7 +31,10 @@ impl Shortlist {
         Self { keep, members: Vec::new() }
     }
 
-    /// Adds a layout, unless a similar one is at least as good or the shortlist is full of better ones.
+    /// Adds a layout, unless the shortlist has a similar layout of at most the same cost.
+    ///
+    /// The new layout replaces all similar layouts of greater cost. If the shortlist is too long, it drops
+    /// the layout of greatest cost.
     pub fn take(&mut self, point: &[f64], cost: f64) {
         // Among layouts of equal cost the first one stays.
         let place = self.members.partition_point(|m| m.0 <= cost);

@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 
 /// Initial step size of CMA-ES from the layout in the cell file, as a share of the search range.
 const SIGMA_FROM_FILE: f64 = 0.15;
-/// Initial step size of CMA-ES from a random point, as a share of the search range.
+/// Initial step size of a global run of CMA-ES, as a share of the search range.
 const SIGMA: f64 = 0.3;
 /// Period of the restarts of CMA-ES. The first restart of each period is global, the others are local (see
 /// [`restart`]).
@@ -97,8 +97,8 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
 /// A global run finds wide minima of the cost. It has a large first step. The populations of successive
 /// global runs are 1, 2, 4 and 8 times the default, then 1 again.
 ///
-/// A local run has the default population. A small first step keeps this run on one side of an obstacle. The
-/// best layout may lie in a small feasible region on that side.
+/// A local run has the default population. Its first step is [`SIGMA`] times a random factor from 0.01 to 1.
+/// With a small first step, a run can explore a small feasible region beside an obstacle.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {
         None => (SIGMA_FROM_FILE, 1),

@@ -50,7 +50,8 @@ const BY_COMPONENT: ValueKind =
 
 const SPREAD: ValueKind = ValueKind::word::<Distribution>();
 
-/// Returns the key of an error of the D-H rows: one number for each joint.
+/// Returns the key of one error of the D-H rows, such as dq. The key holds a list with one number for each
+/// joint.
 const fn row(name: &'static str, help: &'static str) -> Key {
     Key::new(name, POSTURE, help).required_unless("joints")
 }

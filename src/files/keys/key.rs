@@ -137,7 +137,7 @@ impl Key {
 /// Keys of one kind of table: no other key is accepted in such a table.
 #[derive(Debug)]
 pub struct KeyTable {
-    /// Name of such a table in messages, with the indefinite article.
+    /// Name of this kind of table in messages, with the indefinite article.
     pub what: &'static str,
     /// Explanation of the table for users: a sentence.
     pub help: &'static str,
@@ -238,7 +238,7 @@ impl ValueKind {
         ValueKind::Word(words_of::<W>)
     }
 
-    /// Returns the kind of the value without additions to its JSON Schema.
+    /// Returns the kind inside [`Self::Checked`]; returns any other kind unchanged.
     pub fn plain(&self) -> &ValueKind {
         if let ValueKind::Checked(kind, _) = self { kind.plain() } else { self }
     }

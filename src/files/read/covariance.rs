@@ -62,8 +62,8 @@ fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n
     None
 }
 
-/// Returns the name of a parameter as the file gives it, for messages. If the value is not a text, returns
-/// the kind of the value.
+/// Returns the name of a parameter as the file gives it, for messages. If the file gives no text as the name,
+/// returns the kind of value that it gives.
 fn name_of(item: &Node) -> String {
     match &item.value {
         Value::Text(name) => shown(name),

@@ -38,7 +38,7 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
 
 /// Parts of the cell that an operation may name.
 struct References<'c> {
-    /// Whether every table could be read. An unknown name is a fault only if this is true.
+    /// Whether every table could be read. If not, unknown names are not reported as faults.
     complete: bool,
     /// Equipment that could be read.
     equipment: &'c [Equipment],

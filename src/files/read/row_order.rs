@@ -14,12 +14,12 @@ pub struct ErrorRows<'j> {
 }
 
 impl ErrorRows<'_> {
-    /// Returns the indices of the parameters that hold dl, dalpha and dbeta of a modified row 1. These are
-    /// the errors of the common normal l, of the twist alpha and of Hayati's fifth parameter.
+    /// Returns the indices of the parameters that hold dl, dalpha and dbeta of row 1 of a modified D-H table.
+    /// These are the errors of the common normal l, of the twist alpha and of Hayati's fifth parameter.
     ///
     /// The row begins with `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)`, where T translates along an axis and R
-    /// rotates about an axis. dl becomes the error x of the frame of joint 1, and dbeta its error ry. dalpha
-    /// becomes the error rx of the base frame. The conversion is exact, because Tx and Rx commute. Also, the
+    /// rotates about an axis. In the frame of joint 1, dl becomes the error x, and dbeta the error ry. In the
+    /// base frame, dalpha becomes the error rx. The conversion is exact, because Tx and Rx commute. Also, the
     /// rotation error of each of these two frames is about one axis only.
     fn of_first_row(&self) -> [usize; 3] {
         let (base, joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
@@ -44,8 +44,8 @@ impl ErrorRows<'_> {
     /// parameters are in the order of [`Parameter::of_robot`]. A list for standard rows does not change.
     ///
     /// The entries for dl, dalpha and dbeta ([`Self::of_row`]) of a modified row move to the row before it.
-    /// For row 1, they move to the parameters of [`Self::of_first_row`]. The former entries of these
-    /// parameters move to [`Self::unused`].
+    /// The entries for row 1 move to the indices [`Self::of_first_row`]. The entries that were at these
+    /// indices move to the indices [`Self::unused`].
     pub fn in_order<T>(&self, list: &mut [T]) {
         let Some(last) = self.unused() else { return };
         for (k, first) in self.of_first_row().into_iter().enumerate() {

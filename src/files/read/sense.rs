@@ -46,7 +46,8 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))
 }
 
-/// Term of a sense. The directions of its rows ([`Row`]) are unit vectors, not yet weighted.
+/// Term of a sense. Each [`Row`] of the term is one component of the error; its direction is a unit vector,
+/// not yet weighted.
 struct Term {
     at: At,
     rows: Vec<Row>,
@@ -115,7 +116,7 @@ fn read_lever(node: &Node, turns: bool, t: &mut Table) -> Option<f64> {
     t.number(&any_term::LEVER)
 }
 
-/// Reads `of = "xy"` and returns the rows of these axes.
+/// Reads `of`, the name of a built-in sense such as "xy", and returns the [`Row`]s of this sense.
 fn read_axes(node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     let word = value::text(node, any_term::OF.name, t.lib)?;
     let rows = Sense::plain_rows(&word);
@@ -129,8 +130,8 @@ fn read_axes(node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     rows
 }
 
-/// Reads a vector and returns the rows of a term. The rows measure the error along the vector (`direction`),
-/// in the plane perpendicular to it (`plane`), or about it (`axis`).
+/// Reads a vector and returns the [`Row`]s of a term. The rows measure the error along the vector
+/// (`direction`), in the plane perpendicular to it (`plane`), or about it (`axis`).
 fn read_rows(key: &Key, node: &Node, t: &mut Table) -> Option<Vec<Row>> {
     let way = key.name;
     let vector = value::numbers(node, &format!("`{way}`"), 3, NumberRange::Finite, t.lib)?;

@@ -14,7 +14,8 @@ pub fn range_of(form: Option<ErrorForm>) -> NumberRange {
     if form == Some(ErrorForm::Tolerance) { NumberRange::PlusMinus } else { NumberRange::Finite }
 }
 
-/// Reads distributions, sigmas and covariance of a robot's tolerance. `values` are its plus-or-minus values.
+/// Reads distributions, sigmas and covariance of a robot's tolerance. `values` are the plus-or-minus values
+/// of all parameters.
 pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> Option<Tolerance> {
     let distributions = read_distributions(t, arm.axes);
     let sigmas = t.number(&error_set::SIGMAS);

@@ -1,4 +1,4 @@
-//! Reference of all keys for people, in Markdown: one document for each kind of file.
+//! Human-readable reference of all keys, in Markdown: one document for each kind of file.
 
 use super::FileKind;
 use crate::files::keys::key::{Key, KeyTable, KeyUnit, MANY, Need, NumberRange, Rule, ValueKind, quoted};

@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 
 /// Table that is being read.
 ///
-/// Missing and unknown keys are reported at the end of [`Table::read`]. Only then can an unknown key be
-/// recognised as a misspelling of a missing one.
+/// Missing and unknown keys are reported at the end of [`Table::read`]. All missing keys are then known, so
+/// that an unknown key can be recognised as a misspelling of a missing key.
 pub struct Table<'n, 'l, 'a> {
     pub at: At,
     pub lib: &'l mut Library<'a>,
@@ -24,7 +24,8 @@ pub struct Table<'n, 'l, 'a> {
     entries: &'n [Entry],
     /// Keys that do not apply, such as the limits in mm of a revolute joint.
     excluded: Vec<&'static str>,
-    /// Groups of keys, each with a remedy. The table must have one key of each group, but has none.
+    /// Groups of keys, each with a remedy. The table needs one key of each group, but all keys of the group
+    /// are missing.
     missing: Vec<(Vec<&'static str>, String)>,
     /// Whether keys may be missing because a file could not be read, or because [`Self::give_up`] was called.
     pub partial: bool,

@@ -243,7 +243,8 @@ fn spread<'n>(named: &mut Vec<Entry>, known: impl Iterator<Item = &'n str>) {
 
 /// Merges settings over entries, like `from`: tables are merged, everything else is replaced.
 ///
-/// A merged table keeps its place in the file, so that faults of its other keys still point to the file.
+/// A merged table keeps its place in the file. So the faults of keys that no setting overrides still point to
+/// the file.
 fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     for (key, at, node) in settings {
         match under.iter_mut().find(|e| e.0 == key) {

@@ -108,7 +108,7 @@ pub fn parse(file: usize, text: &str) -> Result<Vec<Entry>, Vec<SyntaxFault>> {
     if faults.is_empty() { Ok(entries) } else { Err(one_each(text, faults)) }
 }
 
-/// Returns a fault of the TOML parser in words for people who do not know the terms of TOML.
+/// Rewords a fault of the TOML parser for readers who do not know the terms of TOML.
 fn explained(text: &str, message: &str, span: Option<Range<usize>>) -> SyntaxFault {
     let span = span.unwrap_or(0..0);
     let given = text.get(span.clone()).unwrap_or("");

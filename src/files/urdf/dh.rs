@@ -5,9 +5,9 @@
 //! frame with z along the next axis. The x axis of the second frame lies along the common normal of the two
 //! axes. If this definition leaves a choice, the following rules apply:
 //!
-//! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is as near as
-//!   possible to the base x axis. If axis 1 is within 26 degrees of the base x axis, the base y axis replaces
-//!   that axis;
+//! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is the
+//!   projection of the base x axis onto the plane perpendicular to axis 1. If axis 1 is within 26 degrees of
+//!   the base x axis, the base y axis is projected instead;
 //! - parallel axes: r = 0. Two axes on the same line: theta = 0 and l = 0, too;
 //! - direction of x: a row rotates x by at most a right angle. So l may be negative, as in many data sheets.
 //!   If the rotation is a right angle, l > 0. If the axes also intersect (l = 0), theta = +90 degrees;
@@ -243,7 +243,7 @@ fn first_frame(z: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
 }
 
 /// Returns the D-H row that leads to the axis through `p` along the unit vector `d`; both are in the frame
-/// before the row. Below the angle `parallel`, rad, the axis counts as parallel to z.
+/// before the row. The axis counts as parallel to z if the sine of its angle to z is at most `parallel`.
 fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
     let s = d.x.hypot(d.y);
     if s <= parallel {

@@ -44,9 +44,9 @@ pub struct UrdfRobot {
 /// Request for a chain of a URDF, as a robot file states it.
 pub struct UrdfChain {
     pub file: Named,
-    /// Link that stands still; None for the root of the tree of links.
+    /// Link that stands still. None means the root of the tree of links.
     pub base: Option<Named>,
-    /// Link that carries the tool; None for the only link below the base that has no children.
+    /// Link that carries the tool. None means the only link below the base that has no children.
     pub tip: Option<Named>,
     pub packages: RosPackages,
 }
