@@ -60,8 +60,7 @@ pub struct RobustnessEntry {
     /// Half widths of the tolerance box of the robot base and the equipment on which the operation depends.
     /// Empty if their placements have no tolerance.
     pub tolerance: MovesByName,
-    /// Number of evaluated corners. Corners of the tolerance boxes of bodies that are not in `tolerance` are
-    /// included.
+    /// Number of evaluated corners of the tolerance boxes of all bodies, including bodies not in `tolerance`.
     pub corners: usize,
     /// Evaluated corner with the greatest value of the operation. Null if `tolerance` is empty, or if the
     /// operation cannot be done at any corner.
@@ -146,9 +145,9 @@ pub struct LargestEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum EndedEntry {
-    /// The operation cannot be done.
+    /// Larger misplacement at which the operation cannot be done.
     Lost(LostEntry),
-    /// The value of the operation exceeds its limit.
+    /// Larger misplacement at which the value of the operation exceeds the limit.
     Limit(CornerEntry),
 }
 

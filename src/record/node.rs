@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 
-/// Values in several senses, each under the name of its sense.
+/// Error figures for several senses, each under the name of its sense.
 pub type BySense = ByName<f64>;
 
 /// One node of a map: world frame, mm and degrees. A node without a posture has no errors.
@@ -21,7 +21,7 @@ pub struct MapNode {
     pub i: usize,
     /// Index of the node along y of the surface.
     pub j: usize,
-    /// Target of the TCP.
+    /// Target position of the TCP.
     pub position_mm: [f64; 3],
     pub status: NodeSign,
     /// Reason why the node cannot be used; empty if it can.
@@ -30,11 +30,11 @@ pub struct MapNode {
     pub joints_deg: Option<Vec<f64>>,
     /// Error of the TCP according to the model of the cell.
     pub error_mm: Option<[f64; 3]>,
-    /// Error in the sense of the operation, if that is a length.
+    /// Error that the operation's sense measures; null if this sense measures an angle.
     pub error_sense_mm: Option<f64>,
-    /// Error in the sense of the operation, if that is an angle.
+    /// Error that the operation's sense measures; null if this sense measures a length.
     pub error_sense_deg: Option<f64>,
-    /// Value of the node in the document's `unit`: the figure that the search minimizes.
+    /// Figure that the search minimizes, at this node, in the `unit` of the document.
     pub value: Option<f64>,
     /// Whether the robot touched the node to teach the surface frame. Such a node cannot be the spot.
     pub touched: Option<bool>,
@@ -126,7 +126,7 @@ impl MapNode {
     }
 }
 
-/// Returns a figure of a posture in every reported sense whose unit is `unit`; None if no sense has this
+/// Returns a figure of a posture for every reported sense whose unit is `unit`; None if no sense has this
 /// unit.
 fn by_sense(
     map: &OperationMap,

@@ -31,7 +31,7 @@ pub enum TableValue {
 }
 
 /// Name of a statistical or worst-case figure, and a function that returns its values at a node. The function
-/// returns the values in the senses measured in mm, then those in the senses measured in degrees.
+/// returns the values for the senses in mm, then the values for the senses in degrees.
 type FigureColumns = (&'static str, fn(&MapNode) -> [&Option<BySense>; 2]);
 
 const FIGURES: [FigureColumns; 5] = [

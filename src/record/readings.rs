@@ -54,11 +54,12 @@ pub struct ReadingEntry {
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
     pub value: Option<f64>,
-    /// Value under `reading` at the posture that the signed reading chooses, both with `registration`.
+    /// Value under `reading` and `registration` at the posture that the signed reading chooses with
+    /// `registration`.
     pub at_signed_choice: Option<f64>,
     /// Value under `reading` and `registration` at the posture that `reading` chooses without registration.
     pub at_unregistered_choice: Option<f64>,
-    /// Regret of the signed spot: `at_signed_choice` divided by `value`.
+    /// Regret of choosing the spot by the signed sample: `at_signed_choice` divided by `value`.
     pub ratio: Option<f64>,
     /// Distance between the best node under `reading` and the best node under the signed reading.
     pub moved_mm: Option<f64>,
@@ -66,7 +67,8 @@ pub struct ReadingEntry {
     pub reason: Option<String>,
 }
 
-/// Largest regret of the signed spot, with its operation, reading and registration.
+/// Largest regret of choosing a spot by the signed sample, and the operation, reading and registration where
+/// it occurs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegretEntry {

@@ -74,7 +74,7 @@ pub struct SearchResult {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
-    /// Joint yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    /// Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
     /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
@@ -131,7 +131,7 @@ pub struct StartEntry {
     pub base: PlacementEntry,
     pub attitudes: ByName<AttitudeEntry>,
     pub operations: Vec<SpotEntry>,
-    /// Joint yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    /// Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
     /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,

@@ -45,7 +45,7 @@ pub struct SpotEntry {
     pub counts: StatusCounts,
 }
 
-/// Values in several senses, each under the name of its sense; null if the operation has no spot.
+/// Error figures for several senses, each under the name of its sense; null if the operation has no spot.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
 /// Limit of an operation and the margin to it, in the unit of the objective.

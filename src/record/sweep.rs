@@ -70,7 +70,8 @@ impl SweepPlan {
     }
 }
 
-/// Result of one combination, `NNNN.json`. World frame, mm and degrees.
+/// Result of one combination, `NNNN.json`, where NNNN is the index with at least four digits. World
+/// frame, mm and degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepRow {
@@ -101,7 +102,7 @@ pub struct SweepRow {
     pub sha256: Option<String>,
 }
 
-/// One operation of a combination.
+/// One operation in the result of a combination: its spot, error and limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepSpot {
@@ -109,7 +110,7 @@ pub struct SweepSpot {
     /// Value of the operation, in the unit of the objective; null if the operation has no spot.
     pub value: Option<f64>,
     pub position_mm: Option<[f64; 3]>,
-    /// Error in the sense of the operation, in `error_unit`.
+    /// Error that the operation's sense measures, in `error_unit`.
     pub error: Option<f64>,
     /// Largest allowed error of the operation, in `error_unit`.
     pub limit: Option<f64>,

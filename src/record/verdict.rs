@@ -37,7 +37,7 @@ pub struct VerdictDocument {
     pub requirement: RequirementState,
     pub runner_up: Option<RunnerUpEntry>,
     pub facts: Vec<FactEntry>,
-    /// Joint yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    /// Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
     /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
@@ -100,8 +100,8 @@ pub enum FactMood {
 #[serde(deny_unknown_fields)]
 pub struct RunnerUpEntry {
     pub kind: RunnerUpKind,
-    /// Objective of the runner-up, in the `unit` of the verdict. If the runner-up is a node, one operation
-    /// uses this node and all others stay at their spots.
+    /// Objective of the runner-up, in the `unit` of the verdict. For a node, this is the objective if one
+    /// operation moves to the node and all others keep their spots.
     pub value: f64,
     pub text: String,
     pub note: String,

@@ -140,8 +140,9 @@ fn map_words(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> String {
     words + "."
 }
 
-/// Returns the least value of a map in a sense, the greatest value, and the node with the least value. Values
-/// are in the unit of the sense, or are shares of failures if the cell minimizes those.
+/// Returns the least and the greatest value of a map for one sense, and the node with the least value. Values
+/// are in the unit of the sense. If the reading is statistical and the quantity is the yield, the values are
+/// shares of failures.
 fn range(a: &Assessment<'_>, map: &OperationMap, sense: &str) -> Option<(f64, f64, usize)> {
     let sense = map.sense(sense)?;
     let unit = match (a.cell.reading, a.cell.quantity) {

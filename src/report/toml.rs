@@ -1,5 +1,5 @@
-//! Cell files with fixed placements, such as best.toml. Each begins with `from`, the path of the original
-//! cell file relative to the folder of the new file.
+//! Cell files with fixed placements, such as best.toml. Each file begins with `from`, the path of the
+//! original cell file relative to the folder of the new file.
 
 use crate::cell::{Cell, Layout, Slot, Unit};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};

@@ -23,10 +23,11 @@ const MIN_SPAN: f64 = 100.0;
 /// Largest number of nodes with tooltips. A map with more nodes has none.
 const MAX_TITLES: usize = 400;
 
-/// Draws an error map under one model and reading in one sense.
+/// Draws the error map of one operation for one sense, under one model and reading.
 ///
-/// `take` is the index into [`Field::takes`], `sense` the index into [`Field::senses`]. The colours span
-/// `range` (m or rad), which several maps may share. The axes of the plot are those of the work surface.
+/// `field` is the index into [`Drawing::fields`], `take` into [`Field::takes`], and `sense` into
+/// [`Field::senses`]. The colours span `range` (m or rad), which several maps may share. The axes of the plot
+/// are those of the work surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);

@@ -204,7 +204,7 @@ impl LayoutView<'_> {
         }
     }
 
-    /// Draws the name of each equipment at a place where it covers no other name.
+    /// Draws the name of each piece of equipment at a place where it covers no other name.
     fn draw_names(
         &self,
         canvas: &mut ChartCanvas,

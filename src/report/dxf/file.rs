@@ -201,8 +201,8 @@ impl DxfFile {
     }
 
     /// Writes the dimension from `a` to `b` along x, or along y if `upright`. The dimension line passes
-    /// through `through`. AutoCAD reads an associative dimension; other programs draw the block that belongs
-    /// to it.
+    /// through `through`. AutoCAD reads an associative dimension; other programs draw the block of the
+    /// dimension.
     pub fn dimension(
         &mut self,
         layer: &str,

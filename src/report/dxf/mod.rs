@@ -45,7 +45,7 @@ const LAYERS: [Layer; 15] = [
 const PLANE: f64 = 1.0 - 1e-9;
 /// Text height as a share of the longer side of the cell, and the least text height, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
-/// Length of the axes at the frame of an equipment, m.
+/// Length of the axes at the frame of a piece of equipment, m.
 const AXIS: f64 = 0.1;
 
 /// Returns the drawing with the robot at the spot of an operation, or at home. The drawing shows the errors
@@ -115,7 +115,7 @@ fn solid(file: &mut DxfFile, layer: &str, mesh: &Mesh, pose: &Pose) {
     }
 }
 
-/// Writes floor spaces in plan, and the frame of every equipment.
+/// Writes floor spaces in plan, and the frame of every piece of equipment.
 fn outlines(file: &mut DxfFile, drawing: &Drawing<'_>) {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     file.outline(ROBOT, &floor_corners(&cell.robot.footprint, &layout.base), drawing.floor);
@@ -176,8 +176,8 @@ fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field) {
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// Writes the dimensions from the robot base to the frame of every equipment along x and y. They stand below
-/// and left of all objects.
+/// Writes the dimensions along x and y from the robot base to the frame of every piece of equipment. The
+/// dimensions stand below and left of all objects.
 fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>) {
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);

@@ -241,7 +241,8 @@ fn maps(scene: &mut GlbBuilder, drawing: &Drawing<'_>) -> Option<Index<Node>> {
     scene.file.group("error map", operations)
 }
 
-/// Adds arrows of the resultant errors of an operation, coloured by the error in the sense of the operation.
+/// Adds arrows of the resultant errors of an operation, coloured by the error that the operation's sense
+/// measures.
 fn arrows(
     scene: &mut GlbBuilder,
     drawing: &Drawing<'_>,

@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Least time between two sent frames of a motion, s; frames at and after a stop may be nearer. The viewer
-/// interpolates between the frames.
+/// Least time between two animation frames that are sent to the viewer, s. Frames at and after a stop, and
+/// the last frame, may follow sooner. The viewer interpolates between the frames.
 const TICK: f64 = 0.099;
 /// Tolerance of the simplified outlines of the envelope, m.
 const STRAIGHT: f64 = 1e-3;
@@ -92,7 +92,7 @@ fn drawing<'a>(d: &'a Drawing<'_>, meshes: &mut MeshList) -> DrawingRecord<'a> {
     }
 }
 
-/// Returns the pose of an equipment, taken from its solids; None if it has no solid.
+/// Returns the pose of a piece of equipment, taken from its solids; None if it has no solid.
 fn pose_of(d: &Drawing<'_>, equipment: usize) -> Option<Pose> {
     let own = d.parts.iter().filter(|p| p.equipment == Some(equipment));
     own.map(|p| d.pose_of(p, d.movement.home())).next()
@@ -223,8 +223,9 @@ fn movement<'a>(m: &Movement, cell: &'a Cell) -> MovementRecord<'a> {
     }
 }
 
-/// Returns the indices of the frames that are sent. A frame is sent if it is at a stop, follows a stop, or is
-/// the last frame. A frame is also sent if it is more than [`TICK`] later than the last sent frame.
+/// Returns the indices of the animation frames that are sent to the viewer. A frame is sent if it is at a
+/// stop, follows a stop, or is the last frame. A frame is also sent if it is more than [`TICK`] later than
+/// the last sent frame.
 fn kept(m: &Movement) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for (k, t) in m.times.iter().enumerate() {

@@ -129,7 +129,7 @@ pub fn answer(a: &Assessment<'_>) -> Value {
     })
 }
 
-/// Returns the models and readings in which a cell can be evaluated.
+/// Returns the combinations of model and reading under which a cell can be evaluated.
 pub fn lens_list(cell: &Cell) -> Value {
     let choice = |l: &ErrorView| LensChoice { model: l.model, reading: l.reading, word: l.reading_word() };
     value(&lenses(cell).iter().map(choice).collect::<Vec<_>>())

@@ -111,7 +111,7 @@ pub struct AnswerNodes {
     pub every: usize,
 }
 
-/// Model and reading in which a cell can be evaluated.
+/// Model and reading under which a cell can be evaluated.
 #[derive(Serialize)]
 pub struct LensChoice {
     pub model: Model,

@@ -18,7 +18,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SearchFacts {
     pub gap_percent: Option<f64>,
-    /// Clearance goal from search.json, mm: least distance of the robot from other objects, and between floor
+    /// Clearance from search.json, mm: least distance between robot and other objects or between two floor
     /// spaces.
     pub clearance_mm: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Placements for setting out the cell with a tape measure, and the joints at each spot.
+//! Placements for setting out the cell with a tape measure, and the joint coordinates at each spot.
 
 use super::content::{NOTHING, PageTable, Section};
 use super::subject::Subject;
@@ -32,7 +32,7 @@ fn empty() -> Section {
     Section::new("placements", "Placements", text)
 }
 
-/// Returns the section on the joints of the robot at home and at the spots.
+/// Returns the section on the joint coordinates at home and at the spots.
 pub fn joints(subject: &Subject<'_>) -> Section {
     let text = vec!["Joint coordinates in the convention of the robot file.".to_string()];
     let mut section = Section::new("joints", "Joints at the spots", text);

@@ -9,9 +9,9 @@ use crate::layout::combined;
 use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
 
-/// Returns the best other layout that the search kept. If the search kept no other layout, returns a node of
-/// the recommended layout. Among the second-best nodes of all operations, this node raises the value of its
-/// operation least.
+/// Returns the best other layout that the search kept. If the search kept no other layout, returns the
+/// second-best node of one operation in the recommended layout. The operation is the one whose value
+/// increases least from its spot to its second-best node.
 pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;

@@ -208,8 +208,8 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     }
 }
 
-/// Returns the entry on the joint yield: the share of sampled arms that keep the limits of all operations.
-/// Returns None if the assessment has no joint yield.
+/// Returns the entry on the overall yield: the share of sampled arms that keep the limits of all operations.
+/// Returns None if the assessment has no overall yield.
 fn joint_yield(a: &Assessment<'_>) -> Option<FactEntry> {
     let value = a.cell_yield?.value;
     let (text, note) = (format!("{:.3} %", percent_from_share(value)), yield_in_words(a)?);

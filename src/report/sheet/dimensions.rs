@@ -1,4 +1,4 @@
-//! Dimensions: distances along the world x and y from the robot base to the nearest corner of every
+//! Dimensions: distances along the world x and y from the robot base to the nearest corner of every piece of
 //! equipment.
 
 use super::SheetView;
@@ -16,7 +16,8 @@ const LINE_SPACING: f64 = 6.0;
 /// Length of the head of an arrow, mm on paper.
 const HEAD: f64 = 2.2;
 
-/// Returns a letter for each equipment, its index, and its corner nearest to the robot base (world frame, m).
+/// Returns one entry per piece of equipment: letter, index, and the corner nearest to the robot base (world
+/// frame, m).
 pub fn marks(drawing: &Drawing<'_>) -> Vec<(String, usize, Vector2<f64>)> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let base = Vector2::new(layout.base.x, layout.base.y);
@@ -79,7 +80,7 @@ pub fn draw(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
 }
 
 /// Draws a dimension line with arrow heads. The number is above the line, or left of a vertical line. A short
-/// line has its arrow heads outside and its number beyond its end.
+/// line has its arrow heads outside and its number beyond one end.
 fn ruled(out: &mut String, (from, to): (f64, f64), across: f64, upright: bool, number: &str) {
     let (low, high) = (from.min(to), from.max(to));
     let wide = 1.6 * number.len() as f64;

@@ -1,4 +1,4 @@
-//! Verdicts that a map, a budget and an explanation share: limit, Monte Carlo check and joint yield.
+//! Verdicts that a map, a budget and an explanation share: limit, Monte Carlo check and overall yield.
 
 use super::compare::margin;
 use crate::assess::{Assessment, Requirement};
@@ -32,8 +32,9 @@ pub fn samples_line(samples: &MonteCarlo, unit: Unit, holds: bool) -> String {
     )
 }
 
-/// Returns the joint yield of all operations and the yield of each operation alone. The text is empty if the
-/// assessment has no joint yield.
+/// Returns the overall yield and the yield of each operation alone, as text. The overall yield is the share
+/// of sampled arms that keep the limits of all operations. The text is empty if the assessment has no overall
+/// yield.
 pub fn yield_lines(a: &Assessment<'_>) -> String {
     let line = a.cell_yield.zip(yield_in_words(a));
     line.map_or(String::new(), |(all, said)| {
@@ -41,10 +42,10 @@ pub fn yield_lines(a: &Assessment<'_>) -> String {
     })
 }
 
-/// Describes the joint yield and the yield of each operation alone. The joint yield is the share of the
-/// sampled arms that keep all limits.
+/// Describes the overall yield and the yield of each operation alone. The overall yield is the share of
+/// sampled arms that keep the limits of all operations.
 ///
-/// Each share has its 95 % confidence interval. Returns None if the assessment has no joint yield.
+/// Each share has its 95 % confidence interval. Returns None if the assessment has no overall yield.
 pub fn yield_in_words(a: &Assessment<'_>) -> Option<String> {
     let (together, samples) = (a.cell_yield?, a.samples.iter().flatten().map(|s| s.samples).max()?);
     let alone = a.cell.operations.iter().zip(&a.samples).filter_map(|(operation, samples)| {

@@ -9,7 +9,7 @@ use crate::record::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Largest number of corners of the box of placement tolerances that are listed. A corner is listed if the
+/// Largest number of lost corners that are listed. A corner of the box of placement tolerances is lost if the
 /// operation cannot be done there.
 const MAX_LOST_SHOWN: usize = 3;
 
@@ -78,7 +78,8 @@ fn most(largest: &Largest, said: impl Fn(f64) -> String) -> String {
     said(largest.most) + more
 }
 
-/// Returns the reason why a larger misplacement is not allowed; empty if the largest value tried is allowed.
+/// Returns the reason why a larger misplacement is not allowed; empty if the largest misplacement tried is
+/// allowed.
 fn because(cell: &Cell, largest: &Largest) -> String {
     match &largest.ended {
         None => String::new(),
