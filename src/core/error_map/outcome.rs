@@ -32,7 +32,7 @@ pub enum Outcome {
     },
     /// No node has a posture that keeps joint limits and attitude.
     ///
-    /// An operation at every node is also unreachable if a single node has no such posture.
+    /// For an operation at every node, this result means that at least one node has no such posture.
     Unreachable {
         gap: Gap,
     },

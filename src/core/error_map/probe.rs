@@ -99,9 +99,12 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the operation's value ([`Spot::value`]) at a held point after the layout has changed.
+    /// Computes the operation's value ([`Spot::value`]) in the layout of this probe, at the point of `held`.
     ///
-    /// Closed-form inverse kinematics gives the posture of the held branch at the moved point.
+    /// `held` may come from a slightly different layout. The point keeps its coordinates in the frame of the
+    /// equipment, and the joint coordinates are computed anew.
+    ///
+    /// Closed-form inverse kinematics gives the posture with the branch index of `held`.
     ///
     /// Numeric inverse kinematics does not keep branch indices from target to target. In this case, the
     /// function takes the usable posture whose joint coordinates are nearest to those of `held`.

@@ -27,8 +27,8 @@ impl PlacedLayout<'_> {
 
     /// Returns the postures of an operation in their order: at its spot, or at every listed point.
     ///
-    /// The nodes of a grid have no order. So an operation that happens at all of these nodes stops only at
-    /// its spot, the worst node.
+    /// The nodes of a grid have no order. So an operation at every node of a grid has only one posture here:
+    /// the posture at its spot, which is the node with the largest value.
     fn stops(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
         let (setup, spot) = (&self.mapper.setups[operation], spots[operation]?);
         if !setup.over.needs_every_node() || !setup.grid.is_listed() {

@@ -203,10 +203,12 @@ impl Expansion {
         driven.iter().copied().chain((!is_actuator).then_some((parameter, 1.0)))
     }
 
-    /// Returns the position of a motion in the order from base to tool.
+    /// Returns the rank, counted from 0, of the motion with index `k` in the order from base to tool.
+    ///
+    /// The order counts the motions of all joint frames (see [`outwards`]).
     fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
-        // Position of the first motion of joint frame i; the motions of its D-H row follow.
+        // Rank of the first motion of joint frame i; the motions of its D-H row follow.
         let joint = |i: usize| PER_FRAME + (PER_FRAME + PER_LINK) * i;
         let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][(k - first) % PER_FRAME];
         match k {

@@ -7,8 +7,9 @@
 //! Only gains are accepted, so the refined spot is never worse than the best node.
 //!
 //! The branch of the posture stays the same during a search. At the end point every branch is judged, as at a
-//! node. If another branch is better there, a search with that branch follows. The other operations stay at
-//! their nodes: an operation relative to a pick is relative to the pick's node.
+//! node. If another branch is better there, a search with that branch follows. Only one operation is refined
+//! at a time, and all others stay at their best nodes. For an operation that places a part, the part is
+//! therefore picked at the best node of the pick, not at its refined spot.
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};

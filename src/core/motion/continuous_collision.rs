@@ -82,8 +82,9 @@ impl MoveCheck<'_> {
         self.chain.frames(&self.chain.posture(&q)).links
     }
 
-    /// Returns the first contact between the shares `low` and `high` of the move.
+    /// Returns the first contact in one interval of the move; None if the interval is free.
     ///
+    /// `low` and `high` are the ends of the interval, as shares of the move: 0 is its start, 1 its end.
     /// `pairs` gives each pair of solids with the greatest possible decrease of its distance over the whole
     /// move, m. Pairs that stay apart in an interval are not checked again in the halves of that interval.
     fn first_hit_in(&self, low: f64, high: f64, pairs: &[(Pair, f64)]) -> Option<PathHit> {

@@ -156,14 +156,19 @@ impl RigidPieces {
         self.lengths[link + 1..=self.count].iter().sum()
     }
 
-    /// Returns `sum s rho^power` over the segments after `link`, up to the end of the chain.
+    /// Returns an upper bound of the size of a directional derivative of order `power`.
     ///
-    /// The sum bounds the derivative of order `power`, along any step within the box, of a sum of products.
-    /// Each product has two factors: a segment of length `s`, and a unit vector fixed to `link`. `rho` is the
-    /// sum of the radii of the coordinates that rotate at least one of the two factors.
+    /// Let u be a unit vector fixed to `link`. The function f of the coordinates q is a sum over all segments
+    /// after `link`. Its terms are the products of a segment and u. Let d be a change of the coordinates,
+    /// each by at most its radius. For every such d and every q in the box, the result bounds one derivative:
+    /// the derivative of order `power` of `f(q + t d)` with respect to t, at t = 0.
     ///
-    /// `own` holds, as bits, the coordinates that rotate the unit vector. A prismatic coordinate adds a term,
-    /// because it lengthens its segment.
+    /// Let `s` be the largest length of a segment, and `rho` the sum of the radii of certain coordinates.
+    /// They are the coordinates that rotate the segment, u or both. Each segment adds `s rho^power` to the
+    /// bound. A segment that a prismatic coordinate with the radius `r` lengthens also adds
+    /// `power rho^(power - 1) r`.
+    ///
+    /// `own` holds, as bits, the coordinates that rotate u.
     pub fn turned(
         &self,
         coordinates: &Coordinates,

@@ -155,9 +155,14 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
 /// Writes to `out`, for each error source, the vector that weights its effect in the lower bound of a
 /// statistic.
 ///
-/// The vector of source k is the sum of `v_f A e_f / s` over the random factors f. Here `e_f` is the effect
-/// of factor f, and `v_f` is the value of source k in factor f. A is the identity for the RMS, otherwise the
-/// [`tangent`] at the covariance of the error. The square of s is the sum of `e_f . A e_f` over the factors.
+/// The symbols are:
+///
+/// - `e_f`: effect of one standard deviation of the random factor f (`factors`) on the error;
+/// - `v_kf`: value of source k at one standard deviation of factor f;
+/// - A: the identity matrix for the RMS, otherwise the [`tangent`] at the covariance of the error;
+/// - s: the square root of the sum of `e_f . A e_f` over all factors.
+///
+/// The vector of source k is the sum of `v_kf A e_f / s` over all factors. Returns None if s is 0.
 fn spread(
     columns: &[Vector6<f64>],
     factors: &[Vec<(usize, f64)>],

@@ -134,8 +134,8 @@ impl Inverse {
 /// Searches values between the samples of the held joint for a usable posture.
 ///
 /// The search covers the interval around every sample whose [`Gap`] is not larger than those of its
-/// neighbours. The function searches no values if the distance out of reach is expensive to compute (see
-/// [`HeldJoint::fast`]).
+/// neighbours. If [`HeldJoint::fast`] is not None, the gap is too expensive to compute at many values. The
+/// function then searches nothing and returns `best`, the least gap of the samples, as the error.
 ///
 /// # Errors
 /// Returns the least gap if no searched value has a usable posture.

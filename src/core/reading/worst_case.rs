@@ -78,9 +78,13 @@ const PARALLEL_SINE: f64 = 1e-6;
 ///
 /// Flips of all parallel columns together are needed, for example, on a planar arm, whose lateral effects are
 /// perpendicular to all other effects. So the worst linear corners come in pairs, and no single flip leads
-/// from one corner of a pair to the other. `largest` holds the corners with the largest displacement and the
-/// largest rotation of the TCP. If many sources have hardly any linear effect, further starts take their
-/// signs from these corners.
+/// from one corner of a pair to the other.
+///
+/// `largest` holds two corners: those with the largest displacement and the largest rotation of the TCP. A
+/// source is weak if a flip of its sign can change the linear error by at most the threshold. If more than
+/// `MAX_EXHAUSTIVE` sources are weak, the search also starts from mixed corners. A mixed corner takes the
+/// signs of the weak sources from a corner in `largest`, and all other signs from `corner`. All signs of the
+/// weak sources, or all signs of the other sources, or both may be reversed.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,

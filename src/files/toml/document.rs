@@ -47,8 +47,10 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
-    /// Index of the source that holds the settings, and one entry per line of this source. The entry is true
-    /// if the setting on the line comes from a flag other than `--set`.
+    /// Index of the source that holds the settings, and one truth value per setting; None without settings.
+    ///
+    /// The value is true if a flag other than `--set` states the setting, and false if `--set` states it. The
+    /// source has one setting per line, in the order of the values.
     pub flags: Option<(usize, Vec<bool>)>,
     parsed: HashMap<usize, Option<Vec<Entry>>>,
     /// Total size, bytes, of the cell file and of the files named so far.

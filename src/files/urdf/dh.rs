@@ -201,8 +201,9 @@ impl ArmModel<'_> {
     }
 }
 
-/// Returns coordinate k of sample posture i in [-1, 1].
+/// Returns the coordinate of joint k in sample posture i, as a share of its sampled range, from -1 to 1.
 ///
+/// The value 1 stands for pi rad if the joint is revolute, and for 1 m if it is prismatic.
 /// Fractional parts of the multiples of the square root of a prime are evenly distributed (Weyl 1916).
 fn coordinate(i: usize, k: usize) -> f64 {
     const PRIMES: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];

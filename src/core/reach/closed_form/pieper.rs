@@ -41,10 +41,10 @@ pub(in crate::reach) struct PointTarget {
     /// Height of the target above the origin of frame 1 along axis 1, m. The height is used only if joint 1
     /// is revolute.
     pub height: f64,
-    /// Difference `d^2 - l_1^2`, m^2; it is used only if joint 1 is revolute.
+    /// Squared distance of the target from a point Q, minus `l_1^2`, m^2.
     ///
-    /// Here l_1 is the D-H length of link 1. The common normal of axes 1 and 2 meets axis 1 at a point Q. The
-    /// distance of the target from Q is d.
+    /// Q is the point where the common normal of axes 1 and 2 meets axis 1. l_1 is the D-H length of link 1.
+    /// The value is used only if joint 1 is revolute.
     pub distance2: f64,
     /// Coordinate x of the target in frame 0 rotated by the fixed theta_1 of a prismatic joint 1, m.
     pub x: f64,
@@ -63,8 +63,9 @@ pub(in crate::reach) struct Path {
 }
 
 impl Path {
-    /// Returns the form `f` (see [`PointForms`]) times the polynomial `one`, as a polynomial of the parameter
-    /// t.
+    /// Returns the polynomial `f[0] * one + f[1] * a + f[2] * b` of the parameter t.
+    ///
+    /// Divided by `one`, it is the value of the linear form `f` (see [`PointForms`]) on this path.
     fn on(&self, f: &Quadratic) -> Quadratic {
         std::array::from_fn(|k| f[0] * self.one[k] + f[1] * self.a[k] + f[2] * self.b[k])
     }

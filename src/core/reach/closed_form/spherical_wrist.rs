@@ -129,11 +129,10 @@ impl SphericalWrist {
         }
     }
 
-    /// Calls `found` with each solution for theta_4 to theta_6 that gives the last D-H frame the axes `x` and
-    /// `z`.
+    /// Calls `found` with each solution for theta_4 to theta_6 that reaches the required orientation.
     ///
-    /// `x` and `z` are unit vectors in frame 0, for the last D-H frame before its twist alpha_6. `posture`
-    /// holds theta_1 to theta_3.
+    /// The orientation is given by the unit vectors `x` and `z` in frame 0. They are axes x and z of frame 6
+    /// before the rotation by the D-H twist alpha_6. `posture` holds theta_1 to theta_3.
     #[inline]
     fn turn(
         &self,

@@ -118,8 +118,8 @@ impl ThreeParallel {
     ///
     /// Returns the distance (m) by which the wrist centre is out of reach. If the wrist centre is too near to
     /// axis 1 for every theta_1, this distance is measured along axis 2. Otherwise it is measured in the
-    /// plane of the arm, normal to axis 2. Even if the distance is 0, axes 4 to 6 without right angles may be
-    /// unable to reach the orientation.
+    /// plane of the arm, normal to axis 2. A distance of 0 does not always mean that a solution exists. If
+    /// alpha_4 or alpha_5 is not a right angle, axes 4 to 6 cannot reach every orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let (p, a) = (flange.transform(&self.centre), &self.first);
