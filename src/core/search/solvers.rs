@@ -98,7 +98,7 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
 /// global runs are 1, 2, 4 and 8 times the default, then 1 again.
 ///
 /// A local run has the default population. Its first step is [`SIGMA`] times a random factor from 0.01 to 1.
-/// With a small first step, a run can explore a small feasible region beside an obstacle.
+/// A run with a small first step can explore a small feasible region beside an obstacle.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {
         None => (SIGMA_FROM_FILE, 1),
