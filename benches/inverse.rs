@@ -20,7 +20,7 @@ use sweetspot::robot::{Chain, Posture};
 use sweetspot::{cell, files};
 
 fn folder() -> std::path::PathBuf {
-    std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data")
+    std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join("tests/data")
 }
 
 fn robot(name: &str) -> Robot {

@@ -20,7 +20,7 @@ use sweetspot::robot::Chain;
 use sweetspot::{cell, files};
 
 fn folder() -> std::path::PathBuf {
-    std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+    std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
 }
 
 fn shipped(name: &str) -> Cell {

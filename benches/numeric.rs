@@ -12,7 +12,7 @@ use sweetspot::reach::{AttitudeGoal, Numeric, TcpGoal};
 use sweetspot::robot::Chain;
 
 fn file(name: &str) -> Vec<u8> {
-    let folder = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let folder = std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join("tests/data");
     std::fs::read(folder.join(name)).expect("reference data")
 }
 

@@ -1,0 +1,1 @@
+//! Benchmarks of sweetspot, one program per layer: `cargo bench --bench layers`.
