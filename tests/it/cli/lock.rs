@@ -108,6 +108,16 @@ fn array_jobs_share_a_folder_and_a_whole_sweep_does_not_join_them() {
     shop.has("found", &["table.json", "0000.json", "0001.json", "0002.json"]);
 }
 
+#[test]
+fn a_lock_file_of_a_killed_owner_does_not_change_a_finished_result() {
+    let shop = Sandbox::new();
+    shop.done(&["search", CELL, "--budget", "40", "--out", "found"]);
+    let page = shop.done(&["report", "found", "--json"]).out;
+    shop.write(&format!("found/{LOCK}"), "process 1: sweetspot search");
+    assert_eq!(shop.done(&["report", "found", "--json"]).out, page);
+    shop.done(&["map", "found/best.toml"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_lock_that_is_no_file_is_refused() {
