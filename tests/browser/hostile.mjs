@@ -1,5 +1,5 @@
-// Tests every page and file that shows names with 500 hostile names. They try to be markup, scripts, formulas,
-// control codes or templates. See README.md.
+// Tests every page and file that shows names with 500 hostile names. They try to be markup, scripts,
+// formulas, control codes or templates. See README.md.
 
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";

@@ -1,5 +1,5 @@
-// Tests the live page of `sweetspot view` in Chromium: types, drags, undoes, saves and searches. Prints how long
-// a drop takes until the map is drawn. See README.md.
+// Tests the live page of `sweetspot view` in Chromium: types, drags, undoes, saves and searches. Prints how
+// long a drop takes until the map is drawn. See README.md.
 
 import { spawn, spawnSync } from "node:child_process";
 import { cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";

@@ -1,6 +1,5 @@
-// Tests the 3-D view of a report in Chromium. Every switch, view, key and drag must change the picture, and the
-// page must report no error.
-// See README.md.
+// Tests the 3-D view of a report in Chromium. Every switch, view, key and drag must change the picture, and
+// the page must report no error. See README.md.
 
 import { mkdirSync } from "node:fs";
 import { basename, join, resolve } from "node:path";

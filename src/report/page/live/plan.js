@@ -7,7 +7,8 @@
  * @property {Placement} at
  * @property {SVGGElement} group
  * @property {SVGTextElement} text
- * @property {{ arm: SVGLineElement, knob: SVGCircleElement } | null} handle turns the piece; `null` for an obstacle
+ * @property {{ arm: SVGLineElement, knob: SVGCircleElement } | null} handle turns the piece; `null` for an
+ * obstacle
  *
  * A drag of a piece that is under way.
  * @typedef {object} Drag

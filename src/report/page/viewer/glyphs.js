@@ -128,8 +128,8 @@ function arrowInstances(view) {
 }
 
 /**
- * Returns the error arrows of a node: the resultant, or one arrow for each axis. Components without a sign get
- * two opposite arrows.
+ * Returns the error arrows of a node: the resultant, or one arrow for each axis. Components without a sign
+ * get two opposite arrows.
  * @param {Field} field
  * @param {number} lens
  * @param {number} k

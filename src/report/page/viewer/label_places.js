@@ -152,8 +152,8 @@ function placesRound(at, width) {
 const isWithin = ({ left, right, top, bottom }, x, y) => x > left && x < right && y > top && y < bottom;
 
 /**
- * Returns the outline of parts on the screen, places round it for a name, and anchors. Returns null if an anchor
- * is behind the camera.
+ * Returns the outline of parts on the screen, places round it for a name, and anchors. Returns null if an
+ * anchor is behind the camera.
  * @param {View} view
  * @param {Part[]} parts
  */

@@ -118,8 +118,8 @@ function enlarge({ low, high }, point) {
 }
 
 /**
- * Finds creases and borders: edges whose pair of corner indices occurs in only one triangle. The triangles on the
- * two sides of a crease have corners of their own.
+ * Finds creases and borders: edges whose pair of corner indices occurs in only one triangle. The triangles
+ * on the two sides of a crease have corners of their own.
  * @param {ArrayLike<number>} positions
  * @param {ArrayLike<number>} indices
  */

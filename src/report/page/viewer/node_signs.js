@@ -42,7 +42,8 @@ const statusShape = ({ glyph }) =>
     : { path: CIRCLE, tone: "value", dashed: false };
 
 /**
- * Shape of every mark within a square from -1 to 1 (y downwards), and its tone. The tone is a style sheet class.
+ * Shape of every mark within a square from -1 to 1 (y downwards), and its tone. The tone is a style sheet
+ * class.
  * @type {Record<Mark, MarkShape>}
  */
 const MARKS = /** @type {any} */ ({

@@ -144,7 +144,8 @@ class Picture {
     view.height = height;
     this.fitCanvas(1);
     if (!this.isSized) view.camera = fittedCamera(view, "iso");
-    // If the picture becomes narrower, the camera moves back, so that the whole width of the cell stays visible.
+    // If the picture becomes narrower, the camera moves back, so that the whole width of the cell stays
+    // visible.
     else if (width / height < before && before < 1.2) view.camera.distance *= before / (width / height);
     this.isSized = true;
     this.redraw();

@@ -49,7 +49,8 @@ function colourScale(view) {
 }
 
 /**
- * Returns the magnification of the error arrows. The longest arrow spans about one to two and a half node distances.
+ * Returns the magnification of the error arrows. The longest arrow spans about one to two and a half node
+ * distances.
  * @param {View} view
  * @param {number} extent mm
  */

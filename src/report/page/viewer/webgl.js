@@ -130,8 +130,9 @@ function shadowTarget(gl) {
 }
 
 /**
- * Makes the rings of an arrow: centre and rim of its tail, end of its shaft, base and point of its head. A ring
- * has four numbers: end of the shaft (0 or 1), whether it belongs to the head, its width, whether it is the point.
+ * Makes the rings of an arrow: centre and rim of its tail, end of its shaft, base and point of its head. A
+ * ring has four numbers: end of the shaft (0 or 1), whether it belongs to the head, its width, whether it is
+ * the point.
  * @param {WebGL2RenderingContext} gl
  */
 function arrowForm(gl) {
