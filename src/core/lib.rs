@@ -6,6 +6,7 @@
 
 pub mod assess;
 pub mod cell;
+pub mod certificate;
 pub mod clearance;
 pub mod colours;
 pub mod drawing;

@@ -1,5 +1,6 @@
 //! The document of `map --json`.
 
+use super::buildability::{AssumedEntry, CertifiedEntry};
 use super::cell_yield::CellYieldEntry;
 use super::estimate::EstimateEntry;
 use super::node::{MapNode, MapNodes};
@@ -43,6 +44,11 @@ pub struct MapDocument<'a> {
     /// reading is statistical, every operation has a spot and at least one has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
+    /// Values that the cell file leaves out and that were assumed.
+    pub assumed: Vec<AssumedEntry>,
+    /// Whether the layout certainly works at every misplacement within its placement tolerances: true, or the
+    /// reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    pub certified: Option<CertifiedEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
     /// Motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion
@@ -102,6 +108,9 @@ pub struct OperationMapEntry<'a> {
     pub over: NodeAggregation,
     /// Value of the operation: the value of its best node, or the combined value of all its nodes.
     pub value: Option<f64>,
+    /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
+    /// certified, or if no bound is known.
+    pub worst: Option<f64>,
     pub counts: StatusCounts,
     pub guard: GuardEntry,
     /// Monte Carlo check of the spot; null unless the reading is statistical.
@@ -132,6 +141,8 @@ impl<'a> MapDocument<'a> {
             notes: caveats(cell),
             overlaps: a.evaluation.overlaps.iter().map(|o| o.in_words(cell)).collect(),
             cell_yield: CellYieldEntry::new(a),
+            assumed: AssumedEntry::all(cell),
+            certified: CertifiedEntry::new(a),
             reasons: a.reasons(),
             transfers: cell.transfer.is_some().then(|| transfers(a)),
             layout: placements(cell, &a.layout),
@@ -158,6 +169,7 @@ impl<'a> OperationMapEntry<'a> {
             margin: a.requirement(map.operation).map(|r| in_unit(cell.unit(), r.margin)),
             over: operation.over,
             value: map.value.map(|v| in_unit(cell.unit(), v)),
+            worst: a.worst(map.operation).map(|worst| nine_digits(cell.unit().from_si(worst))),
             counts: StatusCounts::new(map),
             guard: GuardEntry::new(cell, map),
             monte_carlo: MonteCarloEntry::new(a, map.operation),

@@ -7,6 +7,7 @@
 //! schema does not require are left out. Reading a document refuses unknown fields.
 
 mod budget;
+mod buildability;
 mod cell_yield;
 mod check;
 mod comparison;
@@ -33,6 +34,7 @@ mod verdict;
 mod words;
 
 pub use budget::{BudgetDocument, OperationBudget, ShareEntry, TightenEntry, TotalEntry};
+pub use buildability::{AssumedEntry, CertifiedEntry};
 pub use cell_yield::CellYieldEntry;
 pub use check::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, PoseEntry, UrdfEntry, UrdfRow, roll_pitch_yaw};
 pub use comparison::{ComparedLayout, ComparisonDocument};

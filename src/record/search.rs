@@ -1,5 +1,6 @@
 //! The result of a search: `search.json` and `search --json`.
 
+use super::buildability::{AssumedEntry, CertifiedEntry};
 use super::cell_yield::CellYieldEntry;
 use super::goals::{self, GoalsEntry};
 use super::numbers::{in_unit, nine_digits, rounded_down};
@@ -66,6 +67,13 @@ pub struct SearchResult {
     pub pareto: Option<Vec<Goal>>,
     /// Number of layouts to keep; null if the cell states none.
     pub keep: Option<usize>,
+    /// Whether the layout need only work exactly as drawn.
+    pub ideal: bool,
+    /// Values that the cell file leaves out and that were assumed.
+    pub assumed: Vec<AssumedEntry>,
+    /// Whether the best layout certainly works at every misplacement within its placement tolerances: true, or the
+    /// reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    pub certified: Option<CertifiedEntry>,
     /// Reasons why the best layout is not feasible.
     pub reasons: Vec<String>,
     /// Goals of the best layout; null if that layout is not feasible.
@@ -190,6 +198,9 @@ impl SearchResult {
             robust: settings.robust,
             pareto: (!settings.pareto.is_empty()).then(|| settings.pareto.iter().collect()),
             keep: Some(settings.keep).filter(|keep| *keep > 0),
+            ideal: settings.ideal,
+            assumed: AssumedEntry::all(cell),
+            certified: CertifiedEntry::new(best),
             reasons: best.reasons(),
             goals: best.goals().map(|values| GoalsEntry::new(cell, &values)),
             layout: placements(cell, &best.layout),

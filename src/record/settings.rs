@@ -24,6 +24,8 @@ pub struct ResolvedSettings {
     pub seed: u64,
     /// Largest number of layouts to evaluate.
     pub budget: u64,
+    /// Whether placement tolerances do not count.
+    pub ideal: bool,
     /// Whether the worst case over the placement tolerances is minimized.
     pub robust: bool,
     /// Relative gap between the best layout and the proven lower bound at which a search ends.
@@ -68,6 +70,7 @@ impl ResolvedSettings {
             solver: search.solver,
             seed: search.seed,
             budget: search.budget,
+            ideal: search.ideal,
             robust: search.robust,
             gap: search.gap,
             stagnation: search.stagnation,

@@ -22,6 +22,9 @@ pub struct SpotEntry {
     pub over: NodeAggregation,
     /// Value of the operation, in the unit of the objective.
     pub value: Option<f64>,
+    /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
+    /// certified, or if no bound is known.
+    pub worst: Option<f64>,
     /// Limit and margin; null if the operation has no limit or no spot.
     pub requirement: Option<RequirementEntry>,
     /// Indices of the node of the spot along x and y of the surface.
@@ -53,8 +56,10 @@ pub type OptionBySense = super::placement::ByName<Option<f64>>;
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
     pub limit: f64,
-    /// Limit minus the value of the operation; negative if the value exceeds the limit.
+    /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
+    /// withstand misplacements, `worst` takes the place of the value.
     pub margin: f64,
+    /// Whether the limit is kept. It is not if `worst` is needed but no bound is known.
     pub met: bool,
 }
 
@@ -83,6 +88,7 @@ impl SpotEntry {
             place: operation.place.in_words(),
             over: operation.over,
             value: map.value.map(|value| in_unit(unit, value)),
+            worst: a.worst(k).map(|worst| in_unit(unit, worst)),
             requirement,
             node: spot.map(|(n, _)| [n.i, n.j]),
             position_mm: spot.map(|(n, _)| position_mm(&n.position)),

@@ -2,11 +2,13 @@
 //! original cell file relative to the folder of the new file.
 
 use crate::cell::{Cell, Layout, Slot, Unit};
+use crate::safe_text::shown;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
 /// Returns the text of a cell file that includes the file `from`. The text fixes the free coordinates, error
-/// set, model, reading, quantity, registration, senses and limits. `comment` is one line.
+/// set, model, reading, quantity, registration, senses and limits, and states what was assumed. `comment` is
+/// one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -20,23 +22,42 @@ pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String 
         cell.quantity.name(),
         cell.registration.name()
     );
+    let assumed = |key: &str| cell.assumed.iter().find(|a| a.key == key);
+    let line_of = |key: &str, name: &str| assumed(key).map(|a| format!("{name} = {}\n", a.value));
+    out.extend(line_of("clearance_mm", "clearance_mm"));
+    let margins = ["joint_deg", "joint_mm", "singularity"];
+    let margins = margins.iter().filter_map(|name| line_of(&format!("margins.{name}"), name));
+    let margins: String = margins.collect();
+    if !margins.is_empty() {
+        let _ = write!(out, "\n[margins]\n{margins}");
+    }
     let free = cell.free();
     let of = |is: &dyn Fn(Slot) -> bool| {
         let lines = free.iter().filter(|(slot, _)| is(*slot));
         lines.map(|(slot, _)| line(*slot, layout.value(cell, *slot))).collect::<String>()
     };
     let base = of(&|slot| matches!(slot, Slot::Base(_)));
+    if let Some(tolerance) = line_of("robot.base_tolerance", "base_tolerance") {
+        let _ = write!(out, "\n[robot]\n{tolerance}");
+    }
     if !base.is_empty() {
         let _ = write!(out, "\n[robot.base]\n{base}");
     }
     for (k, equipment) in cell.equipment.iter().enumerate() {
         let placement = of(&|slot| matches!(slot, Slot::Equipment(of, _) if of == k));
+        let key = format!("equipment.{}.placement_tolerance", shown(&equipment.name));
+        if let Some(tolerance) = line_of(&key, "placement_tolerance") {
+            let _ = write!(out, "\n[equipment.{}]\n{tolerance}", quoted(&equipment.name));
+        }
         if !placement.is_empty() {
             let _ = write!(out, "\n[equipment.{}.placement]\n{placement}", quoted(&equipment.name));
         }
     }
-    if cell.search.robust {
-        out.push_str("\n[search]\nrobust = true\n");
+    let switches = [("ideal", cell.search.ideal), ("robust", cell.search.robust)];
+    let switches = switches.iter().filter(|(_, is_on)| *is_on).map(|(name, _)| format!("{name} = true\n"));
+    let switches: String = switches.collect();
+    if !switches.is_empty() {
+        let _ = write!(out, "\n[search]\n{switches}");
     }
     for (k, operation) in cell.operations.iter().enumerate() {
         let _ = writeln!(

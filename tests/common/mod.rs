@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use sweetspot::cell::{Cell, ErrorSet, Robot, SignedErrors};
 use sweetspot::files;
-use sweetspot::files::{Fault, Loaded};
+use sweetspot::files::{Fault, Loaded, Setting};
 use sweetspot::layout::Workcell;
 use toml::de::{DeTable, DeValue};
 
@@ -31,16 +31,30 @@ pub fn cases(default: usize, full: usize) -> usize {
 
 /// Loads a cell file from a folder, with shipped robots and equipment beside it.
 pub fn load_from(folder: &Path, name: &str) -> Result<Loaded, Vec<Fault>> {
+    load_with(folder, name, &[])
+}
+
+fn load_with(folder: &Path, name: &str, settings: &[Setting]) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
-    files::load(name, &mut |path: &str| {
+    files::load_with(name, settings, &mut |path: &str| {
         let here = folder.join(path);
         let file = if here.exists() { here } else { cells.join(path) };
         std::fs::read(file).map_err(|_| "no such file".to_string())
     })
 }
 
+/// Returns a shipped cell as a question about ideal layouts: nothing is assumed, and tolerances do not count.
 pub fn shipped(name: &str) -> Cell {
+    load_with(&root().join("cells"), name, &[ideal()]).unwrap_or_else(|f| panic!("{name}: {f:#?}")).cell
+}
+
+/// Returns a shipped cell as its file states it, with everything that is assumed.
+pub fn buildable(name: &str) -> Cell {
     load_from(&root().join("cells"), name).unwrap_or_else(|f| panic!("{name}: {f:#?}")).cell
+}
+
+fn ideal() -> Setting {
+    Setting::new("search.ideal", "true")
 }
 
 pub fn workcell(name: &str) -> Workcell {
@@ -63,10 +77,23 @@ pub fn signed(cell: &Cell) -> &SignedErrors {
     }
 }
 
-/// Loads a cell from text, with shipped robots and equipment.
+/// Loads a cell from text, with shipped robots and equipment. Without a placement tolerance or a robust search in
+/// the text, it is a question about ideal layouts.
 pub fn from_text(text: &str) -> Result<Loaded, Vec<Fault>> {
+    from_text_with(
+        text,
+        if text.contains("tolerance = {") || text.contains("robust") { Vec::new() } else { vec![ideal()] },
+    )
+}
+
+/// Loads a cell from text as a question about layouts to build, with everything that is assumed.
+pub fn from_text_to_build(text: &str) -> Result<Loaded, Vec<Fault>> {
+    from_text_with(text, Vec::new())
+}
+
+fn from_text_with(text: &str, settings: Vec<Setting>) -> Result<Loaded, Vec<Fault>> {
     let cells = root().join("cells");
-    files::load("test.toml", &mut |path: &str| {
+    files::load_with("test.toml", &settings, &mut |path: &str| {
         if path == "test.toml" {
             return Ok(text.as_bytes().to_vec());
         }

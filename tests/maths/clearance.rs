@@ -1218,10 +1218,11 @@ fn agree_on_layouts(cell: Cell, most: usize) -> [usize; 3] {
                 }
                 Outcome::Unjudged(why) => panic!("{why:?}"),
                 Outcome::Refused { refusal, .. } => panic!("{refusal:?}"),
+                Outcome::Uncertain { why, .. } => panic!("{why:?}"),
             }
             let kind = match outcome {
                 Outcome::Found(_) => 0,
-                Outcome::AllCollide { .. } | Outcome::Refused { .. } => 1,
+                Outcome::AllCollide { .. } | Outcome::Refused { .. } | Outcome::Uncertain { .. } => 1,
                 Outcome::Unreachable { .. } | Outcome::Unjudged(_) => 2,
             };
             seen[kind] += 1;

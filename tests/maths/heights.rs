@@ -213,7 +213,7 @@ fn a_robust_search_misplaces_two_heights_at_once() {
         for (k, mm) in [(0, table), (1, lamp)] {
             cell.equipment[k].tolerance = PlacementTolerance([0.0, 0.0, mm / 1e3, 0.0]);
         }
-        cell.search.robust = true;
+        (cell.search.robust, cell.search.ideal) = (true, false);
         let workcell = Workcell::new(cell).unwrap();
         let evaluation = evaluate(&workcell, &workcell.cell.start());
         assert!(evaluation.overlaps.is_empty(), "{:?}", evaluation.overlaps);

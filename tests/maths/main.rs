@@ -10,6 +10,7 @@ mod attitude;
 mod bound;
 mod calibration;
 mod cells;
+mod certificate;
 mod clearance;
 #[path = "../common/mod.rs"]
 mod common;

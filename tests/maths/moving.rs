@@ -1,6 +1,6 @@
 //! Tests what moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
 
-use crate::common::{root, shipped};
+use crate::common::{buildable, root, shipped};
 use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -142,7 +142,7 @@ fn held_parts_collide_only_in_their_operation() {
         let workcell = Workcell::new(cell.clone()).unwrap();
         workcell.maps(&cell.start()).iter().map(|m| m.count(NodeSign::Usable)).collect::<Vec<_>>()
     };
-    let (without, with) = (count(&shipped("hitachi_cell.toml")), count(&cell));
+    let (without, with) = (count(&buildable("hitachi_cell.toml")), count(&cell));
     assert_eq!(without[assembly], with[assembly]);
     assert!(with[picking] < without[picking], "{without:?} {with:?}");
 }

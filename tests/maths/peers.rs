@@ -106,7 +106,7 @@ fn the_layout_evaluations_of_peer_set_d_agree() {
             .zip(unreachable)
             .map(|(outcome, unreachable)| match outcome {
                 Outcome::Found(spot) => mm_from_m(spot.value),
-                Outcome::AllCollide { .. } | Outcome::Refused { .. } => 50.0,
+                Outcome::AllCollide { .. } | Outcome::Refused { .. } | Outcome::Uncertain { .. } => 50.0,
                 Outcome::Unreachable { .. } | Outcome::Unjudged(_) => unreachable,
             })
             .sum();

@@ -36,7 +36,9 @@ impl RankedPair {
                 Outcome::Found(spot) => (0, spot.value.to_bits()),
                 Outcome::AllCollide { nearest } => (1, nearest.value.to_bits()),
                 Outcome::Unreachable { gap } => (2, gap.reach.to_bits() ^ gap.limits.to_bits()),
-                Outcome::Unjudged(_) | Outcome::Refused { .. } => panic!("{outcome:?}"),
+                Outcome::Unjudged(_) | Outcome::Refused { .. } | Outcome::Uncertain { .. } => {
+                    panic!("{outcome:?}")
+                }
             };
             assert_eq!(key(got), key(want), "{layout:?}");
             counts[key(got).0] += 1;

@@ -88,7 +88,7 @@ fn short_of(workcell: &Workcell) -> Moves {
 fn misplacement_corners_agree_with_moved_cell_files() {
     let mut lost_somewhere = 0;
     // The equipment stands half a millimetre before the place where the spot is lost.
-    let short = short_of(&Workcell::new(stacked(&DRAWN, "", "grid = [10, 5]")).unwrap());
+    let short = short_of(&ideal(Workcell::new(stacked(&DRAWN, "", "grid = [10, 5]")).unwrap()));
     let near = moved(&DRAWN, &short);
     for (drawn, more, operation) in [
         (&near, "", "grid = [10, 5]"),
@@ -101,7 +101,7 @@ fn misplacement_corners_agree_with_moved_cell_files() {
             "points_mm = [[-100, -50], [200, 0]]\nover = \"mean\"",
         ),
     ] {
-        let workcell = Workcell::new(stacked(drawn, more, operation)).unwrap();
+        let workcell = ideal(Workcell::new(stacked(drawn, more, operation)).unwrap());
         let layout = workcell.cell.start();
         let maps = workcell.maps(&layout);
         let robustness = workcell.robustness(&layout, &maps)[0].clone().expect("a spot");
@@ -111,7 +111,7 @@ fn misplacement_corners_agree_with_moved_cell_files() {
             if all_nodes { (0..maps[0].nodes.len()).collect() } else { vec![maps[0].best.unwrap()] };
         let branch = |node: usize| maps[0].nodes[node].posture.as_ref().unwrap().branch;
         let value_in = |numbers: &Numbers| {
-            let workcell = Workcell::new(stacked(numbers, more, operation)).unwrap();
+            let workcell = ideal(Workcell::new(stacked(numbers, more, operation)).unwrap());
             let map = &workcell.maps(&workcell.cell.start())[0];
             let values: Option<Vec<f64>> = nodes.iter().map(|n| node_value(map, *n, branch(*n))).collect();
             values.map(|v| v.iter().sum::<f64>() / v.len() as f64)
@@ -323,7 +323,14 @@ fn the_refined_spot_of_shipped_cells_is_no_worse_and_keeps_off_touched_points() 
 /// Returns the same cell, evaluated at its worst over the placement tolerances.
 fn robust(workcell: &Workcell) -> Workcell {
     let mut cell = workcell.cell.clone();
-    cell.search.robust = true;
+    (cell.search.robust, cell.search.ideal) = (true, false);
+    Workcell::new(cell).unwrap()
+}
+
+/// Returns the same cell, evaluated as drawn.
+fn ideal(workcell: Workcell) -> Workcell {
+    let mut cell = workcell.cell;
+    cell.search.ideal = true;
     Workcell::new(cell).unwrap()
 }
 
@@ -335,7 +342,7 @@ fn the_robust_evaluation_is_the_least_worst_case_of_all_nodes() {
     let tables = [(0.0, 1000.0, 10.0), (200.0, 1050.0, -15.0), (-300.0, 900.0, 30.0)];
     for ((x, y, yaw), near) in tables.into_iter().flat_map(|t| [(t, false), (t, true)]) {
         let placement = format!("x_mm = {x}, y_mm = {y}, z_mm = 600, yaw_deg = {yaw}");
-        let workcell = one_table(&placement, LOOSE_TABLE, "grid = [10, 8]");
+        let workcell = ideal(one_table(&placement, LOOSE_TABLE, "grid = [10, 8]"));
         let mut layout = workcell.cell.start();
         if near {
             let short = short_of(&workcell);
@@ -363,9 +370,10 @@ fn the_robust_evaluation_is_the_least_worst_case_of_all_nodes() {
         let least = (0..drawn.nodes.len()).filter_map(worst).fold(f64::INFINITY, f64::min);
         let evaluation = evaluate(&robust(&workcell), &layout);
         let objective = evaluation.objective.expect("feasible");
-        assert!((objective - least).abs() < 1e-9, "{objective} {least}");
+        // The bound covers the whole box of tolerances, not only its corners.
+        assert!((least..1.005 * least).contains(&objective), "{objective} {least}");
         let Outcome::Found(spot) = evaluation.outcomes[0] else { panic!("no spot") };
-        assert!((worst(spot.node).unwrap() - objective).abs() < 1e-9);
+        assert!(worst(spot.node).unwrap() <= objective);
         // The map shows the same spot.
         assert_eq!(robust(&workcell).maps(&layout)[0].spot(), Some(spot));
         chosen_otherwise += usize::from(Some(spot.node) != drawn.best);
@@ -377,7 +385,8 @@ fn the_robust_evaluation_is_the_least_worst_case_of_all_nodes() {
 fn placement_tolerances_do_not_change_a_nominal_evaluation() {
     let [exact, loose] = ["", LOOSE_TABLE].map(|tolerance| one_table(THERE, tolerance, "grid = [10, 8]"));
     let layout = exact.cell.start();
-    assert_eq!(evaluate(&exact, &layout), evaluate(&loose, &layout));
+    assert_eq!(evaluate(&exact, &layout), evaluate(&ideal(loose), &layout));
+    let loose = one_table(THERE, LOOSE_TABLE, "grid = [10, 8]");
     // No value improves under misplacement.
     assert!(evaluate(&robust(&loose), &layout).cost > evaluate(&loose, &layout).cost);
 }
@@ -393,7 +402,7 @@ fn a_layout_that_may_overlap_is_not_robust() {
     let there = "x_mm = 0, y_mm = 1000, z_mm = 600";
     // The table of 1500 mm ends at 750, the block begins at x - 100: gaps of 1, 2.5 and 50 mm.
     for (gap, feasible) in [(1.0, false), (2.5, false), (50.0, true)] {
-        let workcell = one_table(there, LOOSE_TABLE, &block(850.0 + gap));
+        let workcell = ideal(one_table(there, LOOSE_TABLE, &block(850.0 + gap)));
         let layout = workcell.cell.start();
         assert!(evaluate(&workcell, &layout).objective.is_some());
         let evaluation = evaluate(&robust(&workcell), &layout);
@@ -407,7 +416,7 @@ fn a_layout_that_may_overlap_is_not_robust() {
 fn a_robust_search_beats_the_worst_case_of_the_nominal_layout() {
     let placement = "x_mm = { min = -400, max = 400 }, y_mm = { min = 800, max = 1300 }, z_mm = { min = 500, max = 800 }, \
                      yaw_deg = { min = -20, max = 20 }";
-    let nominal = one_table(placement, LOOSE_TABLE, "grid = [6, 4]");
+    let nominal = ideal(one_table(placement, LOOSE_TABLE, "grid = [6, 4]"));
     let robust = robust(&nominal);
     let stop = AtomicBool::new(false);
     let watch = Watch { progress: &|_| (), stop: &stop };
@@ -425,7 +434,8 @@ fn a_robust_search_beats_the_worst_case_of_the_nominal_layout() {
     let maps = robust.maps(&hardened.layout);
     let told = robust.robustness(&hardened.layout, &maps)[0].clone().unwrap();
     assert!(told.lost.is_empty() && told.holds());
-    assert!((told.worst.unwrap().value.max(told.value) - worst).abs() < 1e-12);
+    let sampled = told.worst.unwrap().value.max(told.value);
+    assert!((sampled..1.005 * sampled).contains(&worst), "{worst} {sampled}");
 }
 
 #[test]

@@ -199,7 +199,7 @@ fn a_search_is_never_worse_than_the_start_layout() {
     }
     // The start layout may be finer than the rounding of the search, in either direction.
     for fine in [-4e-7, 4e-7] {
-        let mut cell = workcell.cell.clone();
+        let mut cell = shipped("hitachi_cell.toml");
         let Coordinate::Range { start, .. } = &mut cell.equipment[0].placement[1] else { panic!("fixed") };
         *start += fine;
         let drawn = Workcell::new(cell).unwrap();

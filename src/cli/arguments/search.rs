@@ -21,6 +21,10 @@ pub struct SearchArguments {
     /// Seed of all random numbers; the same seed gives the same files, byte for byte
     #[arg(long)]
     pub seed: Option<u64>,
+    /// Find the layout that works exactly as drawn: placement tolerances do not count, and no clearance or margin
+    /// is assumed
+    #[arg(long)]
+    pub ideal: bool,
     /// Minimize the worst case over the placement tolerances instead of the value as drawn
     #[arg(long)]
     pub robust: bool,
@@ -96,6 +100,9 @@ impl SearchArguments {
         settings.extend(whole("stagnation", "search.stagnation", self.rules.stagnation));
         settings.extend(whole("keep", "search.keep", self.keep));
         settings.extend(word("solver", "search.solver", self.solver.as_ref()));
+        if self.ideal {
+            settings.push(Setting::of_flag("--ideal", "search.ideal", "true"));
+        }
         if self.robust {
             settings.push(Setting::of_flag("--robust", "search.robust", "true"));
         }

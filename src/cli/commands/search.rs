@@ -204,9 +204,10 @@ fn answer(
         },
     };
     format!(
-        "{}\n\n{}\n{}{}{}{}{said}\n{}{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
+        "{}\n\n{}\n{}{}{}{}{}{said}\n{}{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
         report::text::headline(cell),
         report::text::comparison(comparison),
+        report::text::assumptions(cell),
         comparison.columns.last().map(report::text::robustness).unwrap_or_default(),
         comparison.columns.last().map(report::text::goals_line).unwrap_or_default(),
         comparison.columns.last().map(report::text::yield_lines).unwrap_or_default(),

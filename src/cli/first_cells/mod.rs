@@ -156,7 +156,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
                 "placeholder",
             ],
             700,
-            stand("bench", (0, 300, 650), 0, 500).ranging(600, 800),
+            stand("bench", (60, 315, 650), 0, 500).ranging(600, 800),
             stand("feeder", (0, -220, 700), 0, 600),
         )
     },
@@ -171,7 +171,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
         ..sketch(
             ["track", "a PUMA 560 on a floor track, bench and feeder", "puma560_on_track", "placeholder"],
             0,
-            stand("bench", (550, 700, 800), 0, 1400).ranging(600, 1000),
+            stand("bench", (600, 700, 800), 0, 1400).ranging(600, 1000),
             stand("feeder", (-500, 0, 750), 90, 1400),
         )
     },

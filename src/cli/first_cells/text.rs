@@ -39,7 +39,7 @@ reading = "statistical"
 quantity = "p95"
 
 # A distance below this counts as a collision.
-clearance_mm = 0
+clearance_mm = 10
 "#
         )
     }

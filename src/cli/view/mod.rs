@@ -238,6 +238,8 @@ fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Ass
     let maps = workcell.maps(&layout);
     let overlaps = is_settled && !evaluation.overlaps.is_empty();
     let apart = if overlaps { separated(workcell, &layout) } else { None };
+    let is_certified = workcell.certifies() && evaluation.objective.is_some();
+    let certificate = is_certified.then(|| workcell.certificate(&layout, &maps));
     let operations = maps.len();
     Assessment {
         label: "view".into(),
@@ -251,6 +253,7 @@ fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Ass
         samples: vec![None; operations],
         cell_yield: None,
         confirmed: vec![None; operations],
+        certificate,
         apart,
     }
 }

@@ -2,8 +2,10 @@
 
 use super::posture_context::no_usable_node;
 use crate::cell::{Cell, Layout};
-use crate::error_map::OperationMap;
+use crate::clearance::Overlap;
+use crate::error_map::{OperationMap, Outcome};
 use crate::layout::{Evaluation, Workcell, evaluate, separated};
+use crate::safe_text::shown;
 use crate::units::mm_from_m;
 
 /// Evaluation of a layout with the reasons why it is infeasible.
@@ -44,13 +46,30 @@ pub fn reasons<'m>(
     }
     let overlaps = evaluation.overlaps.iter().map(|o| o.in_words(cell));
     let apart = apart.map(|apart| nearest_without_overlap(cell, layout, apart));
-    let spotless = spotless.map(|map| no_usable_node(cell, map));
+    // An operation with a spot that is only not certified is named below.
+    let is_certain = |map: &&OperationMap| {
+        !matches!(evaluation.outcomes.get(map.operation), Some(Outcome::Uncertain { .. }))
+    };
+    let spotless = spotless.filter(is_certain).map(|map| no_usable_node(cell, map));
     let blocked = evaluation.blocked.iter().map(|b| b.in_words(cell));
-    let mut all: Vec<String> = overlaps.chain(apart).chain(spotless).chain(blocked).collect();
-    if all.is_empty() && evaluation.objective.is_none() {
-        all.push("feasible as drawn, but not everywhere within its placement tolerances".into());
-    }
-    all
+    let misplaced = misplaced(cell, evaluation);
+    overlaps.chain(apart).chain(spotless).chain(blocked).chain(misplaced).collect()
+}
+
+/// Returns why a layout that works as drawn does not work at every misplacement, in words.
+fn misplaced(cell: &Cell, evaluation: &Evaluation) -> Vec<String> {
+    let within = "within the placement tolerances";
+    let near = evaluation.near.iter().filter(|near| {
+        let is_drawn = |o: &&Overlap| (o.a, o.b) == (near.a, near.b);
+        !evaluation.overlaps.iter().any(|o| is_drawn(&o))
+    });
+    let near = near.map(|o| format!("{within}: {}", o.in_words(cell)));
+    let named = |k: usize| shown(&cell.operations[k].name);
+    let uncertain = evaluation.outcomes.iter().enumerate().filter_map(|(k, outcome)| match outcome {
+        Outcome::Uncertain { why, .. } => Some(format!("{within}: {}: {}", named(k), why.in_words(cell))),
+        _ => None,
+    });
+    near.chain(uncertain).collect()
 }
 
 /// Describes in words where to move overlapping equipment: the nearest placements found without overlap.

@@ -33,7 +33,7 @@ use sampled_spots::{SampledSpots, take_over};
 use crate::cell::{Cell, Goals, Layout, Operation, Reading, Role, Unit};
 
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
-use crate::layout::{Evaluation, Refined, Robustness, Workcell, evaluate, separated};
+use crate::layout::{Evaluation, LayoutCertificate, Refined, Robustness, Workcell, evaluate, separated};
 use crate::proof::Proof;
 use crate::reach::{Envelope, Fineness};
 use crate::reading::{Estimate, Figures, MonteCarlo};
@@ -66,6 +66,9 @@ pub struct Assessment<'a> {
     ///
     /// If the samples refute these figures, the map holds the figures of the samples at the spot.
     pub confirmed: Vec<Option<bool>>,
+    /// Certificate that the layout works at every misplacement; None if none is demanded, or if the layout is not
+    /// feasible.
+    pub certificate: Option<LayoutCertificate>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
     pub apart: Option<Layout>,
 }
@@ -84,6 +87,8 @@ impl<'a> Assessment<'a> {
         let confirmed = take_over(workcell, &samples, &mut maps, &mut evaluation);
         let layout = if evaluation.misfit.is_some() { workcell.cell.start() } else { layout };
         let (cell, robustness) = (&workcell.cell, Vec::new());
+        let is_certified = workcell.certifies() && evaluation.objective.is_some();
+        let certificate = is_certified.then(|| workcell.certificate(&layout, &maps));
         Self {
             label: label.to_string(),
             cell,
@@ -96,6 +101,7 @@ impl<'a> Assessment<'a> {
             samples,
             cell_yield,
             confirmed,
+            certificate,
             apart,
         }
     }
@@ -111,7 +117,8 @@ impl<'a> Assessment<'a> {
     /// Call [`Self::misplaced`] first.
     pub fn is_robust(&self) -> bool {
         let holds = |r: &Option<Robustness>| r.as_ref().is_some_and(Robustness::holds);
-        self.evaluation.objective.is_some() && self.robustness.iter().all(holds)
+        let is_certified = self.certificate.as_ref().is_none_or(LayoutCertificate::holds);
+        self.evaluation.objective.is_some() && is_certified && self.robustness.iter().all(holds)
     }
 
     /// Returns coarse outlines of the region that the arm reaches at the height of an operation's TCP.
@@ -201,8 +208,21 @@ impl<'a> Assessment<'a> {
     /// yield, whose definition already contains the limit.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit() != Unit::Share)?;
-        let value = self.maps[operation].value?;
-        Some(Requirement { limit, margin: limit - value })
+        let drawn = self.maps[operation].value?;
+        let (value, known) = match &self.certificate {
+            None => (drawn, true),
+            Some(_) => self.worst(operation).map_or((drawn, false), |worst| (worst, true)),
+        };
+        Some(Requirement { limit, margin: limit - value, known })
+    }
+
+    /// Returns an upper bound of the value of an operation over all misplacements, m or rad; None if the layout is
+    /// not certified or no bound is known.
+    pub fn worst(&self, operation: usize) -> Option<f64> {
+        let certified = self.certificate.as_ref()?.operations.get(operation)?.as_ref()?;
+        let most = certified.as_ref().ok()?.most?;
+        // A bound cannot be below the value as drawn, except by rounding.
+        Some(self.maps[operation].value.map_or(most, |value| most.max(value)))
     }
 
     /// Returns whether every operation that has a limit and a spot keeps this limit.
@@ -222,13 +242,17 @@ impl<'a> Assessment<'a> {
 pub struct Requirement {
     pub limit: f64,
     /// Limit minus the error of the operation under the reading; negative if the limit is exceeded.
+    ///
+    /// If the layout must withstand misplacements, the error is its upper bound over all of them.
     pub margin: f64,
+    /// Whether the upper bound is known; if not, the error is the one as drawn.
+    pub known: bool,
 }
 
 impl Requirement {
     /// Returns whether the error of the operation is at most the limit.
     pub fn is_met(self) -> bool {
-        self.margin >= 0.0
+        self.known && self.margin >= 0.0
     }
 }
 

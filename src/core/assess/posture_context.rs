@@ -40,6 +40,9 @@ pub struct PostureContext<'a> {
     pub evaluator: ErrorEvaluator,
     pub situation: WorkContext,
     pub frames: Frames,
+    /// Upper bound of the value at the spot over all misplacements, m or rad; None if no certificate is demanded, or
+    /// if the posture is not that of the spot. The inner value is None if no bound is known.
+    pub worst: Option<Option<f64>>,
 }
 
 impl<'a> PostureContext<'a> {
@@ -76,6 +79,12 @@ impl<'a> PostureContext<'a> {
         };
         let posed = workcell.posed(layout, maps, operation, posture);
         let (situation, frames) = posed.map_err(|why| unusable(why.in_words()))?;
+        let is_spot = map.best_node().is_some_and(|best| (best.i, best.j) == (node.i, node.j));
+        let worst = (is_spot && workcell.certifies()).then(|| {
+            let certificate = workcell.certificate(layout, maps);
+            let found = certificate.operations.into_iter().nth(operation).flatten();
+            found.and_then(|found| found.ok()?.most)
+        });
         Ok(Self {
             cell,
             operation,
@@ -86,6 +95,7 @@ impl<'a> PostureContext<'a> {
             evaluator: workcell.evaluator(operation).clone(),
             situation,
             frames,
+            worst,
         })
     }
 
@@ -118,7 +128,8 @@ impl<'a> PostureContext<'a> {
         };
         let position = layout.base.pose().transform(&frames.tcp.translation);
         let base = layout.base;
-        Ok(Self { cell, operation, base, node: None, position, joints, evaluator, situation, frames })
+        let worst = None;
+        Ok(Self { cell, operation, base, node: None, position, joints, evaluator, situation, frames, worst })
     }
 }
 
@@ -130,7 +141,12 @@ impl PostureContext<'_> {
     /// already contains the limit.
     pub fn requirement(&self, value: f64) -> Option<Requirement> {
         let limit = self.evaluator.limit.filter(|_| self.cell.unit() != Unit::Share)?;
-        Some(Requirement { limit, margin: limit - value })
+        let (worst, known) = match self.worst {
+            None => (value, true),
+            Some(None) => (value, false),
+            Some(Some(worst)) => (worst.max(value), true),
+        };
+        Some(Requirement { limit, margin: limit - worst, known })
     }
 }
 

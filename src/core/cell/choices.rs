@@ -205,9 +205,13 @@ pub struct SearchSettings {
     pub objective: Objective,
     /// Relative difference up to which the lexicographic objective takes two values as equally good.
     pub indifference: f64,
+    /// Coordinates that a search finds are multiples of the resolution.
+    pub resolution: Resolution,
     /// Largest number of layout evaluations.
     pub budget: u64,
     pub seed: u64,
+    /// Whether placement tolerances do not count: the layout need only work exactly as drawn.
+    pub ideal: bool,
     /// Whether the search minimizes the worst value over the placement tolerances instead of the value as
     /// drawn.
     pub robust: bool,
@@ -223,6 +227,31 @@ pub struct SearchSettings {
     pub keep: usize,
 }
 
+/// Value that the cell file leaves out and that is assumed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assumption {
+    /// Key of the cell file that changes the value, for example `margins.joint_deg`.
+    pub key: String,
+    /// Assumed value in the notation of the file.
+    pub value: String,
+}
+
+/// Resolution of the coordinates that a search finds.
+///
+/// It is in mm and degrees, because the coordinates are multiples in the units of files.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    pub mm: f64,
+    pub deg: f64,
+}
+
+impl Resolution {
+    /// Resolution that a fitter can set.
+    pub const BUILDABLE: Self = Self { mm: 1.0, deg: 0.1 };
+    /// Resolution of an ideal layout: a file can hold exactly the coordinates that were evaluated.
+    pub const IDEAL: Self = Self { mm: 1e-3, deg: 1e-4 };
+}
+
 impl SearchSettings {
     /// Allowed budgets, in layout evaluations.
     pub const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
@@ -232,8 +261,10 @@ impl SearchSettings {
         solver: Solver::CmaEs,
         objective: Objective::WeightedSum,
         indifference: 0.01,
+        resolution: Resolution::BUILDABLE,
         budget: 20_000,
         seed: 1,
+        ideal: false,
         robust: false,
         gap: None,
         stagnation: None,

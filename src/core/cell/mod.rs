@@ -3,6 +3,7 @@
 //! A [`Cell`] is plain data in m and rad. The reader of cell files validates it, so no other code checks it
 //! again.
 
+mod assumption;
 mod attitude;
 mod change;
 mod choices;
@@ -18,6 +19,7 @@ mod robot_model;
 mod sense;
 mod shape;
 
+pub use assumption::StatedKeys;
 pub use attitude::*;
 pub use choices::*;
 pub use constraints::*;

@@ -230,6 +230,8 @@ pub struct Cell {
     pub transfer: Option<TransferRules>,
     pub fence: Option<Fence>,
     pub search: SearchSettings,
+    /// Values that the cell file leaves out and that are assumed.
+    pub assumed: Vec<Assumption>,
 }
 
 impl Cell {

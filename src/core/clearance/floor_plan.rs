@@ -7,7 +7,7 @@ use super::fence;
 use super::floor_heights::{HeightRange, Heights, base_top, rise};
 use super::floor_rectangle::{AxisDepth, PlacedRectangle, least_overlap, overlap_depth};
 use super::overlap::{Overlap, Party};
-use crate::cell::{Cell, Equipment, Fence, Layout, Placement, Rectangle, Role};
+use crate::cell::{Cell, Equipment, Fence, Layout, Placement, PlacementTolerance, Rectangle, Role};
 use crate::geometry::PlanePoint;
 
 /// Shortest way to separate two floor spaces in plan: move `a` along `direction` (unit) by `depth` (m).
@@ -101,6 +101,9 @@ impl EquipmentFootprint {
 }
 
 /// Floor spaces of a cell, prepared once for all layouts.
+///
+/// [`Self::with_tolerances`] gives a plan in which floor spaces also keep the distance by which misplacements may
+/// bring them nearer together. A layout without an overlap in this plan has none at any misplacement.
 pub struct FloorPlan {
     equipment: Vec<EquipmentFootprint>,
     /// For each piece of equipment, the index of the equipment on which it stands, if any.
@@ -111,6 +114,9 @@ pub struct FloorPlan {
     /// Keep-out boxes with their heights in the world.
     pub(super) keep_out: Vec<(PlacedRectangle, HeightRange)>,
     clearance: f64,
+    /// Extra distance that each piece of equipment keeps.
+    room: Vec<Room>,
+    base_room: Room,
     floor: f64,
     fence: Option<FencePolygon>,
     pub(super) enabled: bool,
@@ -136,10 +142,19 @@ impl FloorPlan {
                 .map(|k| (PlacedRectangle::of_keep_out(k), (k.min.z, k.max.z)))
                 .collect(),
             clearance: cell.clearance,
+            room: vec![Room::NONE; cell.equipment.len()],
+            base_room: Room::NONE,
             floor: cell.floor,
             fence: cell.fence.as_ref().map(FencePolygon::new),
             enabled: cell.collision,
         }
+    }
+
+    /// Prepares the floor spaces of a cell, each with room for its misplacement.
+    pub fn with_tolerances(cell: &Cell) -> Self {
+        let room = (0..cell.equipment.len()).map(|k| Room::of_equipment(cell, k)).collect();
+        let base_room = Room::NONE.plus(&cell.base_tolerance, farthest(&cell.robot.footprint));
+        Self { room, base_room, ..Self::new(cell) }
     }
 
     /// Returns whether `equipment` stands on `other`, directly or through equipment between them.
@@ -169,9 +184,9 @@ impl FloorPlan {
         rise(self.equipment[i].heights.known_at(at.z), heights)
     }
 
-    /// Returns whether a vertical distance, m, is below the clearance.
-    fn is_near(&self, rise: f64) -> bool {
-        rise < self.clearance - TOUCHING
+    /// Returns whether a vertical distance, m, is below the clearance plus `room`.
+    fn is_near(&self, rise: f64, room: Room) -> bool {
+        rise < self.clearance + room.height - TOUCHING
     }
 
     /// Returns the separation of every pair of floor spaces that includes movable equipment.
@@ -183,24 +198,26 @@ impl FloorPlan {
         let base = PlacedRectangle::new(&self.base, &layout.base);
         for (i, (stand, at)) in all().filter(|(_, (stand, _))| stand.role == Role::Equipment) {
             let here = stand.placed(at);
-            let mut note = |b: Option<usize>, there: &PlacedRectangle, rise: f64| {
-                if self.is_near(rise) {
-                    let AxisDepth { direction, depth } = least_overlap(&here, there, self.clearance);
+            let own = self.room[i];
+            let mut note = |b: Option<usize>, there: &PlacedRectangle, rise: f64, room: Room| {
+                if self.is_near(rise, room) {
+                    let clearance = self.clearance + room.plan;
+                    let AxisDepth { direction, depth } = least_overlap(&here, there, clearance);
                     pairs.push(Separation { a: i, b, direction, depth });
                 }
             };
             for (j, (other, there)) in all() {
                 let apart = !self.rides(i, j) && !self.rides(j, i);
                 if apart && (j > i || other.role == Role::Obstacle) {
-                    note(Some(j), &other.placed(there), self.rise((i, at), (j, there)));
+                    note(Some(j), &other.placed(there), self.rise((i, at), (j, there)), own + self.room[j]);
                 }
             }
-            note(None, &base, self.rise_from_base(i, at, &layout.base));
+            note(None, &base, self.rise_from_base(i, at, &layout.base), own + self.base_room);
             for (keep_out, heights) in &self.keep_out {
-                note(None, keep_out, self.rise_from(i, at, *heights));
+                note(None, keep_out, self.rise_from(i, at, *heights), own);
             }
             if let Some(fence) = &self.fence {
-                let sides = fence.separations(&here, self.clearance);
+                let sides = fence.separations(&here, self.clearance + own.plan);
                 pairs.extend(sides.map(|AxisDepth { direction, depth }| Separation {
                     a: i,
                     b: None,
@@ -222,53 +239,105 @@ impl FloorPlan {
         if !self.enabled {
             return;
         }
-        let clearance = self.clearance;
         let all = || self.equipment.iter().zip(&layout.placements).enumerate();
         let base = PlacedRectangle::new(&self.base, &layout.base);
         for (i, (stand, at)) in all() {
-            let party = Party::Equipment(i);
+            let (party, own) = (Party::Equipment(i), self.room[i]);
             let here = stand.placed(at);
-            let depth = |there: &PlacedRectangle| overlap_depth(&here, there, clearance);
+            let depth = |there: &PlacedRectangle, room: Room| overlap_depth(&here, there, self.wanted(room));
             for (j, (other, there)) in all().skip(i + 1) {
                 let both_still = (stand.role, other.role) == (Role::Obstacle, Role::Obstacle);
                 if !both_still && !self.rides(i, j) && !self.rides(j, i) {
-                    let rise = || self.rise((i, at), (j, there));
-                    found.extend(self.overlap(party, Party::Equipment(j), depth(&other.placed(there)), rise));
+                    let (rise, room) = (|| self.rise((i, at), (j, there)), own + self.room[j]);
+                    let depth = depth(&other.placed(there), room);
+                    found.extend(self.overlap((party, Party::Equipment(j)), depth, rise, room));
                 }
             }
-            let rise = || self.rise_from_base(i, at, &layout.base);
-            found.extend(self.overlap(party, Party::RobotBase, depth(&base), rise));
+            let (rise, room) = (|| self.rise_from_base(i, at, &layout.base), own + self.base_room);
+            found.extend(self.overlap((party, Party::RobotBase), depth(&base, room), rise, room));
             for (k, (box_plan, heights)) in self.keep_out.iter().enumerate() {
                 let rise = || self.rise_from(i, at, *heights);
-                found.extend(self.overlap(party, Party::KeepOut(k), depth(box_plan), rise));
+                found.extend(self.overlap((party, Party::KeepOut(k)), depth(box_plan, own), rise, own));
             }
             let sunk = self.floor - (at.z + stand.heights.low);
             let floor = Overlap { a: party, b: Party::Floor, depth: sunk, clearance: 0.0, rise: 0.0 };
             found.extend((sunk > TOUCHING).then_some(floor));
             if let Some(fence) = self.fence.as_ref().filter(|_| stand.role == Role::Equipment) {
-                found.extend(self.overlap(
-                    party,
-                    Party::Fence,
-                    fence.passed_by(&here, clearance),
-                    fence_rise,
-                ));
+                let depth = fence.passed_by(&here, self.wanted(own));
+                found.extend(self.overlap((party, Party::Fence), depth, fence_rise, own));
             }
         }
         if let Some(fence) = &self.fence {
-            let depth = fence.passed_by(&base, clearance);
-            found.extend(self.overlap(Party::RobotBase, Party::Fence, depth, fence_rise));
+            let room = self.base_room;
+            let depth = fence.passed_by(&base, self.wanted(room));
+            found.extend(self.overlap((Party::RobotBase, Party::Fence), depth, fence_rise, room));
         }
     }
 
-    /// Returns the overlap of two objects; None if they keep the clearance.
-    ///
-    /// `depth` is their overlap in plan (m, clearance included), and `rise` computes their vertical distance
-    /// (m).
-    fn overlap(&self, a: Party, b: Party, depth: f64, rise: impl Fn() -> f64) -> Option<Overlap> {
-        let rise = if depth > TOUCHING { rise() } else { return None };
-        let clearance = self.clearance;
-        self.is_near(rise).then_some(Overlap { a, b, depth, clearance, rise: rise.max(0.0) })
+    /// Returns the distance in plan that two floor spaces must keep, m.
+    fn wanted(&self, room: Room) -> f64 {
+        self.clearance + room.plan
     }
+
+    /// Returns the overlap of two objects; None if they keep the clearance and the room for misplacements.
+    ///
+    /// `depth` is their overlap in plan (m, clearance and room included), and `rise` computes their vertical
+    /// distance (m).
+    fn overlap(
+        &self,
+        (a, b): (Party, Party),
+        depth: f64,
+        rise: impl Fn() -> f64,
+        room: Room,
+    ) -> Option<Overlap> {
+        let rise = if depth > TOUCHING { rise() } else { return None };
+        let clearance = self.wanted(room);
+        self.is_near(rise, room).then_some(Overlap { a, b, depth, clearance, rise: rise.max(0.0) })
+    }
+}
+
+/// Distance that a floor space keeps in addition to the clearance, because it may be misplaced, m.
+#[derive(Debug, Clone, Copy)]
+struct Room {
+    plan: f64,
+    height: f64,
+}
+
+impl Room {
+    const NONE: Self = Self { plan: 0.0, height: 0.0 };
+
+    /// Returns the room of a piece of equipment: any point of its floor space moves by at most this distance.
+    fn of_equipment(cell: &Cell, equipment: usize) -> Self {
+        let (mut room, mut far, mut piece) =
+            (Self::NONE, farthest(&cell.equipment[equipment].footprint), equipment);
+        loop {
+            let Equipment { tolerance, placement, on, .. } = &cell.equipment[piece];
+            room = room.plus(tolerance, far);
+            let Some(under) = on else { return room };
+            let most = |axis: usize| placement[axis].range().0.abs().max(placement[axis].range().1.abs());
+            far += most(0).hypot(most(1));
+            piece = *under;
+        }
+    }
+
+    /// Returns this room plus that of a body with a placement tolerance; `far` is the distance of the farthest
+    /// point from the origin of the body, m.
+    fn plus(self, tolerance: &PlacementTolerance, far: f64) -> Self {
+        let [x, y, z, yaw] = tolerance.0;
+        Self { plan: self.plan + x.hypot(y) + far * yaw, height: self.height + z }
+    }
+}
+
+impl std::ops::Add for Room {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { plan: self.plan + other.plan, height: self.height + other.height }
+    }
+}
+
+/// Returns the distance from the origin to the farthest point of a rectangle, m.
+fn farthest(r: &Rectangle) -> f64 {
+    (r.centre.0.abs() + r.size.0 / 2.0).hypot(r.centre.1.abs() + r.size.1 / 2.0)
 }
 
 /// Returns the vertical distance from the fence: negative infinity, since the fence occupies all heights.

@@ -45,11 +45,11 @@ impl Load {
         Self { held: [Some(from), Some(to)] }
     }
 
-    fn has(&self, link: &RobotSolid) -> bool {
+    pub(super) fn has(&self, link: &RobotSolid) -> bool {
         link.operation.is_none_or(|o| self.held.iter().flatten().any(|h| h.0 == o))
     }
 
-    fn spares(&self, link: &RobotSolid, equipment: usize) -> bool {
+    pub(super) fn spares(&self, link: &RobotSolid, equipment: usize) -> bool {
         let rests = || self.held.iter().flatten().any(|h| Some(h.0) == link.operation && h.1);
         link.may_touch == Some(equipment) && rests()
     }
@@ -100,6 +100,16 @@ impl Scene {
             let bodies = bodies.filter(move |(_, b)| !load.spares(link, b.id.0));
             bodies.map(move |(b, _)| Pair { link: k, against: Against::Placed(b) }).chain(floor)
         })
+    }
+
+    /// Returns the index of the equipment to which the second solid of a pair belongs.
+    ///
+    /// The index after all equipment stands for the fence; None stands for the floor or the robot.
+    pub fn equipment_of(&self, placed: &PlacedSolids, pair: Pair) -> Option<usize> {
+        match pair.against {
+            Against::Placed(k) => Some(placed.bodies[k].id.0),
+            Against::Floor | Against::Own(_) => None,
+        }
     }
 
     /// Returns the two solids of a pair as a contact.

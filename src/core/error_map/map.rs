@@ -54,6 +54,23 @@ impl PlacedLayout<'_> {
         OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
     }
 
+    /// Replaces the postures of nodes in a map by those of `chosen`, where they differ.
+    ///
+    /// The certified posture of a node need not be its least-error posture.
+    pub fn show(&self, map: &mut OperationMap, spots: &[Option<Spot>], chosen: &[Spot]) {
+        let query = OperationQuery::new(self, map.operation, spots);
+        let Ok(context) = &query.context else { return };
+        let mut memory = PostureMemory::new(self.mapper, map.operation);
+        for spot in chosen {
+            let node = &mut map.nodes[spot.node];
+            if node.posture.as_ref().is_some_and(|posture| posture.branch != spot.branch) {
+                let target = query.setup.grid.target(&query.at, spot.node);
+                let candidate = PostureCandidate { spot: *spot, target };
+                node.posture = query.record(context, &candidate, &mut memory);
+            }
+        }
+    }
+
     /// Maps only the status of every node, without postures, values or spot. This is many times faster than
     /// [`PlacedLayout::map`].
     pub fn statuses(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {

@@ -15,6 +15,8 @@
 //! order. The result is bit-identical to the result without ranking.
 
 mod candidate;
+mod certify;
+mod demand;
 mod every_node;
 mod free_spots;
 mod grid;
@@ -34,6 +36,7 @@ mod walk;
 mod work_context;
 mod workspace;
 
+pub use demand::Demand;
 pub use grid::Grid;
 pub use mapper::Mapper;
 pub use node_record::{NodeRecord, OperationMap, PostureRecord, Status};

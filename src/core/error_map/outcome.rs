@@ -1,5 +1,6 @@
 //! The result of one operation in one layout: its spot, or why it has none.
 
+use crate::certificate::NotCertified;
 use crate::motion::PostureRefusal;
 use crate::reach::Gap;
 
@@ -29,6 +30,12 @@ pub enum Outcome {
     Refused {
         nearest: Spot,
         refusal: PostureRefusal,
+    },
+    /// No posture that can be used in the layout as drawn is certified; `nearest` is the least-error posture among
+    /// them.
+    Uncertain {
+        nearest: Spot,
+        why: NotCertified,
     },
     /// No node has a posture that keeps joint limits and attitude.
     ///

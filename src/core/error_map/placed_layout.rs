@@ -1,5 +1,6 @@
 //! One layout with its solids posed: the context in which postures are judged.
 
+use super::demand::Demand;
 use super::mapper::Mapper;
 use super::outcome::Spot;
 use crate::cell::{Attitude, JointVector, Layout, Placement};
@@ -15,6 +16,8 @@ pub struct PlacedLayout<'a> {
     pub(super) mapper: &'a Mapper,
     pub(super) layout: &'a Layout,
     pub(super) solids: PlacedSolids,
+    /// Demand that every posture must meet at all misplacements; None if only the layout as drawn counts.
+    pub(super) demand: Option<Demand<'a>>,
 }
 
 /// Surface of one operation in one layout, described in the robot base frame.
@@ -36,7 +39,18 @@ impl<'a> PlacedLayout<'a> {
     /// Poses the solids of a layout, reusing the memory of another layout's solids.
     pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: PlacedSolids) -> Self {
         mapper.scene.place(layout, &mut solids);
-        Self { mapper, layout, solids }
+        Self { mapper, layout, solids, demand: None }
+    }
+
+    /// Returns this layout with a demand: only certified postures are used.
+    #[must_use]
+    pub fn demanding(self, demand: Option<Demand<'a>>) -> Self {
+        Self { demand, ..self }
+    }
+
+    /// Returns the demand that every posture must meet at all misplacements.
+    pub fn demand(&self) -> Option<Demand<'a>> {
+        self.demand
     }
 
     /// Returns the layout.

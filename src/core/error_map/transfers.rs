@@ -3,12 +3,16 @@
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
 use super::workspace::MapperWorkspace;
+use crate::cell::JointVector;
+use crate::clearance::Load;
 use crate::motion::{Blocked, OperationPosture, Transfer};
 
 impl PlacedLayout<'_> {
     /// Plans the moves between the spots of the operations.
     ///
     /// An operation that happens at every one of its listed points adds the moves between these points.
+    ///
+    /// If the layout must withstand misplacements, every move is certified.
     ///
     /// No moves are returned if the cell has no transfer rules or an operation has no spot.
     ///
@@ -21,7 +25,11 @@ impl PlacedLayout<'_> {
         let stops: Option<Vec<Vec<OperationPosture>>> =
             (0..spots.len()).map(|k| self.stops(k, spots)).collect();
         stops.map_or(Ok(Vec::new()), |stops| {
-            guard.transfers(&self.mapper.scene, &self.solids, &stops.concat())
+            let check = |ends: [usize; 2], path: &[JointVector], load: Load| match self.demand {
+                Some(demand) => self.certify_transfer(ends, path, load, spots, &demand),
+                None => Ok(()),
+            };
+            guard.transfers(&self.mapper.scene, &self.solids, &stops.concat(), &check)
         })
     }
 

@@ -13,10 +13,21 @@ use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::workspace::PostureMemory;
 use crate::cell::Placement;
+use crate::certificate::NotCertified;
 use crate::motion::PostureRefusal;
-use crate::reach::{Branch, Gap, Reach, ToolAttitudes};
+use crate::reach::{Branch, Cost, Gap, Reach, ToolAttitudes};
 use crate::reading::WorkContext;
 use nalgebra::Vector3;
+
+/// Returns the largest number of candidates that are tried in vain before an operation counts as not certified.
+///
+/// A certificate takes about a microsecond, which matters only for an arm that is solved as fast.
+fn most_uncertain(cost: Cost) -> usize {
+    match cost {
+        Cost::Low | Cost::Numeric => 16,
+        Cost::Middle | Cost::High => 256,
+    }
+}
 
 /// One operation in one placed layout, ready to judge postures.
 pub struct OperationQuery<'a> {
@@ -65,6 +76,8 @@ pub struct FirstFree {
     pub nearest: Option<PostureCandidate>,
     /// The first collision-free candidate that the motion rules refuse, and the reason.
     pub refused: Option<(Spot, PostureRefusal)>,
+    /// The first candidate that can be used in the layout as drawn but is not certified, and the reason.
+    pub uncertain: Option<(Spot, NotCertified)>,
 }
 
 impl PostureVisitor for Vec<PostureCandidate> {
@@ -82,10 +95,11 @@ impl PostureVisitor for std::collections::BinaryHeap<PostureCandidate> {
 impl FirstFree {
     /// Returns the outcome of the operation after all necessary checks; None if there was no candidate.
     pub fn outcome(&self) -> Option<Outcome> {
-        match (self.free, self.refused) {
-            (Some(free), _) => Some(Outcome::Found(free.spot)),
-            (None, Some((nearest, refusal))) => Some(Outcome::Refused { nearest, refusal }),
-            (None, None) => self.nearest.map(|nearest| Outcome::AllCollide { nearest: nearest.spot }),
+        match (self.free, self.uncertain, self.refused) {
+            (Some(free), ..) => Some(Outcome::Found(free.spot)),
+            (None, Some((nearest, why)), _) => Some(Outcome::Uncertain { nearest, why }),
+            (None, None, Some((nearest, refusal))) => Some(Outcome::Refused { nearest, refusal }),
+            (None, None, None) => self.nearest.map(|nearest| Outcome::AllCollide { nearest: nearest.spot }),
         }
     }
 }
@@ -143,6 +157,9 @@ impl<'a> OperationQuery<'a> {
 
     /// Checks the candidates that `next` returns, best first, until one can be used.
     ///
+    /// If the layout must withstand misplacements, a candidate must be certified, too. The search gives up after
+    /// [`most_uncertain`] candidates without a certificate.
+    ///
     /// The inverse kinematics of a candidate is solved again here. That costs less than storing the postures
     /// of all nodes, because few candidates are checked.
     pub fn first_free(
@@ -150,18 +167,25 @@ impl<'a> OperationQuery<'a> {
         memory: &mut PostureMemory,
         mut next: impl FnMut(&mut PostureMemory) -> Option<PostureCandidate>,
     ) -> FirstFree {
-        let mut found = FirstFree::default();
+        let (mut found, mut uncertain) = (FirstFree::default(), 0);
         while let Some(candidate) = next(memory) {
+            let PostureCandidate { spot, target } = candidate;
             found.nearest.get_or_insert(candidate);
             if !self.is_free(&candidate, memory) {
                 continue;
             }
-            match self.refusal(&candidate.target, candidate.spot.branch) {
-                None => {
-                    found.free = Some(candidate);
-                    break;
-                }
-                Some(refusal) => found.refused = found.refused.or(Some((candidate.spot, refusal))),
+            if let Some(refusal) = self.refusal(&target, spot.branch) {
+                found.refused = found.refused.or(Some((spot, refusal)));
+                continue;
+            }
+            let Some(why) = self.uncertainty(&target, spot.branch, memory) else {
+                found.free = Some(candidate);
+                break;
+            };
+            found.uncertain = found.uncertain.or(Some((spot, why)));
+            uncertain += 1;
+            if uncertain == most_uncertain(self.placed.mapper.arm.inverse.cost()) {
+                break;
             }
         }
         found

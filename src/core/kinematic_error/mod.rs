@@ -36,11 +36,15 @@ mod expansion;
 mod identification;
 mod nonlinear;
 mod perturbation;
+mod screw_motion;
+mod screws;
 
 pub use discrepancy::{Discrepancy, NEGLIGIBLE, deviation, discrepancy};
 pub use expansion::{Expansion, MotionTerm};
 pub use identification::{ParameterSet, condition, identifiable, identification_jacobian};
 pub use perturbation::{FrameError, JointErrors, LinkError, Perturbation, Turn};
+pub use screw_motion::{ScrewMotion, motions};
+pub use screws::{JointValues, PosedScrews, Screws};
 
 use crate::cell::Model;
 use crate::pose::Displacement;

@@ -1,12 +1,13 @@
 //! Evaluation of one layout: overlaps, reach, limits, errors, collisions and the resulting cost.
 
-use super::misplaced_overlaps::overlap_depth;
+use super::certify::is_between_solids;
 use super::objective::combined;
-use super::spot_choice::{SpotQuery, SpotValue};
+use super::spot_choice::{SpotMemory, SpotQuery, SpotValue, penalty};
 use super::workcell::Workcell;
 use crate::cell::{Cell, Layout, Misfit};
+use crate::certificate::Misplacements;
 use crate::clearance::{Overlap, PlacedSolids};
-use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot, Unjudged};
+use crate::error_map::{Outcome, PlacedLayout, Spot, Unjudged};
 use crate::motion::{Blocked, Transfer};
 
 /// Penalty of every infeasible layout, as a multiple of [`Workcell::weight`].
@@ -31,6 +32,8 @@ pub struct Evaluation {
     /// Reason why the layout does not belong to the cell, if any; its operations then remain unjudged.
     pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
+    /// Floor spaces that may overlap or come nearer than the clearance at some misplacement.
+    pub near: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
     /// Moves between consecutive operations; empty if the cell asks for no transfers.
@@ -60,6 +63,7 @@ impl Evaluation {
         Self {
             misfit: Some(misfit),
             overlaps: Vec::new(),
+            near: Vec::new(),
             outcomes,
             transfers: Vec::new(),
             blocked: None,
@@ -79,7 +83,8 @@ impl Evaluation {
 pub struct Workspace {
     overlaps: Vec<Overlap>,
     solids: PlacedSolids,
-    mapper: MapperWorkspace,
+    spots: SpotMemory,
+    misplacements: Misplacements,
 }
 
 /// Evaluates one layout: overlaps, reach, limits, errors, collisions.
@@ -95,30 +100,41 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     if let Some(misfit) = workcell.cell.misfit(layout) {
         return Evaluation::of_misfit(workcell, misfit);
     }
-    let Workspace { overlaps: found, solids, mapper: memory } = workspace;
-    workcell.plan.overlaps(layout, found);
-    let placed = PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids));
+    let Workspace { overlaps: found, solids, spots: memory, misplacements } = workspace;
+    // A layout without overlaps at any misplacement has none as drawn.
+    let mut near = Vec::new();
+    if workcell.certifies() {
+        workcell.wide.overlaps(layout, found);
+        near.extend(found.iter().filter(|o| is_between_solids(o)).copied());
+    }
+    if !workcell.certifies() || !found.is_empty() {
+        workcell.plan.overlaps(layout, found);
+    }
+    let misplacements = workcell.certifies().then(|| {
+        misplacements.set(&workcell.cell, layout, workcell.cell.robot.reach());
+        &*misplacements
+    });
+    let demand = misplacements.map(|misplacements| workcell.demand(misplacements));
+    let placed = PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
     let operations = Operations::evaluate(workcell, &placed, memory);
     let overlaps = found.clone();
     let (transfers, blocked) = transfers(&placed, &overlaps, &operations.spots);
     *solids = placed.into_solids();
-    let mut depth: f64 = overlaps.iter().map(|o| o.depth).sum();
-    if workcell.cell.search.robust {
-        depth = overlap_depth(workcell, layout, found).max(depth);
-    }
-    let Operations { outcomes, values, lost, .. } = operations;
-    let is_apart = overlaps.is_empty() && depth == 0.0;
-    let is_feasible = is_apart && blocked.is_none() && values.len() == outcomes.len();
+    let depth = overlaps.iter().map(|o| o.depth).sum::<f64>().max(near.iter().map(|o| o.depth).sum());
+    let Operations { outcomes, values, most, lost, .. } = operations;
+    let is_apart = depth == 0.0;
+    let is_blocked = blocked.is_some();
+    let is_feasible = is_apart && !is_blocked && values.len() == outcomes.len();
     let objective = is_feasible.then(|| combined(&workcell.cell, &values));
     let cost = match objective {
-        Some(objective) => workcell.priced(objective, &values),
+        Some(objective) => workcell.priced(objective, &most),
         None => {
-            let blocked = if blocked.is_some() { BLOCKED_PENALTY } else { 0.0 };
+            let blocked = if is_blocked { BLOCKED_PENALTY } else { 0.0 };
             let short = outcomes.iter().map(|o| shortfall(&workcell.cell, o)).sum::<f64>();
             workcell.weight() * (INFEASIBLE_PENALTY + depth + blocked + short + lost)
         }
     };
-    Evaluation { misfit: None, overlaps, outcomes, transfers, blocked, objective, cost }
+    Evaluation { misfit: None, overlaps, near, outcomes, transfers, blocked, objective, cost }
 }
 
 /// Outcomes and values of all operations, in their order.
@@ -127,21 +143,26 @@ struct Operations {
     spots: Vec<Option<Spot>>,
     /// Values of the operations; an operation without a value is left out.
     values: Vec<f64>,
-    /// Sum of the penalties (m) of spots whose posture cannot be used at a corner of the placement
-    /// tolerances.
+    /// For each entry of `values`, the value that must keep the limit of the operation.
+    most: Vec<f64>,
+    /// Sum of the penalties (m) of spots that are not certified.
     lost: f64,
 }
 
 impl Operations {
-    fn evaluate(workcell: &Workcell, placed: &PlacedLayout<'_>, memory: &mut MapperWorkspace) -> Self {
+    fn evaluate(workcell: &Workcell, placed: &PlacedLayout<'_>, memory: &mut SpotMemory) -> Self {
         let count = workcell.cell.operations.len();
         let (outcomes, spots) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut all = Self { outcomes, spots, values: Vec::with_capacity(count), lost: 0.0 };
+        let (values, most) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut all = Self { outcomes, spots, values, most, lost: 0.0 };
         for operation in 0..count {
             let query = SpotQuery { workcell, placed, operation, spots: &all.spots };
             let (outcome, value) = query.choose(memory);
             match value {
-                Some(SpotValue::Kept(value)) => all.values.push(value),
+                Some(SpotValue::Kept { value, most }) => {
+                    all.values.push(value);
+                    all.most.push(most);
+                }
                 Some(SpotValue::Lost(penalty)) => all.lost += penalty,
                 None => {}
             }
@@ -173,6 +194,7 @@ fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
         Outcome::Found(_) => 0.0,
         Outcome::AllCollide { .. } => COLLISION_PENALTY,
         Outcome::Refused { .. } => REFUSED_PENALTY,
+        Outcome::Uncertain { why, .. } => penalty(why),
         Outcome::Unjudged(_) => UNJUDGED_PENALTY,
         Outcome::Unreachable { gap } if gap.reach > 0.0 => {
             OUT_OF_REACH_PENALTY + gap.reach.min(INFEASIBLE_PENALTY)

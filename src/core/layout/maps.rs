@@ -1,9 +1,10 @@
 //! The error maps of a layout.
 
-use super::spot_choice::SpotQuery;
+use super::spot_choice::{SpotMemory, SpotQuery};
 use super::workcell::Workcell;
 use crate::cell::Layout;
-use crate::error_map::{MapperWorkspace, OperationMap, Outcome, PostureRecord, Spot, Unjudged};
+use crate::certificate::Misplacements;
+use crate::error_map::{OperationMap, Outcome, PostureRecord, Spot, Unjudged};
 use crate::reading::WorkContext;
 use crate::robot::Frames;
 
@@ -18,15 +19,22 @@ impl Workcell {
         let placed = self.placed(layout);
         let mut overlaps = Vec::new();
         self.plan.overlaps(layout, &mut overlaps);
-        let mut memory = MapperWorkspace::default();
+        let mut memory = SpotMemory::default();
+        let misplacements = self.misplacements(layout);
+        let demand = misplacements.as_ref().map(|misplacements| self.demand(misplacements));
+        let strict = self.placed(layout).demanding(demand);
         let (mut maps, mut spots) = (Vec::<OperationMap>::new(), Vec::<Option<Spot>>::new());
         for (k, operation) in self.cell.operations.iter().enumerate() {
             let mut map = placed.map(k, &spots);
             if let Some(overlap) = overlaps.iter().find(|o| o.concerns(operation.equipment)) {
                 map.block(*overlap);
-            } else if self.cell.search.robust && map.best.is_some() {
-                let query = SpotQuery { workcell: self, placed: &placed, operation: k, spots: &spots };
+            } else if demand.is_some() && map.best.is_some() {
+                let query = SpotQuery { workcell: self, placed: &strict, operation: k, spots: &spots };
                 if let (Outcome::Found(spot), _) = query.choose(&mut memory) {
+                    let all =
+                        operation.over.needs_every_node().then(|| memory.every_free(&strict, k, &spots));
+                    let chosen = all.flatten().unwrap_or_else(|| vec![spot]);
+                    placed.show(&mut map, &spots, &chosen);
                     (map.best, map.value) = (Some(spot.node), Some(spot.value));
                 }
             }
@@ -34,6 +42,15 @@ impl Workcell {
             maps.push(map);
         }
         maps
+    }
+
+    /// Returns the motion of bodies inside the placement tolerances; None if the tolerances do not count.
+    fn misplacements(&self, layout: &Layout) -> Option<Misplacements> {
+        self.certifies().then(|| {
+            let mut misplacements = Misplacements::default();
+            misplacements.set(&self.cell, layout, self.cell.robot.reach());
+            misplacements
+        })
     }
 
     fn empty_map(&self, operation: usize) -> OperationMap {
@@ -53,11 +70,14 @@ impl Workcell {
         let placed = self.placed(layout);
         let mut overlaps = Vec::new();
         self.plan.overlaps(layout, &mut overlaps);
-        let mut memory = MapperWorkspace::default();
+        let mut memory = SpotMemory::default();
+        let misplacements = self.misplacements(layout);
+        let demand = misplacements.as_ref().map(|misplacements| self.demand(misplacements));
+        let strict = self.placed(layout).demanding(demand);
         let (mut maps, mut spots) = (Vec::new(), Vec::<Option<Spot>>::new());
         for (k, operation) in self.cell.operations.iter().enumerate() {
             let overlap = overlaps.iter().find(|o| o.concerns(operation.equipment));
-            let query = SpotQuery { workcell: self, placed: &placed, operation: k, spots: &spots };
+            let query = SpotQuery { workcell: self, placed: &strict, operation: k, spots: &spots };
             let spot = match overlap {
                 Some(_) => None,
                 None => match query.choose(&mut memory) {

@@ -1,6 +1,6 @@
 //! Misplacements that are checked: points of the boxes of placement tolerances.
 
-use crate::cell::{Cell, Equipment, Rectangle, Shape, Slot};
+use crate::cell::{Cell, Slot};
 
 /// Coordinates of a layout that are misplaced, and by how much (m, rad).
 pub type Moves = Vec<(Slot, f64)>;
@@ -70,7 +70,7 @@ impl ToleranceBoxes {
 }
 
 /// Returns the selected points of one box, multiplied by `scale`; none if the box has no dimensions.
-pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Moves> {
+fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Moves> {
     let n = axes.len();
     let wanted = |signs: &BoxSigns| {
         let middles = signs.iter().filter(|s| **s == 0).count();
@@ -81,67 +81,4 @@ pub fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Mov
     let moves =
         |s: BoxSigns| axes.iter().zip(s).map(|((slot, half), sign)| (*slot, scale * half * f64::from(sign)));
     patterns.filter(wanted).map(|signs| moves(signs).collect()).collect()
-}
-
-/// Returns the misplacements of one body, and of two bodies at once, that can make floor spaces overlap.
-///
-/// If both bodies of a pair reach down to the floor, the pair is misplaced only in plan, because neither body
-/// can pass over the other.
-pub fn overlapping_moves(cell: &Cell) -> Vec<Moves> {
-    let bodies = cell.placement_tolerances();
-    let alone = bodies.iter().flat_map(|body| points_of(body, 1.0, BoxPoints::Corners));
-    let pairs = bodies.iter().enumerate().flat_map(|(k, a)| bodies[k + 1..].iter().map(move |b| (a, b)));
-    let both = pairs.flat_map(|(a, b)| {
-        let flat = on_floor(cell, a) && on_floor(cell, b);
-        let kept = |body: &Moves| -> Moves {
-            body.iter().filter(|(slot, _)| !(flat && is_height(*slot))).copied().collect()
-        };
-        let (a, b) = (kept(a), kept(b));
-        match a.is_empty() || b.is_empty() {
-            true => Vec::new(),
-            false => points_of(&[a, b].concat(), 1.0, BoxPoints::Corners),
-        }
-    });
-    alone.chain(both).collect()
-}
-
-/// Returns whether a body reaches down to the floor: the robot base, or equipment with legs or without solids.
-///
-/// Equipment that carries other equipment does not count, because what it carries moves with it.
-fn on_floor(cell: &Cell, body: &Moves) -> bool {
-    let Some((Slot::Equipment(k, _), _)) = body.first() else { return true };
-    let carries = (0..cell.equipment.len()).any(|rider| rider != *k && cell.rides_on(rider, *k));
-    let solids = &cell.equipment[*k].solids;
-    !carries && (solids.is_empty() || solids.iter().any(|s| matches!(s.shape, Shape::Leg { .. })))
-}
-
-/// Returns the distance from the origin to the farthest point of a rectangle, m.
-fn farthest(r: &Rectangle) -> f64 {
-    (r.centre.0.abs() + r.size.0 / 2.0).hypot(r.centre.1.abs() + r.size.1 / 2.0)
-}
-
-fn is_height(slot: Slot) -> bool {
-    matches!(slot, Slot::Base(2) | Slot::Equipment(_, 2))
-}
-
-/// Returns an upper bound of the distance, m, by which misplacements bring two floor spaces nearer together.
-pub fn slack(cell: &Cell) -> f64 {
-    let of =
-        |tolerance: [f64; 4], far: f64| tolerance[0].hypot(tolerance[1]) + tolerance[2] + far * tolerance[3];
-    let base = of(cell.base_tolerance.0, farthest(&cell.robot.footprint));
-    let equipment = cell.equipment.iter().enumerate().map(|(k, e)| of(e.tolerance.0, farthest_on(cell, k)));
-    base + equipment.sum::<f64>()
-}
-
-/// Returns an upper bound of the distance, m, from the origin of a piece of equipment to its farthest point
-/// in plan.
-///
-/// The points of all equipment that stands on it count, too.
-fn farthest_on(cell: &Cell, k: usize) -> f64 {
-    let riders = cell.equipment.iter().enumerate().filter(|(_, e)| e.on == Some(k));
-    let of = |(rider, e): (usize, &Equipment)| {
-        let most = |axis: usize| e.placement[axis].range().0.abs().max(e.placement[axis].range().1.abs());
-        most(0).hypot(most(1)) + farthest_on(cell, rider)
-    };
-    riders.map(of).fold(farthest(&cell.equipment[k].footprint), f64::max)
 }

@@ -1,9 +1,9 @@
 //! Evaluation of one candidate layout: search, what-if questions and reports all call [`evaluate`].
 
+mod certify;
 mod evaluation;
 mod goals;
 mod maps;
-mod misplaced_overlaps;
 mod misplacement;
 mod objective;
 mod refine;
@@ -12,6 +12,7 @@ mod separate;
 mod spot_choice;
 mod workcell;
 
+pub use certify::{LayoutCertificate, OperationCertificate};
 pub use evaluation::{Evaluation, Workspace, evaluate, evaluate_in};
 pub use goals::MAX_CLEARANCE;
 pub use misplacement::Moves;

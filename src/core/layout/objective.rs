@@ -8,6 +8,9 @@ use crate::cell::{Cell, Objective, Unit};
 /// Such a layout ranks after every layout that keeps its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
+/// Largest excess over a limit that counts, m or rad; a value without a known bound has this excess.
+const UNKNOWN_EXCESS: f64 = 10.0;
+
 /// Lower edge of the first step of [`lexicographic`] (m, rad, or share of failures).
 ///
 /// A value below this edge also belongs to the first step.
@@ -33,11 +36,14 @@ impl Workcell {
     /// Returns the cost of a feasible layout: `objective`, or a penalty if a value in m or rad is above the
     /// limit of the operation.
     ///
+    /// An infinite value counts as [`UNKNOWN_EXCESS`] above the limit.
+    ///
     /// A share of failures is not compared with the limit, because it already counts the arms that exceed the
     /// limit.
     pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
         let limited = self.cell.operations.iter().zip(values).filter(|_| self.cell.unit() != Unit::Share);
-        let excess = limited.filter_map(|(o, value)| o.limit.map(|limit| (value - limit).max(0.0)));
+        let excess =
+            limited.filter_map(|(o, value)| o.limit.map(|limit| (value - limit).clamp(0.0, UNKNOWN_EXCESS)));
         match excess.sum::<f64>() {
             excess if excess > 0.0 => self.weight() * (LIMIT_PENALTY + excess),
             _ => objective,

@@ -21,7 +21,7 @@
 //!   directions. Each size grows by the factor [`STRIDE`] until a check fails, then bisection follows. A
 //!   failure that occurs only between two checked sizes is missed.
 
-use super::misplaced_overlaps::is_between_solids;
+use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
 use crate::cell::{Layout, Slot, Unit};
@@ -146,21 +146,36 @@ impl Workcell {
             return vec![None; maps.len()];
         }
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
-        let all = maps.iter().map(|map| {
-            let operation = &self.cell.operations[map.operation];
-            let all = operation.over.needs_every_node();
-            let nodes = map.nodes.iter().enumerate().filter(|(k, _)| all || map.best == Some(*k));
-            let held = nodes.filter_map(|(k, node)| {
-                let posture = node.posture.as_ref()?;
-                let at = self.mapper.grid(map.operation).local(k);
-                Some(HeldPosture { at, branch: posture.branch, joints: posture.joints })
-            });
-            let limit = operation.limit.filter(|_| self.cell.unit() != Unit::Share);
-            let (held, spots) = (held.collect(), spots.clone());
-            let held = HeldOperation { workcell: self, layout, operation: map.operation, held, spots, limit };
-            map.value.map(|value| held.robustness(value))
-        });
+        let all =
+            maps.iter().map(|map| map.value.map(|value| self.held(layout, map, &spots).robustness(value)));
         all.collect()
+    }
+
+    /// Computes the value of an operation if bodies are misplaced, given the maps of the layout as drawn. Spot
+    /// and branch stay the same.
+    ///
+    /// # Errors
+    /// Returns the status if floor spaces overlap or the posture cannot be used there.
+    pub fn misplaced_value(
+        &self,
+        layout: &Layout,
+        maps: &[OperationMap],
+        operation: usize,
+        moves: &[(Slot, f64)],
+    ) -> Result<f64, Status> {
+        let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
+        self.held(layout, &maps[operation], &spots).value(moves)
+    }
+
+    fn held<'a>(
+        &'a self,
+        layout: &'a Layout,
+        map: &OperationMap,
+        spots: &[Option<Spot>],
+    ) -> HeldOperation<'a> {
+        let limit = self.cell.operations[map.operation].limit.filter(|_| self.cell.unit() != Unit::Share);
+        let (held, spots) = (self.held_nodes(map), spots.to_vec());
+        HeldOperation { workcell: self, layout, operation: map.operation, held, spots, limit }
     }
 }
 

@@ -16,13 +16,16 @@
 use super::workcell::Workcell;
 use crate::cell::{Cell, Coordinate, Layout, Slot};
 use crate::clearance::Separation;
+use crate::units::m_from_mm;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
 /// Greatest number of quadratic programs solved for one layout.
 const MAX_PROGRAMS: usize = 8;
-/// Distance added to the clearance, m: more than the rounding of placements.
-const SPARE_DISTANCE: f64 = 2e-6;
+/// Distance added to the clearance, as a multiple of the resolution of placements.
+///
+/// Rounding moves each of two bodies by at most half the diagonal of a square of the resolution.
+const SPARE_DISTANCE: f64 = 2.0;
 
 /// Least shift that is applied, m; smaller shifts are rounding errors of the solver.
 const LEAST_SHIFT: f64 = 1e-7;
@@ -59,12 +62,13 @@ pub fn separated(workcell: &Workcell, layout: &Layout) -> Option<Layout> {
     let free = free_coordinates(workcell);
     let mut moved = layout.clone();
     let mut overlaps = Vec::new();
+    let plan = if workcell.certifies() { &workcell.wide } else { &workcell.plan };
     for _ in 0..MAX_PROGRAMS {
-        workcell.plan.overlaps(&moved, &mut overlaps);
+        plan.overlaps(&moved, &mut overlaps);
         if overlaps.is_empty() {
             return Some(moved);
         }
-        let shift = least_shift(&workcell.cell, &free, &moved, &workcell.plan.separations(&moved))?;
+        let shift = least_shift(&workcell.cell, &free, &moved, &plan.separations(&moved))?;
         moved = workcell.cell.layout(|slot, _| {
             let value = moved.value(&workcell.cell, slot);
             let shifted = free
@@ -99,6 +103,7 @@ fn least_shift(
 ) -> Option<Vec<f64>> {
     let n = free.len();
     let directions: Vec<_> = free.iter().map(|f| f.direction(cell, layout)).collect();
+    let spare = SPARE_DISTANCE * m_from_mm(cell.search.resolution.mm);
     // Constraints as rows of A d <= b.
     let (mut rows, mut columns, mut values, mut bounds) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut put = |row: usize, k: usize, value: f64| {
@@ -116,7 +121,7 @@ fn least_shift(
                 put(row, k, -along * apart);
             }
         }
-        bounds.push(-pair.depth - SPARE_DISTANCE);
+        bounds.push(-pair.depth - spare);
     }
     for (k, f) in free.iter().enumerate() {
         let value = cell.own_placement(layout, f.equipment).values()[f.axis];

@@ -1,24 +1,29 @@
 //! The choice of the spot of one operation, for evaluation and maps alike.
 //!
-//! A robust search judges a spot by its worst value. This is the maximum of the value as drawn and the values
-//! at the corners of the placement tolerances. The point on the surface and the branch of the posture are the
-//! same at all corners. Usable spots are judged in ascending order of their value as drawn, and the spot with
-//! the least worst value is chosen. The worst value is never below the value as drawn. So the search ends
-//! when the next spot's value as drawn reaches the least worst value found. At most [`MAX_NODES`] nodes are
-//! judged; if the search ends at this number, a better spot may exist.
+//! If the layout must withstand misplacements, only certified spots are used: the operation works there at every
+//! misplacement ([`crate::certificate`]). The certified spot with the least value as drawn is chosen.
+//!
+//! A robust search chooses the certified spot with the least bound of its value instead. Spots are judged in
+//! ascending order of their value as drawn. The bound is never below the value as drawn. So the search ends when
+//! the next spot's value as drawn reaches the least bound found. If no bound of the value is known, the greatest
+//! value at the corners of the placement tolerances takes its place. At most [`MAX_NODES`] nodes are judged; if the
+//! search ends at this number, a better spot may exist.
 
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
 use crate::cell::Layout;
-use crate::error_map::{HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Probe, Spot, Status, Unjudged};
+use crate::certificate::NotCertified;
+use crate::error_map::{
+    Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Probe, Spot, Status, Unjudged,
+};
 use crate::reach::Cost;
 
-/// Greatest number of nodes judged at the corners of the placement tolerances.
+/// Greatest number of nodes that a robust search judges for one operation.
 const MAX_NODES: usize = 16;
 
-/// Largest penalty of a spot whose posture cannot be used at a corner of the placement tolerances, m.
+/// Largest penalty of an operation without a certified spot, m.
 ///
-/// The penalty of an operation without a spot is larger.
+/// The penalty of an operation without any spot is larger.
 const LOST_PENALTY: f64 = 0.1;
 
 /// One operation whose spot is to be chosen in a placed layout.
@@ -30,78 +35,128 @@ pub struct SpotQuery<'a> {
     pub spots: &'a [Option<Spot>],
 }
 
+/// Memory for the choice of spots, reused between layouts.
+#[derive(Default)]
+pub struct SpotMemory {
+    mapper: MapperWorkspace,
+    bounds: MapperWorkspace,
+}
+
+impl SpotMemory {
+    /// Returns the usable spot of every node of an operation; None if a node has none.
+    pub fn every_free(
+        &mut self,
+        placed: &PlacedLayout<'_>,
+        operation: usize,
+        spots: &[Option<Spot>],
+    ) -> Option<Vec<Spot>> {
+        placed.every_free(operation, spots, &mut self.mapper).ok()
+    }
+}
+
 /// Contribution of an operation's spot to the objective.
+#[derive(Clone, Copy)]
 pub enum SpotValue {
-    /// Value of the spot (m, rad, or share of failures); in a robust search, the worst value over the
-    /// placement tolerances.
-    Kept(f64),
-    /// Penalty (m) of a spot whose posture cannot be used at a corner of the placement tolerances.
+    Kept {
+        /// Value of the spot (m, rad, or share of failures); in a robust search, the worst value over the
+        /// placement tolerances.
+        value: f64,
+        /// Value that must keep the limit of the operation: the largest value over the placement tolerances.
+        /// It is infinite if no bound of this value is known.
+        most: f64,
+    },
+    /// Penalty (m) of a spot that cannot be used at every misplacement.
     Lost(f64),
 }
 
 impl SpotQuery<'_> {
-    /// Chooses the least-error spot or, in a robust search, the spot with the least worst value.
-    pub fn choose(&self, memory: &mut MapperWorkspace) -> (Outcome, Option<SpotValue>) {
-        match self.placed.outcome(self.operation, self.spots, memory) {
-            Outcome::Found(first) if self.workcell.cell.search.robust => {
-                let (spot, value) = hardened(self, first, memory);
-                (Outcome::Found(spot), Some(value))
+    /// Chooses the spot of the operation, and returns its contribution to the objective.
+    pub fn choose(&self, memory: &mut SpotMemory) -> (Outcome, Option<SpotValue>) {
+        let SpotMemory { mapper, bounds } = memory;
+        let outcome = self.placed.outcome(self.operation, self.spots, mapper);
+        let Outcome::Found(first) = outcome else { return (outcome, None) };
+        let drawn = SpotValue::Kept { value: first.value, most: first.value };
+        let SpotQuery { workcell, placed, operation, spots } = *self;
+        let robust = workcell.cell.search.robust;
+        let Some(demand) = placed.demand().filter(|_| robust || self.has_limit()) else {
+            return (outcome, Some(drawn));
+        };
+        let demand = Demand { value: Some(&workcell.value_bounds[operation]), ..demand };
+        let mut judge = Judge { query: self, demand, memory: bounds };
+        if workcell.cell.operations[operation].over.needs_every_node() {
+            let all = placed.every_free(operation, spots, mapper).unwrap_or_default();
+            return (outcome, Some(judge.value(first.value, &all)));
+        }
+        let mut best = (first, judge.value(first.value, &[first]));
+        let mut judged = 1;
+        if robust {
+            placed.free_spots(operation, spots, mapper, |spot| {
+                let is_settled = matches!(best.1, SpotValue::Kept { value, .. } if spot.value >= value);
+                if judged == MAX_NODES || is_settled {
+                    return false;
+                }
+                let found = judge.value(spot.value, &[spot]);
+                judged += 1;
+                if found.is_better_than(&best.1) {
+                    best = (spot, found);
+                }
+                true
+            });
+        }
+        (Outcome::Found(best.0), Some(best.1))
+    }
+
+    fn has_limit(&self) -> bool {
+        self.workcell.cell.operations[self.operation].limit.is_some()
+    }
+}
+
+impl SpotValue {
+    fn is_better_than(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Kept { value, .. }, Self::Kept { value: least, .. }) => value < least,
+            (Self::Lost(by), Self::Lost(least)) => by < least,
+            (Self::Kept { .. }, Self::Lost(_)) => true,
+            (Self::Lost(_), Self::Kept { .. }) => false,
+        }
+    }
+}
+
+/// Bounds the values of certified spots of one operation.
+struct Judge<'a, 'm> {
+    query: &'a SpotQuery<'a>,
+    demand: Demand<'a>,
+    memory: &'m mut MapperWorkspace,
+}
+
+impl Judge<'_, '_> {
+    /// Returns the value of an operation that happens at `spots`; `drawn` is its value as drawn.
+    fn value(&mut self, drawn: f64, at: &[Spot]) -> SpotValue {
+        let SpotQuery { workcell, placed, operation, spots } = *self.query;
+        let mut most = Vec::with_capacity(at.len());
+        for spot in at {
+            match placed.most(operation, spots, spot, &self.demand, self.memory) {
+                Ok(bound) => most.extend(bound),
+                Err(why) => return SpotValue::Lost(penalty(&why)),
             }
-            Outcome::Found(spot) => (Outcome::Found(spot), Some(SpotValue::Kept(spot.value))),
-            other => (other, None),
         }
-    }
-}
-
-/// Returns the spot with the least worst value, and this value; `first` is the least-error spot.
-///
-/// If the operation happens at every node, there is no choice: the function returns `first`.
-fn hardened(query: &SpotQuery<'_>, first: Spot, memory: &mut MapperWorkspace) -> (Spot, SpotValue) {
-    let SpotQuery { workcell, placed, operation, spots } = *query;
-    let corners = ToleranceBoxes::of(&workcell.cell, operation).moves(1.0, BoxPoints::Corners);
-    let misplaced = |moves: &Moves| workcell.cell.misplaced(placed.layout(), moves);
-    let layouts: Vec<Layout> = corners.iter().map(misplaced).collect();
-    let placed_corners: Vec<PlacedLayout<'_>> =
-        layouts.iter().map(|layout| workcell.placed(layout)).collect();
-    let probe = |placed| Probe::new(placed, operation, spots);
-    let mut corners = Corners { query, probes: placed_corners.iter().map(probe).collect() };
-    if workcell.cell.operations[operation].over.needs_every_node() {
-        let all = placed.every_free(operation, spots, memory).unwrap_or_default();
-        let held: Vec<_> = all.iter().filter_map(|spot| held(query, spot)).collect();
-        return (first, corners.worst(first.value, &held));
-    }
-    let mut least = LeastWorst { best: None, lost: LOST_PENALTY, judged: 0 };
-    placed.free_spots(operation, spots, memory, |spot| {
-        // The worst value of a spot is never below its value as drawn.
-        if least.judged == MAX_NODES || least.best.is_some_and(|(worst, _)| spot.value >= worst) {
-            return false;
+        let over = workcell.cell.operations[operation].over;
+        // A bound cannot be below the value as drawn, except by rounding.
+        let bound = (most.len() == at.len()).then(|| over.of(&mut most).max(drawn));
+        if !workcell.cell.search.robust {
+            return SpotValue::Kept { value: drawn, most: bound.unwrap_or(f64::INFINITY) };
         }
-        least.note(spot, held(query, &spot).map(|held| corners.worst(spot.value, &[held])));
-        true
-    });
-    match least.best {
-        Some((worst, spot)) => (spot, SpotValue::Kept(worst)),
-        None => (first, SpotValue::Lost(least.lost)),
-    }
-}
-
-/// Least worst value so far with its spot, or the least penalty if every judged spot is unusable at some
-/// corner.
-struct LeastWorst {
-    best: Option<(f64, Spot)>,
-    lost: f64,
-    judged: usize,
-}
-
-impl LeastWorst {
-    fn note(&mut self, spot: Spot, worst: Option<SpotValue>) {
-        self.judged += 1;
+        let worst = match bound {
+            Some(bound) => Ok(bound),
+            None => {
+                let held =
+                    at.iter().filter_map(|spot| held_posture(workcell, placed, operation, spots, spot));
+                Corners::new(self.query).worst(drawn, &held.collect::<Vec<_>>())
+            }
+        };
         match worst {
-            Some(SpotValue::Kept(worst)) if self.best.is_none_or(|(least, _)| worst < least) => {
-                self.best = Some((worst, spot));
-            }
-            Some(SpotValue::Lost(by)) => self.lost = self.lost.min(by),
-            _ => {}
+            Ok(value) => SpotValue::Kept { value, most: bound.unwrap_or(f64::INFINITY) },
+            Err(penalty) => SpotValue::Lost(penalty),
         }
     }
 }
@@ -109,52 +164,62 @@ impl LeastWorst {
 /// Returns the posture that the operation keeps at a spot while bodies are misplaced.
 ///
 /// The joint coordinates are set only if the inverse kinematics is numeric.
-fn held(query: &SpotQuery<'_>, spot: &Spot) -> Option<HeldPosture> {
-    let at = query.workcell.mapper.grid(query.operation).local(spot.node);
-    let joints = match query.workcell.inverse().cost() {
-        Cost::Numeric => {
-            Probe::new(query.placed, query.operation, query.spots).ok()?.joints(at, spot.branch)?
-        }
+fn held_posture(
+    workcell: &Workcell,
+    placed: &PlacedLayout<'_>,
+    operation: usize,
+    spots: &[Option<Spot>],
+    spot: &Spot,
+) -> Option<HeldPosture> {
+    let at = workcell.mapper.grid(operation).local(spot.node);
+    let joints = match workcell.inverse().cost() {
+        Cost::Numeric => Probe::new(placed, operation, spots).ok()?.joints(at, spot.branch)?,
         _ => Default::default(),
     };
     Some(HeldPosture { at, branch: spot.branch, joints })
 }
 
-/// Corners of the box of placement tolerances, each with a probe that evaluates the operation there.
+/// Corners of the box of placement tolerances, at which an operation is evaluated.
 struct Corners<'a> {
     query: &'a SpotQuery<'a>,
-    probes: Vec<Result<Probe<'a>, Unjudged>>,
+    layouts: Vec<Layout>,
 }
 
-impl Corners<'_> {
+impl<'a> Corners<'a> {
+    fn new(query: &'a SpotQuery<'a>) -> Self {
+        let cell = &query.workcell.cell;
+        let corners = ToleranceBoxes::of(cell, query.operation).moves(1.0, BoxPoints::Corners);
+        let misplaced = |moves: &Moves| cell.misplaced(query.placed.layout(), moves);
+        Self { query, layouts: corners.iter().map(misplaced).collect() }
+    }
+
     /// Computes the worst of the value as drawn and the values at the corners of the placement tolerances.
     ///
     /// The points and postures in `held` stay the same.
-    fn worst(&mut self, drawn: f64, held: &[HeldPosture]) -> SpotValue {
-        let (mut worst, mut lost) = (drawn, 0.0);
-        let over = self.query.workcell.cell.operations[self.query.operation].over;
-        let count = self.probes.len();
-        for probe in &mut self.probes {
-            let values: Result<Vec<f64>, Status> = match probe {
-                Ok(probe) => held.iter().map(|held| probe.holding(held)).collect(),
-                Err(why) => Err(Status::Unjudged(*why)),
-            };
-            match values {
-                Ok(mut values) => worst = worst.max(over.of(&mut values)),
-                Err(status) => lost += penalty(&status) / count as f64,
-            }
+    ///
+    /// # Errors
+    /// Returns a penalty (m) if a posture cannot be used at some corner.
+    fn worst(&self, drawn: f64, held: &[HeldPosture]) -> Result<f64, f64> {
+        let SpotQuery { workcell, operation, spots, .. } = *self.query;
+        let over = workcell.cell.operations[operation].over;
+        let mut worst = drawn;
+        for layout in &self.layouts {
+            let placed = workcell.placed(layout);
+            let values: Result<Vec<f64>, Status> = Probe::new(&placed, operation, spots)
+                .map_err(|why: Unjudged| Status::Unjudged(why))
+                .and_then(|mut probe| held.iter().map(|held| probe.holding(held)).collect());
+            worst = worst.max(over.of(&mut values.map_err(|_| LOST_PENALTY * 0.2)?));
         }
-        if lost > 0.0 { SpotValue::Lost(lost) } else { SpotValue::Kept(worst) }
+        Ok(worst)
     }
 }
 
-/// Returns the penalty (m) of one corner of the placement tolerances at which the posture cannot be used.
-///
-/// The penalty is at most [`LOST_PENALTY`].
-fn penalty(status: &Status) -> f64 {
-    let share = match status {
-        Status::OutOfReach { by } => 0.5 + by.min(0.5),
-        Status::JointLimit { .. } | Status::Attitude { .. } | Status::NotConverged { .. } => 0.4,
+/// Returns the penalty (m) of an operation without a certified spot. It is at most [`LOST_PENALTY`].
+pub fn penalty(why: &NotCertified) -> f64 {
+    let share = match why {
+        NotCertified::NoTask => 1.0,
+        NotCertified::NearlySingular | NotCertified::Singular { .. } => 0.6,
+        NotCertified::JointLimit { by, .. } => 0.3 + by.min(0.3),
         _ => 0.2,
     };
     LOST_PENALTY * share

@@ -1,9 +1,9 @@
 //! A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
 
-use super::misplacement;
 use crate::cell::{Cell, Interpretation, Layout, QuestionFault};
+use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 use crate::clearance::{FloorPlan, Remember, Scene, SelfCollisionPair};
-use crate::error_map::{Mapper, PlacedLayout};
+use crate::error_map::{Demand, Mapper, PlacedLayout};
 use crate::reach::Inverse;
 use crate::reading::ErrorEvaluator;
 use std::sync::Arc;
@@ -13,11 +13,11 @@ pub struct Workcell {
     pub cell: Cell,
     pub(super) mapper: Mapper,
     pub(super) plan: Arc<FloorPlan>,
-    /// Floor plan whose clearance is increased by the distance that [`misplacement::slack`] returns; None
-    /// unless the search is robust.
-    ///
-    /// A layout without overlap in this plan has no overlap at any misplacement.
-    pub(super) wide: Option<Arc<FloorPlan>>,
+    certifies: bool,
+    /// Floor plan with room for misplacements.
+    pub(super) wide: Arc<FloorPlan>,
+    /// Upper bound of the value of each operation over all misplacements, or the reason why there is none.
+    pub(super) value_bounds: Vec<Result<ValueBound, NoValueBound>>,
 }
 
 impl Workcell {
@@ -36,11 +36,10 @@ impl Workcell {
     pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, Arc::new(Scene::remembering(&cell, remember)))?;
         let plan = Arc::new(FloorPlan::new(&cell));
-        let wide = cell.search.robust.then(|| {
-            let clearance = cell.clearance + misplacement::slack(&cell);
-            Arc::new(FloorPlan::new(&Cell { clearance, ..cell.clone() }))
-        });
-        Ok(Self { cell, mapper, plan, wide })
+        let wide = Arc::new(FloorPlan::with_tolerances(&cell));
+        let value_bounds = value_bounds(&cell, &mapper);
+        let certifies = certifies(&cell);
+        Ok(Self { cell, mapper, plan, certifies, wide, value_bounds })
     }
 
     /// Returns this workcell under another interpretation of its errors; the solids are shared.
@@ -68,7 +67,9 @@ impl Workcell {
     /// Prepares a cell with the same solids and placements as this workcell; both workcells share them.
     fn sharing(&self, cell: Cell) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, self.mapper.scene().clone())?;
-        Ok(Self { cell, mapper, plan: self.plan.clone(), wide: self.wide.clone() })
+        let value_bounds = value_bounds(&cell, &mapper);
+        let (plan, wide, certifies) = (self.plan.clone(), self.wide.clone(), certifies(&cell));
+        Ok(Self { cell, mapper, plan, certifies, wide, value_bounds })
     }
 
     /// Switches off the ranking of nodes. Every node is then judged, which is slower; the result is the same,
@@ -99,6 +100,18 @@ impl Workcell {
         self.mapper.scene().self_collision_pairs()
     }
 
+    /// Returns whether a layout must work at every misplacement inside the placement tolerances.
+    ///
+    /// It need not if the cell asks for an ideal layout, or if no body has a tolerance.
+    pub fn certifies(&self) -> bool {
+        self.certifies
+    }
+
+    /// Returns the demand that every posture of a layout must meet. It contains no bound of the value.
+    pub(super) fn demand<'a>(&'a self, misplacements: &'a Misplacements) -> Demand<'a> {
+        Demand { cell: &self.cell, misplacements, value: None }
+    }
+
     /// Returns the inverse kinematics of the arm.
     pub fn inverse(&self) -> &Inverse {
         self.mapper.inverse()
@@ -113,6 +126,17 @@ impl Workcell {
     pub(super) fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
         PlacedLayout::new(&self.mapper, layout)
     }
+}
+
+/// Returns whether a layout of the cell must work at every misplacement.
+fn certifies(cell: &Cell) -> bool {
+    !cell.search.ideal && cell.has_placement_tolerance()
+}
+
+/// Prepares the upper bound of the value of every operation.
+fn value_bounds(cell: &Cell, mapper: &Mapper) -> Vec<Result<ValueBound, NoValueBound>> {
+    let bound = |k: usize| ValueBound::new(cell, k, mapper.evaluator(k), mapper.chain());
+    (0..cell.operations.len()).map(bound).collect()
 }
 
 /// Returns message and help of the first fault as one line of text; empty if there is no fault.

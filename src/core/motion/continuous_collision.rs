@@ -50,17 +50,62 @@ pub fn first_hit(
     line: Move<'_>,
     load: Load,
 ) -> Option<PathHit> {
+    first_hit_with(chain, scene, placed, line, load, &PathSlack::default())
+}
+
+/// Deviations from a move: of the robot from its joint coordinates, and of the equipment from its placement.
+#[derive(Default)]
+pub struct PathSlack<'a> {
+    /// Largest deviation of each D-H coordinate, rad or m.
+    pub joints: JointVector,
+    /// Motion of each piece of equipment relative to the robot base, m; None for the floor. Without this
+    /// function, the equipment does not move.
+    pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
+    /// Decrease of the distance of a robot solid (an index into [`Scene::bounding_spheres`]) from a piece of
+    /// equipment, m, if it is less than the deviations of both allow.
+    pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
+}
+
+/// Returns the first point of a straight move at which the robot may come nearer than the clearance of the cell,
+/// if robot and equipment deviate from the move by up to `slack`.
+pub fn first_hit_with(
+    chain: &Chain,
+    scene: &Scene,
+    placed: &PlacedSolids,
+    line: Move<'_>,
+    load: Load,
+    slack: &PathSlack<'_>,
+) -> Option<PathHit> {
     if let Some(hit) = scene.base_hit(placed) {
         return Some(PathHit { at: 0.0, hit });
     }
     let spheres = scene.bounding_spheres();
     let bounds = MotionBounds::new(chain, line);
+    let deviation = MotionBounds { travel: slack.joints, ..bounds };
     let approached = |pair: Pair| {
         let first = pair.partner().map_or(0, |other| spheres[other].frame);
-        (pair, bounds.displacement(&spheres[pair.link], first))
+        let moved = match (pair.partner(), slack.equipment) {
+            (None, Some(equipment)) => equipment(scene.equipment_of(placed, pair)),
+            _ => 0.0,
+        };
+        let by = bounds.displacement(&spheres[pair.link], first);
+        let apart = deviation.displacement(&spheres[pair.link], first) + moved;
+        let known = slack.between.zip(scene.equipment_of(placed, pair));
+        let slack = known.and_then(|(between, k)| between(pair.link, k)).map_or(apart, |by| by.min(apart));
+        ApproachingPair { pair, by, slack }
     };
     let pairs: Vec<_> = scene.pairs(placed, load).into_iter().map(approached).collect();
     MoveCheck { chain, scene, placed, line }.first_hit_in(0.0, 1.0, &pairs)
+}
+
+/// Pair of solids, and how much their distance can decrease.
+#[derive(Clone, Copy)]
+struct ApproachingPair {
+    pair: Pair,
+    /// Greatest possible decrease of the distance over the whole move, m.
+    by: f64,
+    /// Greatest possible decrease because of deviations from the move, m.
+    slack: f64,
 }
 
 /// Returns the joint vector at a share of a straight move.
@@ -85,24 +130,24 @@ impl MoveCheck<'_> {
     /// Returns the first contact in one interval of the move; None if the interval is free.
     ///
     /// `low` and `high` are the ends of the interval, as shares of the move: 0 is its start, 1 its end.
-    /// `pairs` gives each pair of solids with the greatest possible decrease of its distance over the whole
-    /// move, m. Pairs that stay apart in an interval are not checked again in the halves of that interval.
-    fn first_hit_in(&self, low: f64, high: f64, pairs: &[(Pair, f64)]) -> Option<PathHit> {
+    /// Pairs that stay apart in an interval are not checked again in the halves of that interval.
+    fn first_hit_in(&self, low: f64, high: f64, pairs: &[ApproachingPair]) -> Option<PathHit> {
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
         let frames = self.frames(middle);
         let is_near =
-            |(pair, speed): &&(Pair, f64)| !self.scene.is_apart(self.placed, &frames, *pair, speed * half);
+            |p: &&ApproachingPair| !self.scene.is_apart(self.placed, &frames, p.pair, p.by * half + p.slack);
         let near: Vec<_> = pairs.iter().filter(is_near).copied().collect();
-        let (first, _) = near.first()?;
-        let fastest = near.iter().map(|p| p.1).fold(0.0, f64::max);
+        let first = near.first()?.pair;
+        let fastest = near.iter().map(|p| p.by).fold(0.0, f64::max);
         if fastest * half <= RESOLUTION {
-            return Some(PathHit { at: middle, hit: self.scene.hit_of(self.placed, *first) });
+            return Some(PathHit { at: middle, hit: self.scene.hit_of(self.placed, first) });
         }
         self.first_hit_in(low, middle, &near).or_else(|| self.first_hit_in(middle, high, &near))
     }
 }
 
 /// Upper bounds of the motion of points on the robot during one move.
+#[derive(Clone, Copy)]
 struct MotionBounds<'c> {
     chain: &'c Chain,
     /// Travel of each D-H coordinate, rad or m.

@@ -1,11 +1,11 @@
 //! Motion rules for the postures of an operation: distance from singularities, free approach, free retract.
 
 use super::continuous_collision::{Move, PathHit, first_hit};
-use super::measures::singularity;
+use super::measures::{is_regular, singularity};
 use super::straight_line::{Stopped, straight};
 use crate::cell::{Cell, JointVector, TransferRules};
 use crate::clearance::{Load, PlacedSolids, Scene};
-use crate::robot::Chain;
+use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
 /// Motion rules of a cell, prepared for checking postures and moves.
@@ -97,17 +97,47 @@ impl Guard {
         Ok(())
     }
 
+    /// Returns whether a posture is one of the via postures of the transfer rules.
+    pub fn is_via(&self, joints: &JointVector) -> bool {
+        self.transfer.as_ref().is_some_and(|rules| rules.via.contains(joints))
+    }
+
+    /// Returns the lengths of the straight approach to the spot of an operation and of the retract from it, m.
+    pub fn approach_and_retract(&self, operation: usize) -> (f64, f64) {
+        self.lengths[operation]
+    }
+
     /// Checks that a posture is far enough from a singularity.
     fn regular(&self, joints: &JointVector) -> Result<(), PostureRefusal> {
         if self.singularity == 0.0 {
             return Ok(());
         }
-        let measure = singularity(&self.chain, &self.chain.frames(&self.chain.posture(joints)), self.reach);
+        let frames = self.chain.frames(&self.chain.posture(joints));
+        if is_regular(&self.chain, &frames, self.reach, self.singularity) {
+            return Ok(());
+        }
+        let measure = singularity(&self.chain, &frames, self.reach);
         if measure < self.singularity { Err(PostureRefusal::Singular { measure }) } else { Ok(()) }
     }
 
+    /// Returns the [`singularity`] measure to which a posture may fall if its scaled Jacobian changes by up to
+    /// `change`; None if the measure certainly keeps the margin.
+    ///
+    /// A singular value changes by at most the spectral norm of the change (H. Weyl 1912).
+    pub fn may_become_singular(&self, frames: &Frames, change: impl Fn(f64) -> f64) -> Option<f64> {
+        if self.singularity == 0.0 {
+            return None;
+        }
+        let change = change(self.reach);
+        if is_regular(&self.chain, frames, self.reach, self.singularity + change) {
+            return None;
+        }
+        let least = singularity(&self.chain, frames, self.reach) - change;
+        (least < self.singularity).then_some(least.max(0.0))
+    }
+
     /// Returns joint vectors that take the TCP from a spot back along the tool axis by a length (m).
-    pub(super) fn back(&self, joints: &JointVector, length: f64) -> Result<Vec<JointVector>, Stopped> {
+    pub fn back(&self, joints: &JointVector, length: f64) -> Result<Vec<JointVector>, Stopped> {
         let tcp = self.chain.forward(&self.chain.posture(joints));
         let axis: Vector3<f64> = tcp.rotation * self.chain.tool_axis;
         straight(&self.chain, joints, &(axis * -length), self.reach)

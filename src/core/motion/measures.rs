@@ -3,7 +3,7 @@
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::reach::jacobian;
 use crate::robot::{Chain, Frames};
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{Matrix6, SMatrix, Vector3};
 
 /// Geometric Jacobian: three rows for the position, divided by the reach of the arm, then three rows for the
 /// rotation.
@@ -46,6 +46,29 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
     let mut values: [f64; 6] = scaled_jacobian(chain, frames, reach).singular_values().into();
     values.sort_by(|a, b| b.total_cmp(a));
     actuators.min(6).checked_sub(1).map_or(0.0, |last| values[last])
+}
+
+/// Returns whether the [`singularity`] measure of a posture is at least `least`.
+///
+/// All singular values of a matrix J are at least s if the matrix `J^T J - s^2` is positive definite. This test
+/// takes a tenth of the time of a singular value decomposition.
+pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> bool {
+    let jacobian = scaled_jacobian(chain, frames, reach);
+    let moving = || (0..chain.axes()).filter(|&j| is_moving(chain.links[j].limits));
+    let count = moving().count();
+    // Unused rows and columns are those of the identity.
+    let mut gram = Matrix6::identity();
+    if count > 6 {
+        gram.copy_from(&(jacobian * jacobian.transpose()));
+    } else {
+        for (a, j) in moving().enumerate() {
+            for (b, k) in moving().enumerate() {
+                gram[(a, b)] = jacobian.column(j).dot(&jacobian.column(k));
+            }
+        }
+    }
+    (0..count.min(6)).for_each(|k| gram[(k, k)] -= least * least);
+    gram.cholesky().is_some()
 }
 
 /// Returns the geometric Jacobian with lengths divided by `reach` (m). The column of a passive joint is 0.

@@ -11,8 +11,8 @@ mod messages;
 mod straight_line;
 mod transfer;
 
-pub use continuous_collision::{Move, PathHit, RESOLUTION, first_hit};
+pub use continuous_collision::{Move, PathHit, PathSlack, RESOLUTION, first_hit, first_hit_with};
 pub use guard::{Guard, Hindrance, PostureRefusal};
 pub use measures::{Measures, measures, singularity};
 pub use straight_line::{DEVIATION, Stopped, straight};
-pub use transfer::{Blocked, OperationPosture, Transfer, TransferRoute, direct_travel};
+pub use transfer::{Blocked, OperationPosture, PathCheck, Transfer, TransferRoute, direct_travel};

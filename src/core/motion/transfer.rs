@@ -59,6 +59,11 @@ pub struct Blocked {
     pub tries: Vec<(TransferRoute, Hindrance)>,
 }
 
+/// Further check of a collision-free path from one operation to the next: its two ends, the path and the load.
+///
+/// It returns the obstacle if the path cannot be used.
+pub type PathCheck<'a> = &'a dyn Fn([usize; 2], &[JointVector], Load) -> Result<(), Hindrance>;
+
 impl Guard {
     /// Returns whether transfers between operations are checked.
     pub fn asks_transfers(&self) -> bool {
@@ -76,6 +81,7 @@ impl Guard {
         scene: &Scene,
         placed: &PlacedSolids,
         stances: &[OperationPosture],
+        check: PathCheck<'_>,
     ) -> Result<Vec<Transfer>, Blocked> {
         let mut found: Vec<Transfer> = Vec::new();
         let (Some(rules), Some(first)) = (&self.transfer, stances.first()) else { return Ok(found) };
@@ -85,20 +91,21 @@ impl Guard {
                 joints: nearest_turns(&self.chain, &here.joints, &context.joints),
                 ..*context
             };
-            found.push(self.transfer(scene, placed, &here, &next)?);
+            found.push(self.transfer(scene, placed, &here, &next, check)?);
             here = next;
         }
         if rules.cycle && stances.len() > 1 {
             // The last transfer ends at the joint angles of the start, so that repeated cycles add no whole
             // turns.
-            found.push(self.transfer(scene, placed, &here, first)?);
+            found.push(self.transfer(scene, placed, &here, first, check)?);
         }
         Ok(found)
     }
 
     /// Returns the first free transfer between two operations.
     ///
-    /// Collisions are checked with the parts that the robot holds in either operation.
+    /// Collisions are checked with the parts that the robot holds in either operation. Paths that `check` refuses
+    /// are not used.
     ///
     /// # Errors
     /// Returns the obstacles on all routes if no route is free.
@@ -108,6 +115,7 @@ impl Guard {
         placed: &PlacedSolids,
         from: &OperationPosture,
         to: &OperationPosture,
+        check: PathCheck<'_>,
     ) -> Result<Transfer, Blocked> {
         let mut tries = Vec::new();
         let blocked = |tries| Blocked { from: from.operation, to: to.operation, tries };
@@ -127,8 +135,12 @@ impl Guard {
                     continue;
                 }
             };
-            match self.first_hit(scene, placed, &path, load) {
-                Some(hit) => tries.push((way, Hindrance::Hit(hit))),
+            let hindrance = match self.first_hit(scene, placed, &path, load) {
+                Some(hit) => Some(Hindrance::Hit(hit)),
+                None => check([from.operation, to.operation], &path, load).err(),
+            };
+            match hindrance {
+                Some(hindrance) => tries.push((way, hindrance)),
                 None => {
                     let (travel, arrival) = (travel(&self.chain, &path, self.reach), to.joints);
                     let (from, to) = (from.operation, to.operation);

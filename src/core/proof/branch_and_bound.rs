@@ -9,11 +9,11 @@
 
 use super::coordinates::Coordinates;
 use super::region::Constraint;
-use super::screws::JointValues;
 use super::task::Task;
 use super::taylor_model::Taylor;
 use super::witness::near;
 use crate::cell::{JointVector, MAX_JOINTS};
+use crate::kinematic_error::JointValues;
 use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
 use std::cmp::Ordering;

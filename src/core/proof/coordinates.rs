@@ -8,8 +8,8 @@
 //! of the joint coupling, and `q_0` the middle of the joint limits. The actuator coordinates are
 //! `q = q_0 + C^-1 D y`, each between its limits.
 
-use super::screws::{JointValues, Screws};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
+use crate::kinematic_error::{JointValues, Screws};
 use crate::robot::Chain;
 use std::f64::consts::PI;
 

@@ -7,9 +7,9 @@
 //! `P = sum eta w^T`.
 
 use super::coordinates::JointMatrix;
-use super::screws::{JointValues, PosedScrews, ScrewMotion, Screws};
 use super::taylor_model::{ChainGeometry, Taylor, radius};
 use crate::cell::{JointKind, MAX_JOINTS};
+use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws};
 use nalgebra::{Matrix3, Vector3};
 
 /// Effect of one small motion in the chain, at a posture, on the point whose error counts.

@@ -14,7 +14,6 @@
 //! | file | content |
 //! |---|---|
 //! | `region` | the constraints of an operation in any layout |
-//! | `screws` | the chain, nominal and with errors, as screw axes at a reference posture |
 //! | `coordinates` | the coordinates of the boxes, and the joint limits in them |
 //! | `taylor_model` | second-order expansions with a bound of the remainder |
 //! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
@@ -31,7 +30,6 @@ mod coordinates;
 mod linear_effects;
 mod nonlinear_error;
 mod region;
-mod screws;
 mod task;
 mod taylor_model;
 mod value_bound;

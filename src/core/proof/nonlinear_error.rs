@@ -8,10 +8,11 @@
 //! derivatives of this remainder in any direction of joint space.
 
 use super::coordinates::Coordinates;
-use super::screws::{JointValues, PosedScrews, Screws, about};
+
 use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
 use crate::cell::{JointKind, MAX_JOINTS};
-use nalgebra::{Matrix3, Vector3};
+use crate::kinematic_error::{JointValues, PosedScrews, Screws};
+use nalgebra::Vector3;
 
 /// Difference of a chain with errors from the nominal chain.
 #[derive(Debug, Clone)]
@@ -33,18 +34,7 @@ impl ChainDifference {
     /// Prepares the difference of two chains with the same joints.
     pub fn new(nominal: &Screws, screws: Screws, pieces: &RigidPieces) -> Self {
         let n = nominal.kinds.len();
-        let (mut turns, mut shifts) = ([0.0; MAX_JOINTS + 1], [0.0; MAX_JOINTS + 1]);
-        let (mut rotation, mut from, mut to) = (Matrix3::identity(), nominal.points[0], nominal.points[0]);
-        for k in 0..=n {
-            let (next, point, moved) = match k == n {
-                true => (rotation, nominal.point, screws.point),
-                false => (least(&nominal.axes[k], &screws.axes[k]), nominal.points[k], screws.points[k]),
-            };
-            turns[k] = angle(&(rotation.transpose() * next));
-            // Distance between the point and the place to which the earlier motions alone would move it.
-            shifts[k] = (to + rotation * (point - from) - moved).norm();
-            (rotation, from, to) = (next, point, moved);
-        }
+        let (turns, shifts) = nominal.motions_to(&screws);
         let (mut second, mut second_per_slide, mut sum) = (0.0, 0.0, 0.0);
         for k in 0..=n {
             sum += turns[k];
@@ -101,20 +91,4 @@ impl ChainDifference {
         let second = self.second * turned.powi(3) + 3.0 * self.second_per_slide * turned * turned * slid;
         (first.sum::<f64>() + second) / 6.0
     }
-}
-
-/// Returns the rotation of least angle that takes the unit vector `from` to `to`.
-fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
-    let cross = from.cross(to);
-    let sine = cross.norm();
-    if sine == 0.0 {
-        return Matrix3::identity();
-    }
-    about(&(cross / sine), &Vector3::zeros(), sine.atan2(from.dot(to))).rotation
-}
-
-/// Returns the angle of a rotation, rad; small angles are accurate to the last digit.
-fn angle(r: &Matrix3<f64>) -> f64 {
-    let twice = Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
-    twice.norm().atan2(r.trace() - 1.0)
 }

@@ -8,8 +8,8 @@
 //! radius `r_t` lengthens a factor, `3 rho^2 r_t / 6` is added.
 
 use super::coordinates::{Coordinates, JointMatrix};
-use super::screws::{JointValues, PosedScrews, Screws};
 use crate::cell::{JointKind, MAX_JOINTS};
+use crate::kinematic_error::{JointValues, PosedScrews, Screws};
 use nalgebra::Vector3;
 
 /// Geometry of a chain, shared by all its Taylor models.

@@ -19,8 +19,8 @@
 
 use super::WhyNot;
 use super::linear_effects::Effect;
-use super::screws::ScrewMotion;
 use crate::cell::{Model, Quantity, Reading, Row};
+use crate::kinematic_error::ScrewMotion;
 use crate::reading::norm::NormDistribution;
 use crate::reading::zonotope::{ZonotopeScratch, farthest_1, farthest_2, farthest_3, farthest_6};
 use crate::reading::{ErrorEvaluator, MAX_SOURCES};

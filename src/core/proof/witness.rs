@@ -1,10 +1,10 @@
 //! Witnesses: postures that keep all constraints, whose values are upper bounds of the minimum.
 
 use super::region::Constraint;
-use super::screws::JointValues;
 use super::task::Task;
 use super::taylor_model::Taylor;
 use crate::cell::{JointVector, MAX_JOINTS};
+use crate::kinematic_error::JointValues;
 use crate::reading::EvaluatorScratch;
 use nalgebra::{Matrix4, Vector4};
 

@@ -80,9 +80,14 @@ impl HeldJoint {
         self.fast.as_ref().unwrap_or(&self.solver)
     }
 
+    /// Returns the index of the held joint.
+    pub fn index(&self) -> usize {
+        if self.first { 0 } else { self.axes - 1 }
+    }
+
     /// Sets all samples of the held joint to its coordinate in `q`.
     pub fn hold(&mut self, q: &JointVector) {
-        self.values = [q[if self.first { 0 } else { self.axes - 1 }]; Self::SAMPLES];
+        self.values = [q[self.index()]; Self::SAMPLES];
     }
 
     /// Returns sample `number` of the held joint, to be solved by `solver`.

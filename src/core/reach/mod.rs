@@ -8,6 +8,7 @@
 //! | `held_joint`, `redundancy` | redundancy resolution by a sweep of one joint |
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
+//! | `tool_task` | the components of the TCP motion that a branch controls |
 //! | `limits` | joint limits, also of angles that repeat after a turn |
 //! | `shell` | a bounding shell of the reach, a cheap test before any inverse kinematics |
 //! | `envelope` | sections, volume and extent of the reach |
@@ -31,6 +32,7 @@ mod redundancy;
 mod shell;
 mod solver;
 mod tool_attitudes;
+mod tool_task;
 
 pub use branch::{Branch, Cost, Gap, Reach};
 pub use closed_form::spherical_wrist::SphericalWrist;
@@ -45,3 +47,4 @@ pub use numeric::{least_turn, rotation_vector};
 pub use planar_geometry::PlanarGeometry;
 pub use shell::Shell;
 pub use tool_attitudes::{PlanarAttitude, ToolAttitudes};
+pub use tool_task::{MAX_ROWS, RotationRow, ToolTask};

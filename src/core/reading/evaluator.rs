@@ -12,7 +12,7 @@ use crate::cell::{Cell, Distribution, Model, Operation, Quantity, Reading, Regis
 use crate::kinematic_error::{Expansion, Perturbation, position_error};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
-use nalgebra::{Matrix3, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Evaluator of the error of one operation in its sense, by the model and in the reading of the cell.
 #[derive(Debug, Clone)]
@@ -310,6 +310,24 @@ impl ErrorEvaluator {
         });
         let mean = measure.column(&effects.mean);
         NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
+    }
+
+    /// Returns the covariance of the error's components along the rows of the operation's sense (m or rad,
+    /// squared), the number of these rows, and the size of the mean error (m or rad).
+    pub fn covariance(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> (Matrix6<f64>, usize, f64) {
+        self.prepare(context, frames, memory);
+        let measure = self.measure(&self.sense, context, frames);
+        let mut covariance = Matrix6::zeros();
+        memory.effects.independent(&self.sources, |effect, _| {
+            let column = measure.column(&effect);
+            covariance += column * column.transpose();
+        });
+        (covariance, measure.rows(), measure.column(&memory.effects.mean).norm())
     }
 
     /// Restricts the reported senses to the sense of the operation, which makes reports several times faster.

@@ -127,6 +127,22 @@ impl Chain {
         posture
     }
 
+    /// Returns a posture with its D-H coordinates changed by `by` (rad or m).
+    pub fn displaced(&self, posture: &Posture, by: &JointVector) -> Posture {
+        let mut displaced = *posture;
+        for (i, link) in self.links.iter().enumerate() {
+            match link.kind {
+                JointKind::Revolute => {
+                    let (sin, cos) = by[i].sin_cos();
+                    displaced.cos[i] = posture.cos[i] * cos - posture.sin[i] * sin;
+                    displaced.sin[i] = posture.sin[i] * cos + posture.cos[i] * sin;
+                }
+                JointKind::Prismatic => displaced.r[i] += by[i],
+            }
+        }
+        displaced
+    }
+
     /// Returns the posture at actuator coordinates 0, where theta and r have the values of the D-H table.
     pub fn zero_posture(&self) -> Posture {
         self.posture(&[0.0; MAX_JOINTS])

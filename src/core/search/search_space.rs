@@ -1,6 +1,6 @@
 //! The search space: every free coordinate of a cell, scaled to [0, 1].
 
-use crate::cell::{Cell, Coordinate, Layout, Slot};
+use crate::cell::{Cell, Coordinate, Layout, Resolution, Slot};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 
 /// Change that leads from a point to its neighbours.
@@ -50,7 +50,7 @@ impl<'c> SearchSpace<'c> {
     /// the middle of the interval that stands for its value.
     pub fn settled(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.variables.iter().zip(point);
-        shares.map(|((slot, c), u)| share(c, value(*slot, c, mirrored(*u)))).collect()
+        shares.map(|((slot, c), u)| share(c, self.value(*slot, c, mirrored(*u)))).collect()
     }
 
     /// Returns the neighbours of `point` in the unit cube: one point for each possible change of the kind
@@ -102,12 +102,31 @@ impl<'c> SearchSpace<'c> {
     /// Returns the layout that a point of the unit cube represents.
     ///
     /// Points outside the unit cube are mirrored at its faces, so every point has a layout. Coordinates are
-    /// rounded to 1 um and 0.0001 degree, so a file can hold exactly the layout that was evaluated.
+    /// rounded to multiples of the resolution of the search.
     pub fn layout(&self, point: &[f64]) -> Layout {
         self.cell.layout(|slot, coordinate| {
             let place = self.variables.iter().position(|(s, _)| *s == slot);
-            place.map_or_else(|| coordinate.start(), |k| value(slot, coordinate, mirrored(point[k])))
+            place.map_or_else(|| coordinate.start(), |k| self.value(slot, coordinate, mirrored(point[k])))
         })
+    }
+
+    /// Returns the value of a coordinate at a position in [0, 1].
+    fn value(&self, slot: Slot, coordinate: &Coordinate, share: f64) -> f64 {
+        match coordinate {
+            Coordinate::Fixed(value) => *value,
+            Coordinate::Range { min, max, .. } => {
+                let Resolution { mm, deg } = self.cell.search.resolution;
+                let value = min + share * (max - min);
+                match slot.is_angle() {
+                    true => multiple(value, (*min, *max), deg, deg_from_rad, rad_from_deg),
+                    false => multiple(value, (*min, *max), mm, mm_from_m, m_from_mm),
+                }
+            }
+            Coordinate::List(values) => {
+                let k = (share * values.len() as f64) as usize;
+                values[k.min(values.len() - 1)]
+            }
+        }
     }
 }
 
@@ -141,29 +160,29 @@ fn share(coordinate: &Coordinate, value: f64) -> f64 {
     }
 }
 
-fn value(slot: Slot, coordinate: &Coordinate, share: f64) -> f64 {
-    match coordinate {
-        Coordinate::Fixed(value) => *value,
-        Coordinate::Range { min, max, .. } => {
-            let value = min + share * (max - min);
-            let rounded = if slot.is_angle() { to_ten_thousandth_degree(value) } else { to_um(value) };
-            // The ends of a range need not be rounded numbers, so rounding may lead out of the range.
-            rounded.clamp(*min, *max)
-        }
-        Coordinate::List(values) => {
-            let k = (share * values.len() as f64) as usize;
-            values[k.min(values.len() - 1)]
-        }
+/// Largest number of decimals of a resolution in mm or degrees.
+const RESOLUTION_DIGITS: i32 = 9;
+
+/// Returns the multiple of `step` nearest to `value` inside a range; the nearer end if the range holds none.
+///
+/// `value` and `range` are in SI units, and `step` is in the unit of files.
+fn multiple(
+    value: f64,
+    (min, max): (f64, f64),
+    step: f64,
+    to_file: fn(f64) -> f64,
+    from_file: fn(f64) -> f64,
+) -> f64 {
+    let (low, high) = ((to_file(min) / step - ROUNDING).ceil(), (to_file(max) / step + ROUNDING).floor());
+    if low > high {
+        return value.clamp(min, max);
     }
+    let count = (to_file(value) / step).round().clamp(low, high);
+    from_file(rounded(count * step, RESOLUTION_DIGITS)).clamp(min, max)
 }
 
-fn to_ten_thousandth_degree(rad: f64) -> f64 {
-    rad_from_deg(rounded(deg_from_rad(rad), 4))
-}
-
-fn to_um(m: f64) -> f64 {
-    m_from_mm(rounded(mm_from_m(m), 3))
-}
+/// Rounding error of a quotient of coordinate and resolution.
+const ROUNDING: f64 = 1e-9;
 
 /// Mirrors a number at 0 and 1 into [0, 1].
 fn mirrored(u: f64) -> f64 {

@@ -33,6 +33,9 @@ key_table! {
         INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Difference below which two values count as equal in the lexicographic objective.").default(Literal::Number(1.0));
         BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
         SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
+        IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Placement tolerances do not count, and no clearance, margin or tolerance is assumed: the layout need only work exactly as drawn.");
+        RESOLUTION_MM = number("resolution_mm", NumberRange::Positive, "Placements that the search finds are multiples of this length. If left out, it is 1, or 0.001 with `ideal`.").example("1");
+        RESOLUTION_DEG = number("resolution_deg", NumberRange::Positive, "Angles that the search finds are multiples of this angle. If left out, it is 0.1, or 0.0001 with `ideal`.").example("0.1");
         ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Minimize the worst value over the placement tolerances, not the value as drawn.");
         GAP = number("gap", NumberRange::NotNegative, "Stop when the objective exceeds the proven lower bound by at most this share: 0.01 is 1 %.").example("0.01");
         STAGNATION = Key::new("stagnation", BUDGETS, "Stop after this number of layouts without improvement.").example("5000");
@@ -74,7 +77,7 @@ key_table! {
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with on, grid, bend_deg and sense");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
-        CLEARANCE = number_or_zero("clearance_mm", NumberRange::NotNegative, "Clearance below which a distance counts as a collision; floor spaces keep it in plan, along a side of one of them, or in height.");
+        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance below which a distance counts as a collision; floor spaces keep it in plan, along a side of one of them, or in height. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world.");
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
         TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");

@@ -9,9 +9,9 @@ pub const POSTURE: ValueKind = ValueKind::List(&FINITE, (1, MAX_JOINTS), "number
 
 key_table! {
     margins, "margins", "Least distance of postures from joint limits and singular postures.", {
-        TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance from the limits of revolute joints.");
-        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance from the limits of prismatic joints.");
-        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Least singular value of the Jacobian, with lengths divided by the reach of the arm.").example("0.02");
+        TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance from the limits of revolute joints. If left out, it is 2 in a search for a layout to build.");
+        SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance from the limits of prismatic joints. If left out, it is 2 in a search for a layout to build.");
+        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Least singular value of the Jacobian, with lengths divided by the reach of the arm. If left out, it is 0.02 in a search for a layout to build.").example("0.02");
     }
 }
 

@@ -27,7 +27,7 @@ key_table! {
     equipment, "a piece of equipment", "Equipment: work surface, solids, floor space and placement.", {
         PLACEMENT = table("placement", &placement::TABLE, "Placement in the world, or in the frame of the equipment that it stands on.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
         STANDS_ON = text("stands_on", "Equipment that carries this one: it moves with its carrier, and its placement is in the frame of the carrier.").example("\"worktable\"");
-        TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement, for the commands robust and search --robust.").example("{ x_mm = 2, y_mm = 2 }");
+        TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement: the layout must work everywhere within it. If left out, it is 2 mm and 0.2 degrees for equipment that a search places.").example("{ x_mm = 2, y_mm = 2 }");
         ERRORS = table("errors", &errors_of_equipment::TABLE, "Errors of the placement or the fixture, in the frame of the equipment.");
     }
     extends super::body::TABLE;

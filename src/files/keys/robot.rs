@@ -118,7 +118,7 @@ key_table! {
     /// Keys of the table `[robot]` of a cell.
     robot_in_cell, "`robot`", "Robot of a cell and the placement of its base.", {
         BASE = table("base", &placement::TABLE, "Placement of the robot base in the world; if left out, the origin.");
-        BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
+        BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base: the layout must work everywhere within it. If left out, it is 2 mm and 0.2 degrees for a base that a search places.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
     }
     extends super::robot::TABLE;
     rules [Rule::Needs("schema", "units")];

@@ -5,6 +5,9 @@ use super::{constraints, equipment, operation, placement, robot, sense};
 use crate::cell::*;
 use crate::files::fault::{did_you_mean, listed, shown};
 use crate::files::keys::cell::{cell, search};
+use crate::files::keys::constraints::margins;
+use crate::files::keys::equipment::equipment as equipment_keys;
+use crate::files::keys::key::Key;
 use crate::files::keys::robot::robot_in_cell;
 use crate::files::toml::document::Library;
 use crate::files::toml::reader::Table;
@@ -28,7 +31,8 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
         let keep_out = t.named(&cell::KEEP_OUT, equipment::read_keep_out);
         let senses = sense::read_all(t);
         let operations = operation::read_all(t, &equipment, &senses);
-        let (collision, clearance) = (t.boolean(&cell::COLLISION), t.number(&cell::CLEARANCE));
+        let collision = t.boolean(&cell::COLLISION);
+        let clearance = t.if_given(&cell::CLEARANCE, Table::number);
         let floor = t.number(&cell::FLOOR);
         let built = robot.as_ref().map(|(robot, ..)| robot);
         let margins = constraints::read_margins(t, built);
@@ -52,19 +56,47 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
             operations,
             senses,
             collision: collision?,
-            clearance: clearance?,
+            clearance: clearance?.unwrap_or(0.0),
             floor: floor?,
             margins: margins?,
             transfer: transfer?,
             fence: fence?,
             search: search?,
+            assumed: Vec::new(),
         };
+        let stated = stated_keys(t, &cell);
+        cell = cell.assuming(&stated);
         refuse_nothing_to_withstand(t, &cell);
         if question.reading.is_none() {
             cell.reading = cell.default_reading();
         }
         Some(cell)
     })
+}
+
+/// Returns which of the quantities that make a layout buildable the file states.
+fn stated_keys(t: &mut Table, read: &Cell) -> StatedKeys {
+    let mut stated = |table: &Key, key: &Key| t.get(table).is_some_and(|n| n.value.get(key.name).is_some());
+    let [turn_margin, slide_margin, singularity] =
+        [margins::TURN, margins::SLIDE, margins::SINGULARITY].map(|key| stated(&cell::MARGINS, &key));
+    let base_tolerance = stated(&cell::ROBOT, &robot_in_cell::BASE_TOLERANCE);
+    let equipment = t.get(&cell::EQUIPMENT);
+    let tolerance = |e: &Equipment| {
+        let node = equipment.and_then(|all| all.value.get(&e.name));
+        node.is_some_and(|node| node.value.get(equipment_keys::TOLERANCE.name).is_some())
+    };
+    let placement_tolerances = read.equipment.iter().map(tolerance).collect();
+    let clearance = t.get(&cell::CLEARANCE).is_some();
+    let search = t.get(&cell::SEARCH).is_some();
+    StatedKeys {
+        search,
+        clearance,
+        turn_margin,
+        slide_margin,
+        singularity,
+        base_tolerance,
+        placement_tolerances,
+    }
 }
 
 /// Settings that define how the errors of a cell are modelled and interpreted.
@@ -104,14 +136,19 @@ fn read_robot(t: &mut Table) -> Option<Based> {
     })
 }
 
-/// Refuses a robust search of a cell in which no placement has a tolerance.
+/// Refuses a robust search of a cell in which no placement has a tolerance, or that asks for an ideal layout.
 fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
     if let Some(node) = t.get(&cell::SEARCH).and_then(|settings| settings.value.get(search::ROBUST.name))
         && read.search.robust
-        && !read.has_placement_tolerance()
     {
-        let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to a piece of equipment";
-        t.error(node.at, "`robust` is set, but no placement has a tolerance", help);
+        let (at, ideal) = (node.at, read.search.ideal);
+        if ideal {
+            let help = "remove one of them: an ideal layout need not withstand misplacements";
+            t.error(at, "`robust` and `ideal` exclude each other", help);
+        } else if !read.has_placement_tolerance() {
+            let help = "add placement_tolerance = { x_mm = 2, y_mm = 2 } to a piece of equipment";
+            t.error(at, "`robust` is set, but no placement has a tolerance", help);
+        }
     }
 }
 
@@ -154,16 +191,21 @@ fn read_search(t: &mut Table) -> Option<SearchSettings> {
         let (solver, objective) = (t.word(&search::SOLVER), t.word(&search::OBJECTIVE));
         let indifference = t.number(&search::INDIFFERENCE);
         let (budget, seed) = (t.whole(&search::BUDGET), t.whole(&search::SEED));
-        let robust = t.boolean(&search::ROBUST);
+        let (ideal, robust) = (t.boolean(&search::IDEAL), t.boolean(&search::ROBUST));
+        let mm = t.if_given(&search::RESOLUTION_MM, Table::number);
+        let deg = t.if_given(&search::RESOLUTION_DEG, Table::number);
         let gap = t.if_given(&search::GAP, Table::number);
         let stagnation = t.if_given(&search::STAGNATION, Table::whole);
         let (pareto, keep) = (read_pareto(t), t.if_given(&search::KEEP, Table::whole));
+        let usual = if ideal? { Resolution::IDEAL } else { Resolution::BUILDABLE };
         Some(SearchSettings {
+            resolution: Resolution { mm: mm?.unwrap_or(usual.mm), deg: deg?.unwrap_or(usual.deg) },
             solver: solver?,
             objective: objective?,
             indifference: indifference?,
             budget: budget?,
             seed: seed?,
+            ideal: ideal?,
             robust: robust?,
             gap: gap?,
             stagnation: stagnation?,

@@ -29,6 +29,8 @@ pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<N
     for (key, _, node) in entries {
         match (key.as_str(), &mut node.value) {
             ("robot", _) => lay_robot(node, &chain, lib),
+            // The tool of a robot file that is read on its own.
+            ("tool", value) if value.get("from").is_some() => lay_part(node, &chain, lib),
             ("equipment" | "obstacle", Value::Table(parts)) => {
                 parts.iter_mut().for_each(|(.., part)| lay_part(part, &chain, lib));
             }

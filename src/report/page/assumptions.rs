@@ -21,6 +21,8 @@ pub fn section(subject: &Subject<'_>) -> Section {
         said("Motion", motion(cell).into()),
         said("Placement", placement(cell).into()),
     ];
+    let assumed = cell.assumed.iter().map(|a| format!("{} = {}: the cell does not state it", a.key, a.value));
+    rows.extend(assumed.map(|text| said("Assumed", text)));
     rows.extend(caveats(cell).into_iter().map(|note| said("Note", note)));
     rows.extend(subject.warnings.iter().map(|warning| said("Warning", plain(warning))));
     if !subject.manifest.is_complete {
@@ -108,8 +110,11 @@ fn motion(cell: &Cell) -> &'static str {
 fn placement(cell: &Cell) -> &'static str {
     match (cell.has_placement_tolerance(), cell.search.robust) {
         (true, true) => "evaluated at the worst misplacement within the placement tolerances",
-        (true, false) => {
+        (true, false) if cell.search.ideal => {
             "evaluated as drawn; the section on misplacement shows the effect of the placement tolerances"
+        }
+        (true, false) => {
+            "the layout must work at every misplacement within the placement tolerances; errors are shown as drawn"
         }
         (false, _) => "all equipment and the robot base are assumed to stand exactly where they are drawn",
     }

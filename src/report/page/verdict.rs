@@ -115,6 +115,7 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
             mood: FactMood::Plain,
         });
         facts.push(requirement(a));
+        facts.extend(withstood(a));
         facts.extend(joint_yield(a));
     }
     if let Some(found) = &subject.found {
@@ -194,6 +195,10 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     let (name, limit) = (shown(&a.cell.operations[k].name), quantity(unit, r.limit));
     let margin = quantity(unit, r.margin.abs());
     let (text, note, mood) = match r.is_met() {
+        false if !r.known => {
+            let why = "no bound of its error over all misplacements is known";
+            ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
+        }
         true => {
             ("met", format!("{name} meets its limit of {limit} with a margin of {margin}"), FactMood::Good)
         }
@@ -206,6 +211,23 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
         note,
         mood,
     }
+}
+
+/// Returns the entry on the placement tolerances; None if the layout need only work as drawn.
+fn withstood(a: &Assessment<'_>) -> Option<FactEntry> {
+    let certificate = a.certificate.as_ref()?;
+    let unit = a.cell.unit();
+    let worst = a.cell.operations.iter().enumerate().map(|(k, operation)| match a.worst(k) {
+        Some(worst) => format!("{} at most {}", shown(&operation.name), quantity(unit, worst)),
+        None => format!("{} not bounded", shown(&operation.name)),
+    });
+    let worst: Vec<String> = worst.collect();
+    let (text, mood) = match certificate.holds() {
+        true => ("certified", FactMood::Good),
+        false => ("not certified", FactMood::Bad),
+    };
+    let note = format!("at every misplacement within the placement tolerances: {}", worst.join(", "));
+    Some(FactEntry { label: "Placement tolerances".into(), value: None, text: text.into(), note, mood })
 }
 
 /// Returns the entry on the overall yield: the share of sampled arms that keep the limits of all operations.

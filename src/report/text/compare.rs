@@ -12,7 +12,11 @@ use std::fmt::Write;
 
 /// Returns the comparison table, then the reasons why layouts are not feasible.
 pub fn comparison(comparison: &Comparison<'_>) -> String {
-    let mut out = comparison_table(comparison).render();
+    let mut out: String = comparison.columns.iter().map(super::certificate).collect();
+    if !out.is_empty() {
+        out.push('\n');
+    }
+    out.push_str(&comparison_table(comparison).render());
     for column in comparison.columns.iter().filter(|c| c.evaluation.objective.is_none()) {
         let _ = write!(out, "\n{}", feasibility(column));
     }
@@ -119,7 +123,9 @@ fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
 
 /// Describes whether a limit is met, and by which margin.
 pub fn margin(unit: Unit, r: Requirement) -> String {
-    if r.is_met() {
+    if !r.known {
+        "not guaranteed: no bound over the misplacements is known".into()
+    } else if r.is_met() {
         format!("met, {} to spare", fixed(unit.from_si(r.margin), 4))
     } else {
         format!("MISSED by {}", fixed(unit.from_si(-r.margin), 4))

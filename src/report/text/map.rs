@@ -13,7 +13,11 @@ use std::fmt::Write;
 
 /// Returns the summary of every map, of the transfers and of the feasibility.
 pub fn maps(a: &Assessment<'_>) -> String {
-    let mut out = String::new();
+    // A layout that cannot be used is named as such before its figures.
+    let mut out = super::certificate(a);
+    if a.evaluation.objective.is_none() {
+        out.push_str(&feasibility(a));
+    }
     for map in &a.maps {
         let _ = writeln!(out, "{}", map_summary(a, map));
     }
@@ -23,9 +27,7 @@ pub fn maps(a: &Assessment<'_>) -> String {
         let _ = writeln!(out, "from {from} to {to}: {}, {travel:.1} deg of joint travel", t.way.in_words());
     }
     out.push_str(&yield_lines(a));
-    if a.evaluation.objective.is_none() {
-        out.push_str(&feasibility(a));
-    }
+    out.push_str(&super::assumptions(a.cell));
     out
 }
 

@@ -1,6 +1,7 @@
 //! Text for the terminal.
 
 mod budget;
+mod buildability;
 mod check;
 mod compare;
 mod envelope;
@@ -16,6 +17,7 @@ pub mod table;
 mod urdf;
 
 pub use budget::budget;
+pub use buildability::{assumptions, certificate};
 pub use check::{yield_in_words, yield_lines};
 pub use compare::{comparison, comparison_table, feasibility, verdict};
 pub use envelope::{envelope, envelope_title, robot, robots};

@@ -71,7 +71,7 @@ fn every_generated_cell_passes_check_and_map() {
         if ["crx10ia", "panda", "track"].contains(&name.as_str()) {
             shop.write(
                 &cell,
-                &drawn.replace("grid = [6, 4]", "grid = [2, 1]").replace("grid = [6, 2]", "grid = [1, 1]"),
+                &drawn.replace("grid = [6, 4]", "grid = [2, 1]").replace("grid = [6, 2]", "grid = [2, 2]"),
             );
         }
         maps_well(&shop.json(&["map", &cell]), &name);

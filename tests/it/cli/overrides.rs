@@ -233,7 +233,7 @@ fn a_search_refuses_options_that_drop_a_limit() {
 #[test]
 fn an_untrustworthy_error_model_is_reported_on_both_streams() {
     let shop = Sandbox::new();
-    let ran = shop.done(&["map", CELL, "--model", "linear"]);
+    let ran = shop.done(&["map", IDEAL, "--model", "linear"]);
     assert!(ran.out.contains("do NOT trust the linear model at 51 of 51 nodes"), "{}", ran.out);
     assert!(ran.err.contains("warning: assembly: do NOT trust the linear model"), "{}", ran.err);
     let json = shop.done(&["map", CELL, "--model", "linear", "--json"]);

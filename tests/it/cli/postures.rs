@@ -3,6 +3,9 @@
 use crate::cli::sandbox::*;
 use serde_json::Value;
 
+/// Cell of these tests: nodes next to joint limits can be used.
+const CELL: &str = IDEAL;
+
 /// Robot without a closed-form inverse here, over a table.
 const UR10: &str = "schema = \"sweetspot/cell/1\"\nunits = { length = \"mm\", angle = \"deg\" }\n\
                     errors = \"factory\"\ncollision = false\nmodel = \"linear\"\n\
@@ -102,7 +105,7 @@ fn the_budget_names_the_source_to_tighten_first() {
     assert!(!ran.out.contains("assembly"), "{}", ran.out);
     assert!(ran.out.contains("halving dalpha2 cuts the worst case by "), "{}", ran.out);
     assert!(
-        ran.err.contains("next: sweetspot explain cells/hitachi_cell.toml --operation picking"),
+        ran.err.contains("next: sweetspot explain cells/hitachi_ideal.toml --operation picking"),
         "{}",
         ran.err
     );

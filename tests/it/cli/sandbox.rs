@@ -160,6 +160,8 @@ pub fn near(a: &[f64], b: &[f64], tolerance: f64) -> bool {
 }
 
 pub const CELL: &str = "cells/hitachi_cell.toml";
+/// The same cell as a question about ideal layouts: nothing is assumed.
+pub const IDEAL: &str = "cells/hitachi_ideal.toml";
 pub const PAPER: &str = "cells/hitachi_paper.toml";
 
 /// Cell whose table is out of reach wherever it may stand.

@@ -15,7 +15,7 @@ fn elsewhere() -> Value {
 }
 
 /// Cell file with the layout of [`elsewhere`].
-const ELSEWHERE: &str = "from = \"hitachi_cell.toml\"\n[equipment.worktable.placement]\nx_mm = 287.3\n\
+const ELSEWHERE: &str = "from = \"hitachi_ideal.toml\"\n[equipment.worktable.placement]\nx_mm = 287.3\n\
      y_mm = 1003.7\nz_mm = 612.5\nyaw_deg = 11.3\n[equipment.conveyor.placement]\nx_mm = 1003.1\ny_mm = -400\n\
      yaw_deg = 78.9\n";
 
@@ -100,8 +100,8 @@ fn the_page_of_view_may_load_nothing() {
 fn the_value_of_a_layout_in_view_agrees_with_map() {
     let shop = Sandbox::new();
     shop.write("cells/elsewhere.toml", ELSEWHERE);
-    let view = Viewer::of(&shop, &[CELL]);
-    let drawn = shop.json(&["map", CELL]);
+    let view = Viewer::of(&shop, &[IDEAL]);
+    let drawn = shop.json(&["map", IDEAL]);
     let now = &view.get("state").json()["now"];
     assert_eq!(now["answer"]["objective"], drawn["objective"]);
     for (question, args) in [
@@ -132,7 +132,10 @@ fn the_value_of_a_layout_in_view_agrees_with_map() {
     }
     // A try changes nothing. Coordinates fixed in the file can be tried, too.
     assert_eq!(view.get("state").json()["now"]["undo"], 0);
-    shop.write("cells/up.toml", "from = \"hitachi_cell.toml\"\n[equipment.conveyor.placement]\nz_mm = 555\n");
+    shop.write(
+        "cells/up.toml",
+        "from = \"hitachi_ideal.toml\"\n[equipment.conveyor.placement]\nz_mm = 555\n",
+    );
     view.done("question", &json!({ "sense": null, "model": "nonlinear", "reading": "signed" }));
     let up = view.done("try", &json!({ "equipment": { "conveyor": { "z_mm": 555 } } }));
     assert_eq!(up["answer"]["objective"], shop.json(&["map", "cells/up.toml"])["objective"]);

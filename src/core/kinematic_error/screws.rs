@@ -5,18 +5,18 @@
 //! Brockett 1984). Errors of the chain change only the screw axes and `T(0)`. The positions of the
 //! Denavit-Hartenberg frames do not matter, so rows with huge offsets that cancel are harmless.
 
-use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, Parameter};
-use crate::kinematic_error::{FrameError, Perturbation};
+use super::perturbation::{FrameError, Perturbation};
+use crate::cell::{JointKind, MAX_JOINTS};
 use crate::pose::Pose;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// One value per joint; the unused tail is zero.
-pub(super) type JointValues = [f64; MAX_JOINTS];
+pub type JointValues = [f64; MAX_JOINTS];
 
 /// Joint axes and end points of a chain at the reference posture, base frame.
 #[derive(Debug, Clone)]
-pub(super) struct Screws {
+pub struct Screws {
     pub kinds: Vec<JointKind>,
     pub axes: [Vector3<f64>; MAX_JOINTS],
     pub points: [Vector3<f64>; MAX_JOINTS],
@@ -29,7 +29,7 @@ pub(super) struct Screws {
 }
 
 /// Joint axes and end points of a chain at a posture, and the motion of each link from the reference posture.
-pub(super) struct PosedScrews {
+pub struct PosedScrews {
     pub axes: [Vector3<f64>; MAX_JOINTS],
     pub points: [Vector3<f64>; MAX_JOINTS],
     pub links: [Pose; MAX_JOINTS + 1],
@@ -95,6 +95,27 @@ impl Screws {
         with
     }
 
+    /// Returns the sizes of the small motions by which another chain with the same joints differs from this one: one
+    /// before every axis, and one before the end point. Angles (rad) come first, then translations (m).
+    ///
+    /// Errors that cancel each other, such as large offsets along parallel axes, do not count.
+    pub fn motions_to(&self, other: &Screws) -> ([f64; MAX_JOINTS + 1], [f64; MAX_JOINTS + 1]) {
+        let n = self.kinds.len();
+        let (mut turns, mut shifts) = ([0.0; MAX_JOINTS + 1], [0.0; MAX_JOINTS + 1]);
+        let (mut rotation, mut from, mut to) = (Matrix3::identity(), self.points[0], self.points[0]);
+        for k in 0..=n {
+            let (next, point, moved) = match k == n {
+                true => (rotation, self.point, other.point),
+                false => (least(&self.axes[k], &other.axes[k]), self.points[k], other.points[k]),
+            };
+            turns[k] = angle(&(rotation.transpose() * next));
+            // Distance between the point and the place to which the earlier motions alone would move it.
+            shifts[k] = (to + rotation * (point - from) - moved).norm();
+            (rotation, from, to) = (next, point, moved);
+        }
+        (turns, shifts)
+    }
+
     /// Returns the joint axes and end points for the joint displacements `theta` from the reference posture.
     pub fn place(&self, theta: &JointValues) -> PosedScrews {
         let mut placed = PosedScrews {
@@ -122,62 +143,6 @@ impl Screws {
     }
 }
 
-/// Small motion at one place in the chain, which moves all parts from this place to the tool.
-///
-/// Axis and point are given at the reference posture, in the base frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ScrewMotion {
-    /// Number of joints that precede the motion in the chain.
-    pub link: usize,
-    /// Whether the motion is a rotation; otherwise it is a translation.
-    pub turns: bool,
-    pub axis: Vector3<f64>,
-    pub through: Vector3<f64>,
-    /// Index of the error source.
-    pub source: usize,
-    /// Size of the motion per unit of the source.
-    pub factor: f64,
-}
-
-/// Returns the small motions that one unit of an error parameter causes in the chain.
-///
-/// A parameter of the equipment causes no motion of the chain.
-pub(super) fn motions(
-    chain: &Chain,
-    frames: &Frames,
-    parameter: Parameter,
-    source: usize,
-) -> Vec<ScrewMotion> {
-    let one = |link: usize, frame: &Pose, axis: usize, turns: bool, factor: f64| ScrewMotion {
-        link,
-        turns,
-        axis: frame.rotation.column(axis).into_owned(),
-        through: frame.translation,
-        source,
-        factor,
-    };
-    let of_frame =
-        |link: usize, frame: &Pose, c: usize| vec![one(link, frame, c % 3, c >= PER_FRAME / 2, 1.0)];
-    let rows = &frames.links;
-    match parameter {
-        Parameter::Dq(j) => (j..chain.axes())
-            .filter(|&i| chain.coupling[i][j] != 0.0)
-            .map(|i| {
-                let turns = chain.links[i].kind == JointKind::Revolute;
-                one(i, &rows[i], 2, turns, chain.coupling[i][j])
-            })
-            .collect(),
-        Parameter::Dr(i) => vec![one(i, &rows[i], 2, false, 1.0)],
-        Parameter::Dl(i) => vec![one(i + 1, &rows[i + 1], 0, false, 1.0)],
-        Parameter::Dalpha(i) => vec![one(i + 1, &rows[i + 1], 0, true, 1.0)],
-        Parameter::Dbeta(i) => vec![one(i + 1, &rows[i + 1], 1, true, 1.0)],
-        Parameter::Base(c) => of_frame(0, &Pose::identity(), c),
-        Parameter::Tool(c) => of_frame(chain.axes(), &frames.tcp, c),
-        Parameter::Joint(i, c) => of_frame(i, &(rows[i] * chain.joint_frames[i]), c),
-        Parameter::Equipment(..) => Vec::new(),
-    }
-}
-
 fn turn_about(moved: &mut Pose, frame: &Pose, axis: usize, angle: f64) {
     *moved = *moved * about(&frame.rotation.column(axis).into_owned(), &frame.translation, angle);
 }
@@ -187,10 +152,26 @@ fn slide(by: Vector3<f64>) -> Pose {
 }
 
 /// Returns the rotation by `angle` (rad) about the line along `axis` through the point `through`.
-pub(super) fn about(axis: &Vector3<f64>, through: &Vector3<f64>, angle: f64) -> Pose {
+pub fn about(axis: &Vector3<f64>, through: &Vector3<f64>, angle: f64) -> Pose {
     if angle == 0.0 {
         return Pose::IDENTITY;
     }
     let rotation = Rotation3::from_axis_angle(&Unit::new_unchecked(*axis), angle).into_inner();
     Pose { rotation, translation: through - rotation * through }
+}
+
+/// Returns the rotation of least angle that takes the unit vector `from` to `to`.
+fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
+    let cross = from.cross(to);
+    let sine = cross.norm();
+    if sine == 0.0 {
+        return Matrix3::identity();
+    }
+    about(&(cross / sine), &Vector3::zeros(), sine.atan2(from.dot(to))).rotation
+}
+
+/// Returns the angle of a rotation, rad; small angles are accurate to the last digit.
+fn angle(r: &Matrix3<f64>) -> f64 {
+    let twice = Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
+    twice.norm().atan2(r.trace() - 1.0)
 }

@@ -1,0 +1,91 @@
+//! Certificate: proof that an operation works at every misplacement inside the placement tolerances.
+//!
+//! A misplaced robot base or piece of equipment displaces the TCP target as seen from the base
+//! ([`TargetBox`]). The arm follows the target in the same branch ([`JointEnclosure`]). For all joint coordinates in
+//! this box, the certificate shows that
+//!
+//! - the target stays within reach, and the joints keep their limits and margins;
+//! - the posture keeps its distance from singular postures;
+//! - every solid keeps its clearance: no solid moves farther than its distance allows ([`Misplacements`]);
+//! - the value of the operation is at most a certain bound ([`ValueBound`]).
+//!
+//! All steps are bounds that cover the whole box, not samples. If a bound is too wide, the certificate is
+//! refused, although the posture may be usable.
+//!
+//! | file | content |
+//! |---|---|
+//! | `target_box` | where the target can be |
+//! | `joint_box` | the joint coordinates that follow it |
+//! | `misplacements` | how far solids move |
+//! | `value_bound` | the largest value |
+
+mod joint_box;
+mod misplacements;
+mod target_box;
+mod value_bound;
+
+pub use joint_box::{JointEnclosure, NoEnclosure};
+pub use misplacements::{Misplacements, PostureMotion};
+pub use target_box::{BoxAxis, TargetBox};
+pub use value_bound::{BoxedPosture, NoValueBound, ValueBound};
+
+use crate::cell::{Cell, JointKind};
+use crate::clearance::Hit;
+use crate::motion::{Hindrance, PostureRefusal};
+use crate::safe_text::shown;
+use crate::units::{deg_from_rad, mm_from_m};
+
+/// Reason why an operation is not certified at its spot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NotCertified {
+    /// No square system describes how the arm follows the target, so no bound of its joints is known.
+    NoTask,
+    /// The posture is too near to a singular one for a target box of this size.
+    NearlySingular,
+    /// A joint may exceed its limit, margin included, by up to `by` (rad or m).
+    JointLimit { joint: usize, by: f64 },
+    /// The distance from singular postures may fall to `measure`, which is below the margin.
+    Singular { measure: f64 },
+    /// Two solids may come nearer than the clearance.
+    Clearance(Hit),
+    /// The straight approach or retract, or the move from the operation to the next one, may be blocked.
+    Path(Hindrance),
+    /// The value may exceed the limit of the operation: `most` is the bound of the value, m.
+    Limit { most: f64 },
+    /// No upper bound of the value is known, but the operation has a limit.
+    NoValue(NoValueBound),
+}
+
+impl From<NoEnclosure> for NotCertified {
+    fn from(why: NoEnclosure) -> Self {
+        match why {
+            NoEnclosure::NearlySingular => Self::NearlySingular,
+            NoEnclosure::JointLimit { joint, by } => Self::JointLimit { joint, by },
+        }
+    }
+}
+
+impl NotCertified {
+    /// Describes the reason with the names of the cell, as a clause about the operation.
+    pub fn in_words(&self, cell: &Cell) -> String {
+        match self {
+            Self::NoTask => "no bound of its joint coordinates is known for this attitude and arm".into(),
+            Self::NearlySingular => "its posture is too near to a singular posture".into(),
+            Self::JointLimit { joint, by } => {
+                let joint = &cell.robot.joints[*joint];
+                let (by, unit) = match joint.kind {
+                    JointKind::Revolute => (deg_from_rad(*by), "deg"),
+                    JointKind::Prismatic => (mm_from_m(*by), "mm"),
+                };
+                format!("joint {} may pass its limit or margin by {by:.2} {unit}", shown(&joint.name))
+            }
+            Self::Singular { measure } => PostureRefusal::Singular { measure: *measure }.in_words(cell),
+            Self::Clearance(hit) => format!("the clearance may be lost: {}", hit.in_words(cell)),
+            Self::Path(hindrance) => format!("a path may be blocked: {}", hindrance.in_words(cell)),
+            Self::Limit { most } => {
+                format!("its error may reach {:.3} mm, above the limit", mm_from_m(*most))
+            }
+            Self::NoValue(why) => format!("its limit cannot be guaranteed, because {}", why.in_words()),
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Target box: where a TCP target can be, as seen from the robot base, if equipment and base are misplaced.
+
+use crate::cell::{Cell, Layout, Placement, PlacementTolerance};
+use nalgebra::Vector3;
+
+/// BoxAxis of a [`TargetBox`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BoxAxis {
+    /// Coordinate x, y or z of the target in the base frame.
+    Position(usize),
+    /// Direction from which the attitude of the tool is measured.
+    Heading,
+}
+
+impl BoxAxis {
+    pub const COUNT: usize = 4;
+    pub const ALL: [Self; Self::COUNT] =
+        [Self::Position(0), Self::Position(1), Self::Position(2), Self::Heading];
+}
+
+/// Box of the deviations of one TCP target from its nominal position and heading, base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TargetBox {
+    /// Half widths of the position, m.
+    pub position: Vector3<f64>,
+    /// Half width of the yaw of the surface, rad.
+    pub yaw: f64,
+    /// Half width of the heading from which the attitude of the tool is measured, rad.
+    pub heading: f64,
+}
+
+impl TargetBox {
+    /// Returns the box of a target on a piece of equipment; `target` is its nominal position in the world, m.
+    ///
+    /// The position of the target depends on the placements of the equipment, of all equipment that carries it,
+    /// and of the robot base. Each placement is expanded to first order; the bound of the second-order terms is
+    /// added.
+    pub fn new(cell: &Cell, layout: &Layout, equipment: usize, target: &Vector3<f64>) -> Self {
+        let mut sum = Self { position: Vector3::zeros(), yaw: 0.0, heading: 0.0 };
+        let mut second = SecondOrder::default();
+        let mut piece = Some(equipment);
+        while let Some(k) = piece {
+            let under = cell.equipment[k].on;
+            let axes = under.map_or(0.0, |under| layout.placements[under].yaw);
+            let body = Body { at: &layout.placements[k], axes, tolerance: &cell.equipment[k].tolerance };
+            sum.add(&body, &layout.base, target, &mut second);
+            piece = under;
+        }
+        let body = Body { at: &layout.base, axes: 0.0, tolerance: &cell.base_tolerance };
+        sum.add(&body, &layout.base, target, &mut second);
+        let slack = second.bound();
+        sum.position += Vector3::new(slack, slack, 0.0);
+        sum.heading = sum.yaw;
+        sum
+    }
+
+    /// Adds the tolerance of one body; `target` is in the world frame.
+    fn add(&mut self, body: &Body<'_>, base: &Placement, target: &Vector3<f64>, second: &mut SecondOrder) {
+        let [x, y, z, yaw] = body.tolerance.0;
+        let arm = (target.x - body.at.x, target.y - body.at.y);
+        let (sin, cos) = (body.axes - base.yaw).sin_cos();
+        let (base_sin, base_cos) = base.yaw.sin_cos();
+        // A rotation about the vertical displaces the target across the lever arm.
+        let across = (-arm.1 * base_cos + arm.0 * base_sin, arm.1 * base_sin + arm.0 * base_cos);
+        self.position += Vector3::new(
+            cos.abs() * x + sin.abs() * y + across.0.abs() * yaw,
+            sin.abs() * x + cos.abs() * y + across.1.abs() * yaw,
+            z,
+        );
+        self.yaw += yaw;
+        second.turned += yaw;
+        second.slid += x.hypot(y);
+        second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
+    }
+
+    /// Returns this box for an attitude that is measured from the direction of the target as seen from the base
+    /// axis; `target` is the nominal position in the base frame, m.
+    ///
+    /// The heading is not limited if the box reaches the base axis.
+    #[must_use]
+    pub fn with_radial_heading(mut self, target: &Vector3<f64>) -> Self {
+        let (aside, radius) = (self.position.xy().norm(), target.xy().norm());
+        self.heading = if aside < radius { (aside / radius).asin() } else { f64::INFINITY };
+        self
+    }
+
+    /// Returns this box for a point that lies up to `length` (m) from the target and rotates with the surface.
+    #[must_use]
+    pub fn extended_by(mut self, length: f64) -> Self {
+        let by = self.heading * length;
+        self.position += Vector3::new(by, by, 0.0);
+        self
+    }
+
+    /// Returns the half width along one axis, m or rad.
+    pub fn half(&self, axis: BoxAxis) -> f64 {
+        match axis {
+            BoxAxis::Position(k) => self.position[k],
+            BoxAxis::Heading => self.heading,
+        }
+    }
+}
+
+/// Body with a placement tolerance: a piece of equipment or the robot base.
+struct Body<'a> {
+    /// Placement in the world.
+    at: &'a Placement,
+    /// Yaw of the axes in which the tolerance is given, world frame, rad.
+    axes: f64,
+    tolerance: &'a PlacementTolerance,
+}
+
+/// Sums that bound the terms of second order.
+#[derive(Default)]
+struct SecondOrder {
+    /// Sum of all yaw tolerances, rad.
+    turned: f64,
+    /// Sum of all tolerances in plan, m.
+    slid: f64,
+    /// Longest lever arm, m.
+    levers: f64,
+}
+
+impl SecondOrder {
+    /// Returns a bound of the displacement (m) that the first-order terms leave out.
+    ///
+    /// Several rotations in a row rotate the lever arms and the translations by at most `turned`.
+    fn bound(&self) -> f64 {
+        self.turned * (self.turned * self.levers / 2.0 + self.slid) * 2.0
+    }
+}

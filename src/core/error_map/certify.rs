@@ -1,0 +1,310 @@
+//! Certificates of postures and paths: they can be used at every misplacement inside the placement tolerances.
+
+use super::demand::Demand;
+use super::outcome::Spot;
+use super::placed_layout::PlacedLayout;
+use super::probe::{HeldPosture, Probe};
+use super::walk::OperationQuery;
+use super::workspace::{MapperWorkspace, PostureMemory};
+use crate::cell::{JointVector, MAX_JOINTS};
+use crate::certificate::{BoxedPosture, JointEnclosure, NotCertified, PostureMotion, TargetBox};
+use crate::clearance::{Load, SolidMotion};
+use crate::motion::{DEVIATION, Hindrance, Move, PathSlack, Stopped, first_hit_with};
+use crate::reach::{Cost, ToolTask};
+use crate::robot::{Frames, Posture};
+use nalgebra::Vector3;
+
+/// Largest distance of the TCP between two knots of a path that follows a straight line, m.
+const LINE_STEP: f64 = 0.0201;
+
+/// One posture of an operation, with everything that its certificate needs.
+struct Nominal {
+    target: Vector3<f64>,
+    posture: Posture,
+    joints: JointVector,
+    frames: Frames,
+    task: ToolTask,
+    reach: TargetBox,
+}
+
+impl OperationQuery<'_> {
+    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all
+    /// misplacements, if one is asked for and known.
+    ///
+    /// # Errors
+    /// Returns the reason if the posture is not certified. The limit of the operation is not checked.
+    fn certify(
+        &self,
+        target: &Vector3<f64>,
+        branch: (u32, Option<&JointVector>),
+        demand: &Demand<'_>,
+        memory: &mut PostureMemory,
+    ) -> Result<Option<f64>, NotCertified> {
+        let nominal = self.nominal(target, branch, demand)?;
+        let joints = self.joint_box(&nominal, &nominal.frames, &nominal.joints, &[0.0; MAX_JOINTS])?;
+        let Nominal { posture, frames, task, reach, .. } = &nominal;
+        let mapper = self.placed.mapper;
+        let chain = &mapper.arm.chain;
+        self.check_singularity(&joints, task, frames)?;
+        let motion = self.motion(frames, &joints, demand);
+        if let Some(hit) =
+            mapper.scene.first_unsafe(&self.placed.solids, &frames.links, self.operation, &motion)
+        {
+            return Err(NotCertified::Clearance(hit));
+        }
+        self.certify_lines(&nominal, demand)?;
+        let (Some(Ok(value)), Ok(context)) = (demand.value, &self.context) else { return Ok(None) };
+        let boxed = BoxedPosture { context, posture, frames, target: reach, joints: &joints };
+        Ok(Some(value.most(&self.setup.evaluator, chain, &boxed, &mut memory.scratch)))
+    }
+
+    /// Returns why a posture that can be used in the layout as drawn is not certified; None if it is, or if no
+    /// certificate is demanded.
+    pub fn uncertainty(
+        &self,
+        target: &Vector3<f64>,
+        branch: u32,
+        memory: &mut PostureMemory,
+    ) -> Option<NotCertified> {
+        let demand = Demand { value: None, ..self.placed.demand? };
+        self.certify(target, (branch, None), &demand, memory).err()
+    }
+
+    /// Computes the nominal posture of a branch, and the box of its target.
+    ///
+    /// The joint coordinates identify the posture of a numeric solver, if they are given.
+    fn nominal(
+        &self,
+        target: &Vector3<f64>,
+        (branch, joints): (u32, Option<&JointVector>),
+        demand: &Demand<'_>,
+    ) -> Result<Nominal, NotCertified> {
+        let arm = &self.placed.mapper.arm;
+        let target = *target;
+        let (posture, joints) = match joints.filter(|_| arm.inverse.cost() == Cost::Numeric) {
+            Some(joints) => (arm.chain.posture(joints), *joints),
+            None => {
+                let branch = arm.inverse.branch_at(&target, &self.attitudes, branch);
+                branch.map(|b| (b.posture, b.joints)).ok_or(NotCertified::NoTask)?
+            }
+        };
+        let frames = arm.chain.frames(&posture);
+        let task = arm.inverse.tool_task(&self.attitudes, &frames).ok_or(NotCertified::NoTask)?;
+        let in_world = self.placed.layout.base.pose().transform(&target);
+        let mut reach = TargetBox::new(demand.cell, self.placed.layout, self.setup.equipment, &in_world);
+        if task.radial {
+            reach = reach.with_radial_heading(&target);
+        }
+        Ok(Nominal { target, posture, joints, frames, task, reach })
+    }
+
+    /// Returns the joint box of a posture with the target box of `nominal`, and checks the joint limits.
+    fn joint_box(
+        &self,
+        nominal: &Nominal,
+        frames: &Frames,
+        joints: &JointVector,
+        beyond: &JointVector,
+    ) -> Result<JointEnclosure, NotCertified> {
+        let chain = &self.placed.mapper.arm.chain;
+        let aside = (frames.tcp.translation - nominal.target).xy().norm();
+        let reach = if aside > 0.0 { nominal.reach.extended_by(aside) } else { nominal.reach };
+        Ok(JointEnclosure::new(chain, &nominal.task, (joints, frames), &reach, beyond)?)
+    }
+
+    /// Checks the distance from singular postures.
+    fn check_singularity(
+        &self,
+        joints: &JointEnclosure,
+        task: &ToolTask,
+        frames: &Frames,
+    ) -> Result<(), NotCertified> {
+        let mapper = self.placed.mapper;
+        let Some(guard) = &mapper.guard else { return Ok(()) };
+        let change = |scale: f64| joints.jacobian_change(&mapper.arm.chain, task, frames, scale);
+        guard
+            .may_become_singular(frames, change)
+            .map_or(Ok(()), |measure| Err(NotCertified::Singular { measure }))
+    }
+
+    /// Returns the motion of all solids while the joints are in a box.
+    fn motion<'m>(
+        &'m self,
+        frames: &'m Frames,
+        joints: &'m JointEnclosure,
+        demand: &Demand<'m>,
+    ) -> PostureMotion<'m> {
+        let mapper = self.placed.mapper;
+        PostureMotion {
+            chain: &mapper.arm.chain,
+            frames,
+            joints,
+            spheres: mapper.scene.bounding_spheres(),
+            misplacements: demand.misplacements,
+            cell: demand.cell,
+            layout: self.placed.layout,
+            equipment: self.setup.equipment,
+        }
+    }
+
+    /// Certifies the straight lines of approach and retract.
+    fn certify_lines(&self, nominal: &Nominal, demand: &Demand<'_>) -> Result<(), NotCertified> {
+        let Some(guard) = &self.placed.mapper.guard else { return Ok(()) };
+        let (approach, retract) = guard.approach_and_retract(self.operation);
+        let length = approach.max(retract);
+        if length == 0.0 {
+            return Ok(());
+        }
+        let knots = guard
+            .back(&nominal.joints, length)
+            .map_err(|stopped| NotCertified::Path(Hindrance::Stopped(stopped)))?;
+        let boxes = self.deviations(nominal, &knots, true)?;
+        let deviations: Vec<JointVector> = boxes.iter().map(|found| found.half).collect();
+        let tool_turn = boxes.iter().map(|found| found.tool_turn).fold(0.0, f64::max);
+        let widest = JointEnclosure { tool_turn, ..JointEnclosure::NONE };
+        let motion = self.motion(&nominal.frames, &widest, demand);
+        // Along the line, the TCP is up to `length` away from the spot.
+        let aside = 2.0 * DEVIATION + nominal.reach.yaw * length;
+        let between = |link: usize, equipment: usize| Some(motion.between(link, equipment)? + aside);
+        let load = Load::of(Some(self.operation));
+        self.certify_path(&knots, &deviations, load, demand, Some(&between))
+    }
+
+    /// Returns the largest deviation of the D-H coordinates at each knot of a path, rad or m, if the path follows the
+    /// target. Via postures do not follow it.
+    ///
+    /// Along a straight line of the TCP, the deviation at a knot also holds half the way to the next knots. Along
+    /// any other move it changes in proportion to the way.
+    fn deviations(
+        &self,
+        nominal: &Nominal,
+        knots: &[JointVector],
+        keeps_margin: bool,
+    ) -> Result<Vec<JointEnclosure>, NotCertified> {
+        let PlacedLayout { mapper, .. } = self.placed;
+        let chain = &mapper.arm.chain;
+        let frames: Vec<Frames> = knots.iter().map(|q| chain.frames(&chain.posture(q))).collect();
+        let step = |a: usize, b: usize| -> JointVector {
+            let way = (frames[a].tcp.translation - frames[b].tcp.translation).norm();
+            let change = |i: usize| -> f64 {
+                let pairs = chain.coupling[i].iter().zip(knots[a].iter().zip(&knots[b]));
+                pairs.map(|(c, (a, b))| c * (b - a)).sum()
+            };
+            let is_line = way <= LINE_STEP;
+            std::array::from_fn(|i| if is_line && i < chain.axes() { change(i).abs() / 2.0 } else { 0.0 })
+        };
+        let deviation = |k: usize| {
+            if mapper.guard.as_ref().is_some_and(|guard| guard.is_via(&knots[k])) {
+                return Ok(JointEnclosure::NONE);
+            }
+            let (before, after) = (step(k.saturating_sub(1), k), step(k, (k + 1).min(knots.len() - 1)));
+            let beyond = std::array::from_fn(|i| before[i].max(after[i]));
+            let found = self.joint_box(nominal, &frames[k], &knots[k], &beyond)?;
+            if keeps_margin {
+                self.check_singularity(&found, &nominal.task, &frames[k])?;
+            }
+            Ok(found)
+        };
+        (0..knots.len()).map(deviation).collect()
+    }
+
+    /// Certifies a path of straight moves in joint coordinates; `deviations` are those of its knots.
+    fn certify_path(
+        &self,
+        knots: &[JointVector],
+        deviations: &[JointVector],
+        load: Load,
+        demand: &Demand<'_>,
+        between: Option<&dyn Fn(usize, usize) -> Option<f64>>,
+    ) -> Result<(), NotCertified> {
+        let PlacedLayout { mapper, solids, .. } = self.placed;
+        // A straight line of the TCP is approximated by moves that deviate from it.
+        let equipment = |k: Option<usize>| demand.misplacements.of(k) + 2.0 * DEVIATION;
+        for (ends, by) in knots.windows(2).zip(deviations.windows(2)) {
+            let joints = std::array::from_fn(|i| by[0][i].max(by[1][i]));
+            let slack = PathSlack { joints, equipment: Some(&equipment), between };
+            let line = Move { from: &ends[0], to: &ends[1] };
+            if let Some(hit) = first_hit_with(&mapper.arm.chain, &mapper.scene, solids, line, load, &slack) {
+                return Err(NotCertified::Path(Hindrance::Hit(hit)));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Probe<'_> {
+    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all
+    /// misplacements, if one is asked for and known.
+    ///
+    /// # Errors
+    /// Returns the reason if the posture is not certified. The limit of the operation is not checked.
+    pub fn certify(&mut self, held: &HeldPosture, demand: &Demand<'_>) -> Result<Option<f64>, NotCertified> {
+        let target = self.target(held.at);
+        self.query.certify(&target, (held.branch, Some(&held.joints)), demand, &mut self.memory)
+    }
+}
+
+impl PlacedLayout<'_> {
+    /// Returns an upper bound of the value of an operation at a certified spot over all misplacements; None if no
+    /// bound is known.
+    ///
+    /// # Errors
+    /// Returns the reason if the spot is not certified.
+    pub fn most(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        spot: &Spot,
+        demand: &Demand<'_>,
+        workspace: &mut MapperWorkspace,
+    ) -> Result<Option<f64>, NotCertified> {
+        let attitudes = std::mem::take(&mut workspace.attitudes);
+        let surface = self.surface(operation);
+        let query = OperationQuery::reusing(self, &surface, spots, attitudes);
+        let target = query.setup.grid.target(&query.at, spot.node);
+        let memory = workspace.of(self.mapper, operation).postures;
+        let found = query.certify(&target, (spot.branch, None), demand, memory);
+        workspace.attitudes = query.attitudes;
+        found
+    }
+
+    /// Certifies the move between two operations, which takes place with a load along a path.
+    ///
+    /// # Errors
+    /// Returns the obstacle if the move is not certified.
+    pub fn certify_transfer(
+        &self,
+        ends: [usize; 2],
+        path: &[JointVector],
+        load: Load,
+        spots: &[Option<Spot>],
+        demand: &Demand<'_>,
+    ) -> Result<(), Hindrance> {
+        // The knots before the longest move follow the first operation, the others the second.
+        let step = |k: &usize| -> f64 {
+            path[*k].iter().zip(&path[k + 1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let moves = 0..path.len().saturating_sub(1);
+        let longest = moves.max_by(|a, b| step(a).total_cmp(&step(b))).map_or(path.len(), |k| k + 1);
+        let (before, after) = path.split_at(longest);
+        let certify = || {
+            let mut deviations = Vec::with_capacity(path.len());
+            for (operation, knots) in ends.into_iter().zip([before, after]) {
+                let query = OperationQuery::new(self, operation, spots);
+                let spot = spots[operation].ok_or(NotCertified::NoTask)?;
+                let target = query.setup.grid.target(&query.at, spot.node);
+                let nominal = query.nominal(&target, (spot.branch, None), demand)?;
+                let found = query.deviations(&nominal, knots, false)?;
+                deviations.extend(found.iter().map(|found| found.half));
+            }
+            OperationQuery::new(self, ends[0], spots).certify_path(path, &deviations, load, demand, None)
+        };
+        certify().map_err(|why| match why {
+            NotCertified::Path(hindrance) => hindrance,
+            NotCertified::JointLimit { joint, .. } => {
+                Hindrance::Stopped(Stopped::Limit { joint, after: 0.0 })
+            }
+            _ => Hindrance::Stopped(Stopped::Lost { after: 0.0 }),
+        })
+    }
+}

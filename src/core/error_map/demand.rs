@@ -1,0 +1,13 @@
+//! Demand on the postures of a layout: they must be certified.
+
+use crate::cell::Cell;
+use crate::certificate::{Misplacements, NoValueBound, ValueBound};
+
+/// What a certificate is about, besides the posture.
+#[derive(Clone, Copy)]
+pub struct Demand<'a> {
+    pub cell: &'a Cell,
+    pub misplacements: &'a Misplacements,
+    /// Bound of the value, or the reason why there is none; None if the value is not asked for.
+    pub value: Option<&'a Result<ValueBound, NoValueBound>>,
+}

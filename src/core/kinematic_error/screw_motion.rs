@@ -1,0 +1,57 @@
+//! Small motions that parameter errors cause in the chain, as screw axes at a posture.
+
+use crate::cell::{JointKind, PER_FRAME, Parameter};
+use crate::pose::Pose;
+use crate::robot::{Chain, Frames};
+use nalgebra::Vector3;
+
+/// Small motion at one place in the chain, which moves all parts from this place to the tool.
+///
+/// Axis and point are given at the reference posture, in the base frame.
+#[derive(Debug, Clone, Copy)]
+pub struct ScrewMotion {
+    /// Number of joints that precede the motion in the chain.
+    pub link: usize,
+    /// Whether the motion is a rotation; otherwise it is a translation.
+    pub turns: bool,
+    pub axis: Vector3<f64>,
+    pub through: Vector3<f64>,
+    /// Index of the error source.
+    pub source: usize,
+    /// Size of the motion per unit of the source.
+    pub factor: f64,
+}
+
+/// Returns the small motions that one unit of an error parameter causes in the chain.
+///
+/// A parameter of the equipment causes no motion of the chain.
+pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usize) -> Vec<ScrewMotion> {
+    let one = |link: usize, frame: &Pose, axis: usize, turns: bool, factor: f64| ScrewMotion {
+        link,
+        turns,
+        axis: frame.rotation.column(axis).into_owned(),
+        through: frame.translation,
+        source,
+        factor,
+    };
+    let of_frame =
+        |link: usize, frame: &Pose, c: usize| vec![one(link, frame, c % 3, c >= PER_FRAME / 2, 1.0)];
+    let rows = &frames.links;
+    match parameter {
+        Parameter::Dq(j) => (j..chain.axes())
+            .filter(|&i| chain.coupling[i][j] != 0.0)
+            .map(|i| {
+                let turns = chain.links[i].kind == JointKind::Revolute;
+                one(i, &rows[i], 2, turns, chain.coupling[i][j])
+            })
+            .collect(),
+        Parameter::Dr(i) => vec![one(i, &rows[i], 2, false, 1.0)],
+        Parameter::Dl(i) => vec![one(i + 1, &rows[i + 1], 0, false, 1.0)],
+        Parameter::Dalpha(i) => vec![one(i + 1, &rows[i + 1], 0, true, 1.0)],
+        Parameter::Dbeta(i) => vec![one(i + 1, &rows[i + 1], 1, true, 1.0)],
+        Parameter::Base(c) => of_frame(0, &Pose::identity(), c),
+        Parameter::Tool(c) => of_frame(chain.axes(), &frames.tcp, c),
+        Parameter::Joint(i, c) => of_frame(i, &(rows[i] * chain.joint_frames[i]), c),
+        Parameter::Equipment(..) => Vec::new(),
+    }
+}

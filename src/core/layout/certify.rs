@@ -1,0 +1,93 @@
+//! Certificate of a layout: every operation works at every misplacement inside the placement tolerances.
+
+use super::workcell::Workcell;
+use crate::cell::Layout;
+use crate::certificate::{Misplacements, NotCertified};
+use crate::clearance::{Overlap, Party};
+use crate::error_map::{Demand, HeldPosture, MapperWorkspace, OperationMap, Outcome, Spot};
+
+/// Certificate of one operation at its spot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OperationCertificate {
+    /// Upper bound of the value of the operation over all misplacements, m; None if no bound is known.
+    pub most: Option<f64>,
+}
+
+/// Certificate of a layout, or the reasons why there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayoutCertificate {
+    /// Floor spaces that may overlap or come nearer than the clearance.
+    pub overlaps: Vec<Overlap>,
+    /// Certificate of each operation; None if the operation has no spot.
+    pub operations: Vec<Option<Result<OperationCertificate, NotCertified>>>,
+}
+
+impl LayoutCertificate {
+    /// Returns whether the layout is certified as a whole.
+    pub fn holds(&self) -> bool {
+        self.overlaps.is_empty() && self.operations.iter().all(|o| matches!(o, Some(Ok(_))))
+    }
+}
+
+impl Workcell {
+    /// Certifies a layout, given its maps.
+    ///
+    /// All operations lack a certificate if the layout does not belong to the cell.
+    pub fn certificate(&self, layout: &Layout, maps: &[OperationMap]) -> LayoutCertificate {
+        if self.cell.misfit(layout).is_some() {
+            return LayoutCertificate { overlaps: Vec::new(), operations: vec![None; maps.len()] };
+        }
+        let mut overlaps = Vec::new();
+        self.wide.overlaps(layout, &mut overlaps);
+        overlaps.retain(is_between_solids);
+        let mut misplacements = Misplacements::default();
+        misplacements.set(&self.cell, layout, self.cell.robot.reach());
+        let demand = self.demand(&misplacements);
+        let placed = self.placed(layout).demanding(Some(demand));
+        let spots: Vec<Option<Spot>> = maps.iter().map(OperationMap::spot).collect();
+        let mut memory = MapperWorkspace::default();
+        let mut certify = |map: &OperationMap| {
+            let operation = map.operation;
+            let over = self.cell.operations[operation].over;
+            let all = match over.needs_every_node() {
+                false => vec![map.spot()?],
+                // The certified posture of a node need not be its least-error posture.
+                true => match placed.every_free(operation, &spots, &mut memory) {
+                    Ok(all) => all,
+                    Err(Outcome::Uncertain { why, .. }) => return Some(Err(why)),
+                    Err(_) => return None,
+                },
+            };
+            let demand = Demand { value: Some(&self.value_bounds[operation]), ..demand };
+            let mut values = Vec::new();
+            for spot in &all {
+                match placed.most(operation, &spots, spot, &demand, &mut memory) {
+                    Ok(most) => values.extend(most),
+                    Err(why) => return Some(Err(why)),
+                }
+            }
+            let most = (values.len() == all.len()).then(|| over.of(&mut values));
+            Some(Ok(OperationCertificate { most }))
+        };
+        let operations = maps.iter().map(&mut certify).collect();
+        LayoutCertificate { operations, overlaps }
+    }
+
+    /// Returns the postures of an operation at its spot, or at all of its nodes if it happens at every node.
+    pub(super) fn held_nodes(&self, map: &OperationMap) -> Vec<HeldPosture> {
+        let all = self.cell.operations[map.operation].over.needs_every_node();
+        let nodes = map.nodes.iter().enumerate().filter(|(k, _)| all || map.best == Some(*k));
+        let held = nodes.filter_map(|(k, node)| {
+            let posture = node.posture.as_ref()?;
+            let at = self.mapper.grid(map.operation).local(k);
+            Some(HeldPosture { at, branch: posture.branch, joints: posture.joints })
+        });
+        held.collect()
+    }
+}
+
+/// Returns whether neither party of an overlap is the floor: equipment that stands lower than drawn stands on a
+/// lower floor.
+pub fn is_between_solids(overlap: &Overlap) -> bool {
+    ![overlap.a, overlap.b].contains(&Party::Floor)
+}

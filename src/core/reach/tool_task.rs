@@ -1,0 +1,117 @@
+//! Tool task of a posture: the components of the TCP motion that the inverse kinematics controls.
+//!
+//! If a target moves a little, the arm follows it in the same branch. The motion of its joints then solves a
+//! square system: three rows for the position of the TCP, and one row for each controlled rotation.
+
+use super::inverse::Inverse;
+use super::numeric::jacobian;
+use super::pose_solver::PoseSolver;
+use super::solver::ChainSolver;
+use super::tool_attitudes::ToolAttitudes;
+use crate::cell::MAX_JOINTS;
+use crate::robot::{Chain, Frames};
+use nalgebra::{Matrix6, Vector3};
+
+/// Largest number of rows: three of the position and three of the rotation.
+pub const MAX_ROWS: usize = 6;
+
+/// One controlled component of the rotation of the tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RotationRow {
+    /// Component of the angular velocity along a fixed direction of the base frame.
+    Along(Vector3<f64>),
+    /// Sum of the joint rates, times these coefficients: the coefficients are the same in every posture.
+    Joints([f64; MAX_JOINTS]),
+}
+
+/// Components of the TCP motion that the inverse kinematics controls at one posture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToolTask {
+    /// Number of rows of the square system, and of active joints.
+    pub rows: usize,
+    /// Indices of the joints that follow the target; the other joints stay where they are. Only the first
+    /// `rows` entries count.
+    pub active: [usize; MAX_ROWS],
+    /// Each controlled component of the rotation, and its rate per unit of the yaw rate of the heading from
+    /// which the attitude is measured. Only the first `rows - 3` entries count.
+    pub rotation: [(RotationRow, f64); MAX_ROWS - 3],
+    /// Whether the attitude is measured from the direction of the target as seen from the base axis. If not,
+    /// it is measured from the surface.
+    pub radial: bool,
+    /// Whether the tool keeps its whole orientation relative to the heading.
+    pub keeps_orientation: bool,
+}
+
+impl Inverse {
+    /// Returns the tool task of a posture with the frames `frames`; None if no square system describes it.
+    ///
+    /// There is no such system in three cases: the arm has to keep a heading that its joints do not control,
+    /// the numeric solver chooses between several redundant joints, or it tilts the tool within a tolerance.
+    pub fn tool_task(&self, attitudes: &ToolAttitudes, frames: &Frames) -> Option<ToolTask> {
+        let (set, axes) = (&attitudes.set, self.chain.axes());
+        let along = |e: Vector3<f64>| (RotationRow::Along(e), e.z);
+        let whole = [Vector3::x(), Vector3::y(), Vector3::z()].map(along);
+        let task = |held: Option<usize>, rotation: &[(RotationRow, f64)], keeps_orientation| {
+            let mut all = ToolTask {
+                rows: 3 + rotation.len(),
+                active: [0; MAX_ROWS],
+                rotation: whole,
+                radial: set.radial,
+                keeps_orientation,
+            };
+            let active = (0..axes).filter(|j| Some(*j) != held);
+            all.active.iter_mut().zip(active).for_each(|(place, joint)| *place = joint);
+            all.rotation.iter_mut().zip(rotation).for_each(|(place, row)| *place = *row);
+            let is_square = axes - usize::from(held.is_some()) == all.rows;
+            is_square.then_some(all)
+        };
+        match &self.solver {
+            ChainSolver::Planar(arm) if set.is_checked(arm.rolls()) => None,
+            ChainSolver::Planar(arm) => {
+                let pitch = (RotationRow::Joints(pitch(frames)), 0.0);
+                if !arm.rolls() {
+                    return task(None, &[pitch], false);
+                }
+                // The last joint rolls an upright tool about the vertical, and otherwise stays still.
+                let mut row = [0.0; MAX_JOINTS];
+                row[4] = if set.vertical { frames.links[4].rotation[(2, 2)].signum() } else { 1.0 };
+                row[0] = f64::from(u8::from(set.vertical));
+                task(None, &[pitch, (RotationRow::Joints(row), row[0])], set.vertical)
+            }
+            ChainSolver::Pose(PoseSolver::Scara(_)) => task(None, &[along(Vector3::z())], true),
+            ChainSolver::Pose(_) => task(None, &whole, true),
+            ChainSolver::Redundant(joint) => task(Some(joint.index()), &whole, true),
+            ChainSolver::Numeric(_) if set.tolerance > 0.0 => None,
+            ChainSolver::Numeric(_) => match axes {
+                5 if set.vertical && set.spin_is_free => task(None, &whole[..2], false),
+                6 => task(None, &whole, true),
+                7 => task(Some(best_held(&self.chain, frames)), &whole, true),
+                _ => None,
+            },
+        }
+    }
+}
+
+/// Returns the coefficients of the pitch of a planar arm: its three parallel axes count, with their signs.
+fn pitch(frames: &Frames) -> [f64; MAX_JOINTS] {
+    let axis = |j: usize| frames.links[j].rotation.column(2).into_owned();
+    let mut row = [0.0; MAX_JOINTS];
+    (1..4).for_each(|j| row[j] = axis(1).dot(&axis(j)).signum());
+    row
+}
+
+/// Returns the joint of a seven-axis arm whose removal leaves the best conditioned six-axis arm.
+///
+/// It is the joint with the largest share in the self-motion of the arm.
+fn best_held(chain: &Chain, frames: &Frames) -> usize {
+    let columns = jacobian(chain, frames);
+    let volume = |held: usize| {
+        let mut kept = Matrix6::zeros();
+        for (mut column, j) in kept.column_iter_mut().zip((0..7).filter(|j| *j != held)) {
+            column.fixed_rows_mut::<3>(0).copy_from(&columns[j].position);
+            column.fixed_rows_mut::<3>(3).copy_from(&columns[j].rotation);
+        }
+        kept.determinant().abs()
+    };
+    (0..7).max_by(|a, b| volume(*a).total_cmp(&volume(*b))).unwrap_or(0)
+}

@@ -1,0 +1,48 @@
+//! What a layout withstands: assumptions and certificate.
+
+use crate::assess::Assessment;
+use crate::cell::Cell;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Value that the cell file leaves out and that was assumed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AssumedEntry {
+    /// Key of the cell file that changes the value.
+    pub key: String,
+    /// Assumed value in the notation of the cell file.
+    pub value: String,
+}
+
+impl AssumedEntry {
+    /// Returns one entry per assumption of a cell.
+    pub fn all(cell: &Cell) -> Vec<Self> {
+        let entry = |a: &crate::cell::Assumption| Self { key: a.key.clone(), value: a.value.clone() };
+        cell.assumed.iter().map(entry).collect()
+    }
+}
+
+/// Whether a layout certainly works at every misplacement within its placement tolerances.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum CertifiedEntry {
+    /// True: the layout is certified.
+    Yes(bool),
+    /// Reason why it is not certified.
+    No(String),
+}
+
+impl CertifiedEntry {
+    /// Returns the certificate of a layout; None if the cell demands none: it asks for an ideal layout, or no body
+    /// has a tolerance.
+    pub fn new(a: &Assessment<'_>) -> Option<Self> {
+        if !a.workcell.certifies() {
+            return None;
+        }
+        Some(match &a.certificate {
+            Some(certificate) if certificate.holds() => Self::Yes(true),
+            _ => Self::No(a.reasons().join("; ")),
+        })
+    }
+}

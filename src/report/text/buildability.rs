@@ -1,0 +1,38 @@
+//! What a layout withstands: certificate and assumptions, as text.
+
+use crate::assess::Assessment;
+use crate::cell::Cell;
+use crate::files::shown;
+
+/// Returns whether a layout works at every misplacement, with the worst errors; empty if the cell does not demand
+/// it.
+pub fn certificate(a: &Assessment<'_>) -> String {
+    if !a.workcell.certifies() {
+        return String::new();
+    }
+    let unit = a.cell.unit();
+    if a.certificate.as_ref().is_none_or(|certificate| !certificate.holds()) {
+        return format!("{}: NOT certified to work everywhere within the placement tolerances\n", a.label);
+    }
+    let worst = a.cell.operations.iter().enumerate().map(|(k, operation)| match a.worst(k) {
+        Some(worst) => {
+            format!("{} at most {:.4} {}", shown(&operation.name), unit.from_si(worst), unit.word())
+        }
+        None => format!("{} not bounded", shown(&operation.name)),
+    });
+    let worst: Vec<String> = worst.collect();
+    format!(
+        "{}: certified to work everywhere within the placement tolerances; there {}\n",
+        a.label,
+        worst.join(", ")
+    )
+}
+
+/// Returns what was assumed, and how to change it; empty if nothing was assumed.
+pub fn assumptions(cell: &Cell) -> String {
+    if cell.assumed.is_empty() {
+        return String::new();
+    }
+    let all: Vec<String> = cell.assumed.iter().map(|a| format!("{} = {}", a.key, a.value)).collect();
+    format!("assumed, because the cell does not state it: {}\n", all.join("; "))
+}

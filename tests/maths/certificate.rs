@@ -1,0 +1,197 @@
+//! Tests certificates against random misplacements, each judged as a layout of its own, and searches for layouts
+//! to build against scans.
+
+use crate::common::random_cells::random_cell;
+use crate::common::{buildable, cases, from_text_to_build, shipped};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+use sweetspot::assess::Assessment;
+use sweetspot::cell::{Cell, Slot};
+use sweetspot::error_map::Status;
+use sweetspot::layout::{Workcell, evaluate};
+use sweetspot::search::{EvaluatedLayout, SearchSpace, Watch, search};
+use sweetspot::units::mm_from_m;
+
+/// Certified and refused operations, and the largest ratio of a certified bound to the worst value found.
+#[derive(Default)]
+struct Tried {
+    certified: usize,
+    refused: BTreeMap<String, usize>,
+    widest: f64,
+}
+
+/// Returns a random misplacement inside the tolerances; every second one is a corner of the box.
+fn random_moves(cell: &Cell, rng: &mut ChaCha8Rng) -> Vec<(Slot, f64)> {
+    let corner: bool = rng.random();
+    let mut by = |half: f64| match corner {
+        true => half * if rng.random() { 1.0 } else { -1.0 },
+        false => half * rng.random_range(-1.0..1.0),
+    };
+    cell.placement_tolerances().concat().into_iter().map(|(slot, half)| (slot, by(half))).collect()
+}
+
+impl Tried {
+    /// Judges random misplacements of every certified operation of one layout.
+    fn misplace(&mut self, workcell: &Workcell, a: &Assessment<'_>, count: usize, rng: &mut ChaCha8Rng) {
+        let cell = &workcell.cell;
+        let certificate = workcell.certificate(&a.layout, &a.maps);
+        for (operation, found) in certificate.operations.iter().enumerate() {
+            let most = match found {
+                Some(Ok(found)) => found.most,
+                Some(Err(why)) => {
+                    let word = format!("{why:?}");
+                    *self.refused.entry(word.split([' ', '(']).next().unwrap().into()).or_default() += 1;
+                    continue;
+                }
+                None => continue,
+            };
+            self.certified += 1;
+            let mut worst = 0.0f64;
+            for _ in 0..count {
+                let moves = random_moves(cell, rng);
+                match workcell.misplaced_value(&a.layout, &a.maps, operation, &moves) {
+                    Ok(value) => worst = worst.max(value),
+                    // Floor spaces concern the whole layout.
+                    Err(Status::Overlap(_)) if !certificate.overlaps.is_empty() => {}
+                    Err(status) => panic!("{} {operation} at {moves:?}: {}", cell.name, status.reason(cell)),
+                }
+            }
+            if let Some(most) = most.filter(|_| worst > 0.0) {
+                assert!(worst <= most, "{}: {worst} at a misplacement, certified {most}", cell.name);
+                self.widest = self.widest.max(most / worst);
+            }
+        }
+    }
+}
+
+/// Certifies random layouts of a shipped cell, and misplaces those that are certified.
+fn misplace_cell(name: &str, layouts: usize, count: usize) -> Tried {
+    let workcell = Workcell::new(buildable(name)).unwrap();
+    let space = SearchSpace::new(&workcell.cell);
+    let mut rng = ChaCha8Rng::seed_from_u64(15);
+    let mut tried = Tried::default();
+    for k in 0..layouts {
+        let point: Vec<f64> = (0..space.dimensions()).map(|_| rng.random()).collect();
+        let layout = if k == 0 { workcell.cell.start() } else { space.layout(&point) };
+        tried.misplace(&workcell, &Assessment::new("", &workcell, layout), count, &mut rng);
+    }
+    tried
+}
+
+#[test]
+fn no_misplacement_breaks_a_certificate() {
+    for (name, layouts) in [
+        ("hitachi_cell.toml", 60),
+        ("ur_cell.toml", 8),
+        ("scara_cell.toml", 30),
+        ("five_axis_cell.toml", 20),
+        ("palletizer_cell.toml", 20),
+        ("wrist_cell.toml", 12),
+        ("drilling_cell.toml", 20),
+        ("track_cell.toml", 2),
+    ] {
+        let tried = misplace_cell(name, cases(layouts, 10 * layouts), cases(40, 1000));
+        let Tried { certified, refused, widest } = tried;
+        println!(
+            "{name}: {certified} certified, {refused:?} refused, bound at most {widest:.4} of the worst"
+        );
+        assert!(certified > 0, "{name}");
+        // A bound that is far above every value would hold without telling anything.
+        assert!(widest < 1.15, "{name}: {widest}");
+    }
+}
+
+#[test]
+fn no_misplacement_breaks_a_certificate_of_a_random_cell() {
+    let cells = 0..cases(40, 1000) as u64;
+    let certified: usize = cells
+        .into_par_iter()
+        .map(|seed| {
+            let text = random_cell(seed).1;
+            let workcell = Workcell::new(from_text_to_build(&text).unwrap().cell).unwrap();
+            let space = SearchSpace::new(&workcell.cell);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut tried = Tried::default();
+            for _ in 0..5 {
+                let point: Vec<f64> = (0..space.dimensions()).map(|_| rng.random()).collect();
+                let a = Assessment::new("", &workcell, space.layout(&point));
+                tried.misplace(&workcell, &a, 10, &mut rng);
+            }
+            tried.certified
+        })
+        .sum();
+    println!(
+        "{} misplacements of {certified} certified operations, none breaks a certificate",
+        10 * certified
+    );
+    assert!(certified > 20, "{certified}");
+}
+
+fn found(workcell: &Workcell, budget: u64) -> EvaluatedLayout {
+    let mut settings = workcell.cell.search;
+    settings.budget = budget;
+    search(workcell, &settings, &Watch { progress: &|_| (), stop: &AtomicBool::new(false) }).best
+}
+
+/// A scan of all placements in steps of 20 mm finds no certified layout that is better by 1 %.
+#[test]
+fn a_search_finds_the_best_certified_layout_of_a_scan() {
+    let text = "from = \"hitachi_cell.toml\"\n\
+                [equipment.worktable.placement]\nx_mm = { min = -200, max = 500 }\ny_mm = { min = 800, max = 1300 }\n\
+                z_mm = 650\nyaw_deg = 0\n\
+                [equipment.conveyor.placement]\nx_mm = 1000\ny_mm = -400\nyaw_deg = 80\n";
+    let workcell = Workcell::new(from_text_to_build(text).unwrap().cell).unwrap();
+    let best = found(&workcell, 1500).evaluation.objective.expect("a certified layout");
+    let mut start = workcell.cell.start();
+    let mut scanned = Vec::new();
+    for i in 0..=35 {
+        for j in 0..=25 {
+            (start.placements[0].x, start.placements[0].y) =
+                (-0.2 + 0.02 * f64::from(i), 0.8 + 0.02 * f64::from(j));
+            scanned.extend(evaluate(&workcell, &start).objective);
+        }
+    }
+    let least = scanned.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(scanned.len() > 50 && scanned.len() < 900, "{} certified", scanned.len());
+    assert!(best < 1.01 * least, "{best} {least}");
+}
+
+/// Prints the table of results/buildable.
+#[test]
+fn the_best_layouts_to_build_withstand_random_misplacements() {
+    let all = [
+        ("hitachi_cell.toml", 2000),
+        ("ur_cell.toml", 200),
+        ("scara_cell.toml", 200),
+        ("five_axis_cell.toml", 300),
+        ("palletizer_cell.toml", 200),
+        ("wrist_cell.toml", 200),
+        ("drilling_cell.toml", 800),
+        ("track_cell.toml", 30),
+    ];
+    println!(
+        "| cell | layouts | ideal | to build | more | worst within the tolerances |\n|---|---|---|---|---|---|"
+    );
+    for (name, budget) in all {
+        let [ideal, strict] = [shipped(name), buildable(name)].map(|cell| Workcell::new(cell).unwrap());
+        let budget = cases(budget as usize, 10 * budget as usize) as u64;
+        let [drawn, best] = [&ideal, &strict].map(|workcell| found(workcell, budget));
+        let objective = |found: &EvaluatedLayout| found.evaluation.objective.map(mm_from_m);
+        let (Some(least), Some(objective)) = (objective(&drawn), objective(&best)) else {
+            panic!("{name}: {:?} {:?}", drawn.evaluation, best.evaluation)
+        };
+        let a = Assessment::new("", &strict, best.layout);
+        assert!(a.certificate.as_ref().is_some_and(|c| c.holds()), "{name}");
+        let mut tried = Tried::default();
+        tried.misplace(&strict, &a, cases(100, 1000), &mut ChaCha8Rng::seed_from_u64(1));
+        assert_eq!(tried.certified, strict.cell.operations.len(), "{name}");
+        let worst: Vec<String> = (0..a.maps.len())
+            .map(|k| a.worst(k).map_or("-".into(), |worst| format!("{:.4}", mm_from_m(worst))))
+            .collect();
+        let more = 100.0 * (objective / least - 1.0);
+        println!("| {name} | {budget} | {least:.4} | {objective:.4} | {more:.2} % | {} |", worst.join(", "));
+    }
+}
