@@ -1,6 +1,6 @@
 //! How far the solids of a cell move, as seen from the robot base, if equipment and base are misplaced.
 
-use super::joint_box::JointEnclosure;
+use super::joint_enclosure::JointEnclosure;
 use crate::cell::{Cell, Layout, Placement, PlacementTolerance, Rectangle};
 use crate::clearance::{BoundingSphere, SolidMotion};
 use crate::robot::{Chain, Frames};

@@ -15,16 +15,18 @@
 //! | file | content |
 //! |---|---|
 //! | `target_box` | where the target can be |
-//! | `joint_box` | the joint coordinates that follow it |
+//! | `joint_enclosure` | the joint coordinates that follow it |
+//! | `posed_chain` | the test that they do |
 //! | `misplacements` | how far solids move |
 //! | `value_bound` | the largest value |
 
-mod joint_box;
+mod joint_enclosure;
 mod misplacements;
+mod posed_chain;
 mod target_box;
 mod value_bound;
 
-pub use joint_box::{JointEnclosure, NoEnclosure};
+pub use joint_enclosure::{JointEnclosure, NoEnclosure};
 pub use misplacements::{Misplacements, PostureMotion};
 pub use target_box::{BoxAxis, TargetBox};
 pub use value_bound::{BoxedPosture, NoValueBound, ValueBound};
@@ -50,10 +52,6 @@ pub enum NotCertified {
     Clearance(Hit),
     /// The straight approach or retract, or the move from the operation to the next one, may be blocked.
     Path(Hindrance),
-    /// The value may exceed the limit of the operation: `most` is the bound of the value, m.
-    Limit { most: f64 },
-    /// No upper bound of the value is known, but the operation has a limit.
-    NoValue(NoValueBound),
 }
 
 impl From<NoEnclosure> for NotCertified {
@@ -82,10 +80,6 @@ impl NotCertified {
             Self::Singular { measure } => PostureRefusal::Singular { measure: *measure }.in_words(cell),
             Self::Clearance(hit) => format!("the clearance may be lost: {}", hit.in_words(cell)),
             Self::Path(hindrance) => format!("a path may be blocked: {}", hindrance.in_words(cell)),
-            Self::Limit { most } => {
-                format!("its error may reach {:.3} mm, above the limit", mm_from_m(*most))
-            }
-            Self::NoValue(why) => format!("its limit cannot be guaranteed, because {}", why.in_words()),
         }
     }
 }

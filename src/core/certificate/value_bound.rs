@@ -12,7 +12,7 @@
 //! of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math. Soc. 6, 1955): if
 //! `S <= (1 + e) S_0` holds for every position, the percentile is at most `sqrt(1 + e)` times the one at S_0.
 
-use super::joint_box::JointEnclosure;
+use super::joint_enclosure::JointEnclosure;
 use super::target_box::{BoxAxis, TargetBox};
 use crate::cell::{
     Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Parameter, Quantity, Reading, Registration,

@@ -3,14 +3,13 @@
 use super::demand::Demand;
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
-use super::probe::{HeldPosture, Probe};
 use super::walk::OperationQuery;
 use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::certificate::{BoxedPosture, JointEnclosure, NotCertified, PostureMotion, TargetBox};
 use crate::clearance::{Load, SolidMotion};
 use crate::motion::{DEVIATION, Hindrance, Move, PathSlack, Stopped, first_hit_with};
-use crate::reach::{Cost, ToolTask};
+use crate::reach::ToolTask;
 use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
 
@@ -36,7 +35,7 @@ impl OperationQuery<'_> {
     fn certify(
         &self,
         target: &Vector3<f64>,
-        branch: (u32, Option<&JointVector>),
+        branch: u32,
         demand: &Demand<'_>,
         memory: &mut PostureMemory,
     ) -> Result<Option<f64>, NotCertified> {
@@ -67,27 +66,20 @@ impl OperationQuery<'_> {
         memory: &mut PostureMemory,
     ) -> Option<NotCertified> {
         let demand = Demand { value: None, ..self.placed.demand? };
-        self.certify(target, (branch, None), &demand, memory).err()
+        self.certify(target, branch, &demand, memory).err()
     }
 
     /// Computes the nominal posture of a branch, and the box of its target.
-    ///
-    /// The joint coordinates identify the posture of a numeric solver, if they are given.
     fn nominal(
         &self,
         target: &Vector3<f64>,
-        (branch, joints): (u32, Option<&JointVector>),
+        branch: u32,
         demand: &Demand<'_>,
     ) -> Result<Nominal, NotCertified> {
         let arm = &self.placed.mapper.arm;
         let target = *target;
-        let (posture, joints) = match joints.filter(|_| arm.inverse.cost() == Cost::Numeric) {
-            Some(joints) => (arm.chain.posture(joints), *joints),
-            None => {
-                let branch = arm.inverse.branch_at(&target, &self.attitudes, branch);
-                branch.map(|b| (b.posture, b.joints)).ok_or(NotCertified::NoTask)?
-            }
-        };
+        let found = arm.inverse.branch_at(&target, &self.attitudes, branch).ok_or(NotCertified::NoTask)?;
+        let (posture, joints) = (found.posture, found.joints);
         let frames = arm.chain.frames(&posture);
         let task = arm.inverse.tool_task(&self.attitudes, &frames).ok_or(NotCertified::NoTask)?;
         let in_world = self.placed.layout.base.pose().transform(&target);
@@ -232,18 +224,6 @@ impl OperationQuery<'_> {
     }
 }
 
-impl Probe<'_> {
-    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all
-    /// misplacements, if one is asked for and known.
-    ///
-    /// # Errors
-    /// Returns the reason if the posture is not certified. The limit of the operation is not checked.
-    pub fn certify(&mut self, held: &HeldPosture, demand: &Demand<'_>) -> Result<Option<f64>, NotCertified> {
-        let target = self.target(held.at);
-        self.query.certify(&target, (held.branch, Some(&held.joints)), demand, &mut self.memory)
-    }
-}
-
 impl PlacedLayout<'_> {
     /// Returns an upper bound of the value of an operation at a certified spot over all misplacements; None if no
     /// bound is known.
@@ -263,7 +243,7 @@ impl PlacedLayout<'_> {
         let query = OperationQuery::reusing(self, &surface, spots, attitudes);
         let target = query.setup.grid.target(&query.at, spot.node);
         let memory = workspace.of(self.mapper, operation).postures;
-        let found = query.certify(&target, (spot.branch, None), demand, memory);
+        let found = query.certify(&target, spot.branch, demand, memory);
         workspace.attitudes = query.attitudes;
         found
     }
@@ -293,7 +273,7 @@ impl PlacedLayout<'_> {
                 let query = OperationQuery::new(self, operation, spots);
                 let spot = spots[operation].ok_or(NotCertified::NoTask)?;
                 let target = query.setup.grid.target(&query.at, spot.node);
-                let nominal = query.nominal(&target, (spot.branch, None), demand)?;
+                let nominal = query.nominal(&target, spot.branch, demand)?;
                 let found = query.deviations(&nominal, knots, false)?;
                 deviations.extend(found.iter().map(|found| found.half));
             }

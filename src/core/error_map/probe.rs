@@ -36,8 +36,8 @@ pub struct HeldPosture {
 
 /// One operation in one placed layout, ready to be judged point by point.
 pub struct Probe<'a> {
-    pub(super) query: OperationQuery<'a>,
-    pub(super) memory: PostureMemory,
+    query: OperationQuery<'a>,
+    memory: PostureMemory,
     candidates: Vec<PostureCandidate>,
 }
 
@@ -57,7 +57,7 @@ impl<'a> Probe<'a> {
     }
 
     /// Returns the TCP target over a point of the surface, base frame, m.
-    pub(super) fn target(&self, at: (f64, f64)) -> Vector3<f64> {
+    fn target(&self, at: (f64, f64)) -> Vector3<f64> {
         self.query.setup.grid.point(&self.query.at, at)
     }
 
@@ -141,7 +141,7 @@ impl<'a> Probe<'a> {
     ///
     /// The branch may exceed a joint limit, unless the inverse kinematics is numeric. In that case, the
     /// usable branch nearest to `held` is taken.
-    pub(super) fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
+    fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
         let inverse = &self.query.placed.mapper.arm.inverse;
         let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.query.attitudes) else {
             return None;

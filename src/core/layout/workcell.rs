@@ -107,6 +107,11 @@ impl Workcell {
         self.certifies
     }
 
+    /// Returns why the value of an operation has no upper bound over the misplacements; None if it has one.
+    pub fn no_value_bound(&self, operation: usize) -> Option<NoValueBound> {
+        self.value_bounds[operation].as_ref().err().copied()
+    }
+
     /// Returns the demand that every posture of a layout must meet. It contains no bound of the value.
     pub(super) fn demand<'a>(&'a self, misplacements: &'a Misplacements) -> Demand<'a> {
         Demand { cell: &self.cell, misplacements, value: None }

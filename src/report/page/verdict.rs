@@ -219,7 +219,10 @@ fn withstood(a: &Assessment<'_>) -> Option<FactEntry> {
     let unit = a.cell.unit();
     let worst = a.cell.operations.iter().enumerate().map(|(k, operation)| match a.worst(k) {
         Some(worst) => format!("{} at most {}", shown(&operation.name), quantity(unit, worst)),
-        None => format!("{} not bounded", shown(&operation.name)),
+        None => {
+            let why = a.workcell.no_value_bound(k).map_or("", |why| why.in_words());
+            format!("{} not bounded: {why}", shown(&operation.name))
+        }
     });
     let worst: Vec<String> = worst.collect();
     let (text, mood) = match certificate.holds() {

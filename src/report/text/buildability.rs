@@ -18,7 +18,10 @@ pub fn certificate(a: &Assessment<'_>) -> String {
         Some(worst) => {
             format!("{} at most {:.4} {}", shown(&operation.name), unit.from_si(worst), unit.word())
         }
-        None => format!("{} not bounded", shown(&operation.name)),
+        None => {
+            let why = a.workcell.no_value_bound(k).map_or("", |why| why.in_words());
+            format!("{} not bounded: {why}", shown(&operation.name))
+        }
     });
     let worst: Vec<String> = worst.collect();
     format!(
