@@ -46,6 +46,7 @@
 //! | [`motion`] | motion planning | two postures to a collision-free motion, or the first contact |
 //! | [`error_map`] | error map | surface to the spot of least error, or to the whole map |
 //! | [`layout`] | evaluation | **[`layout::evaluate`]: layout to evaluation** |
+//! | [`region`] | room for the fitter | layout to the placements at which everything still holds |
 //! | [`search`] | optimization | cell to the best layout found |
 //! | [`proof`] | lower bound | cell to a lower bound that no layout beats |
 //! | [`assess`] | assessment | layout to all its figures; comparison of layouts |
@@ -110,7 +111,7 @@
 #[doc(inline)]
 pub use sweetspot_core::{
     assess, cell, clearance, colours, drawing, error_map, geometry, kinematic_error, layout, low_discrepancy,
-    mesh, motion, pose, proof, raster, reach, reading, robot, safe_text, search, svg_text, units,
+    mesh, motion, pose, proof, raster, reach, reading, region, robot, safe_text, search, svg_text, units,
 };
 
 pub mod cli;

@@ -22,6 +22,7 @@ pub mod proof;
 pub mod raster;
 pub mod reach;
 pub mod reading;
+pub mod region;
 pub mod robot;
 pub mod safe_text;
 pub mod search;

@@ -24,6 +24,7 @@ pub mod parameter_names;
 mod placement;
 mod readings;
 mod refined;
+mod region;
 mod robot;
 mod schema;
 mod search;
@@ -55,10 +56,11 @@ pub use misplacement::{
 };
 pub use node::{DiscrepancyEntry, MapNode, MapNodes};
 pub use node_table::{ColumnKind, NodeTable, TableColumn, TableValue};
-pub use numbers::{joints, nine_digits, position_mm};
+pub use numbers::{NEAR_LIMIT, joints, near_limits, nine_digits, position_mm};
 pub use placement::{AttitudeEntry, ByName, PlacementEntry};
 pub use readings::{OperationReadings, ReadingEntry, ReadingsDocument, RegretEntry};
 pub use refined::RefinedEntry;
+pub use region::{RegionEntry, TurnEntry};
 pub use robot::{
     EnvelopeDocument, EnvelopeSize, ErrorSetEntry, ErrorSetKind, JointSheet, PlanEntry, PlanOutline,
     RobotEntry, RobotSheetDocument, RobotsDocument, SectionEntry, SectionOutline, SizeEntry, ToolSheet,

@@ -1,6 +1,6 @@
 //! Conversion of SI values to the numbers of documents: mm, degrees and percent, rounded to 9 decimals.
 
-use crate::cell::{Cell, JointKind, JointVector, Unit};
+use crate::cell::{Cell, Joint, JointKind, JointVector, Unit};
 use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 use nalgebra::Vector3;
 
@@ -55,6 +55,18 @@ pub fn joint_coordinate(kind: JointKind, q: f64) -> f64 {
 /// Converts the coordinates of all joints: to degrees for revolute joints, to mm for prismatic ones.
 pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
     cell.robot.joints.iter().zip(q).map(|(joint, &q)| joint_coordinate(joint.kind, q)).collect()
+}
+
+/// Distance from a joint limit below which a joint counts as near it, as a share of the travel.
+pub const NEAR_LIMIT: f64 = 0.05;
+
+/// Returns whether each joint is near one of its limits.
+pub fn near_limits(cell: &Cell, q: &JointVector) -> Vec<bool> {
+    let near = |(joint, q): (&Joint, &f64)| {
+        let (low, high) = joint.limits;
+        !joint.is_passive() && (q - low).min(high - q) < NEAR_LIMIT * (high - low)
+    };
+    cell.robot.joints.iter().zip(q).map(near).collect()
 }
 
 /// Rounds a lower bound down to 9 decimals, because a bound rounded up would not be proven.

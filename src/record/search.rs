@@ -5,6 +5,7 @@ use super::cell_yield::CellYieldEntry;
 use super::goals::{self, GoalsEntry};
 use super::numbers::{in_unit, nine_digits, rounded_down};
 use super::placement::{AttitudeEntry, ByName, PlacementEntry, attitudes, placements};
+use super::region::{RegionEntry, TurnEntry};
 use super::spot::SpotEntry;
 use super::words::{VALUE_WORDS, caveats, value_word};
 use crate::assess::{Assessment, Comparison};
@@ -40,7 +41,7 @@ pub struct SearchResult {
     pub proof: ProofEntry,
     /// Number of layouts evaluated.
     pub evaluations: u64,
-    /// Number of feasible layouts among those evaluated.
+    /// Number of layouts evaluated that are feasible and keep every limit.
     pub feasible: u64,
     /// Reason why the search ended.
     pub ended: SearchEnd,
@@ -74,6 +75,16 @@ pub struct SearchResult {
     /// Whether the best layout certainly works at every misplacement within its placement tolerances: true, or the
     /// reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
     pub certified: Option<CertifiedEntry>,
+    /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of it, the best layout is
+    /// one with much room. Null if no layout is feasible and keeps every limit.
+    #[serde(default)]
+    pub least_value: Option<f64>,
+    /// Where each piece that the search places may stand instead.
+    #[serde(default)]
+    pub regions: Vec<RegionEntry>,
+    /// Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be turned.
+    #[serde(default)]
+    pub whole_cell: Option<TurnEntry>,
     /// Reasons why the best layout is not feasible.
     pub reasons: Vec<String>,
     /// Goals of the best layout; null if that layout is not feasible.
@@ -201,6 +212,9 @@ impl SearchResult {
             ideal: settings.ideal,
             assumed: AssumedEntry::all(cell),
             certified: CertifiedEntry::new(best),
+            least_value: record.least.map(|least| in_unit(cell.unit(), least)),
+            regions: RegionEntry::all(best),
+            whole_cell: TurnEntry::new(best),
             reasons: best.reasons(),
             goals: best.goals().map(|values| GoalsEntry::new(cell, &values)),
             layout: placements(cell, &best.layout),

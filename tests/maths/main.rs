@@ -36,6 +36,7 @@ mod proof;
 mod ranking;
 mod reach;
 mod readings;
+mod regions;
 mod relative;
 mod resume;
 mod robust;

@@ -2,8 +2,10 @@
 
 use super::{stem, suggest, warn_of_distrust, workcell};
 use crate::assess::Assessment;
+use crate::cell::Layout;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
 use crate::cli::output::path_word;
+use crate::cli::results_folder::SearchFolder;
 use crate::cli::{Exit, asked, json_text, loading, lookup, output, results, results_folder};
 use crate::drawing::{Detail, Drawing};
 use crate::files::{Loaded, shown};
@@ -20,11 +22,13 @@ const PNG_SIZE: (usize, usize) = (1600, 1000);
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     refuse_missing_writer(a.to)?;
-    let file = cell_file(&a.of, a.start)?;
-    let Loaded { cell, .. } = asked::load(&file, &a.packages, &a.question)?;
+    let (Loaded { cell, .. }, file, best) = subject(a)?;
     let workcell = workcell(cell, &file)?;
     let label = if a.of.is_dir() && !a.start { "best layout" } else { "layout as drawn" };
-    let assessment = Assessment::new(label, &workcell, workcell.cell.start());
+    let mut assessment = Assessment::new(label, &workcell, best.unwrap_or_else(|| workcell.cell.start()));
+    if matches!(a.to, ExportFormat::Dxf | ExportFormat::Svg) {
+        assessment = assessment.with_regions();
+    }
     let operation = posture(&assessment, a.posture.as_deref())?;
     let bytes = rendered(&assessment, a.to, operation)?;
     let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())));
@@ -34,6 +38,18 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
     suggest(&format!("export {} --to {}", path_word(&a.of), next.extension()));
     Ok(Exit::Done)
+}
+
+/// Returns the cell to draw and its file, with the best layout of a result folder.
+///
+/// A best layout without other settings is drawn in the cell of the search, whose ranges limit the regions.
+fn subject(a: &ExportArguments) -> Result<(Loaded, PathBuf, Option<Layout>), Exit> {
+    let file = cell_file(&a.of, a.start)?;
+    if a.of.is_dir() && !a.start && a.question.words().is_empty() {
+        let SearchFolder { loaded, file, best, .. } = results_folder::read(&a.of, &a.packages)?;
+        return Ok((loaded, file, best));
+    }
+    Ok((asked::load(&file, &a.packages, &a.question)?, file, None))
 }
 
 /// Refuses a format whose writer is not part of this build.

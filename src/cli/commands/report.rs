@@ -21,8 +21,8 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     let read = if a.of.is_dir() { of_folder(a)? } else { of_cell(a)? };
     let workcell = workcell(read.loaded.cell, &read.file)?;
     let start = Assessment::new("start", &workcell, workcell.cell.start());
-    let best = read.best.map(|layout| Assessment::new("best", &workcell, layout).misplaced());
-    let start = if best.is_some() { start } else { start.misplaced() };
+    let best = read.best.map(|layout| Assessment::new("best", &workcell, layout).misplaced().with_regions());
+    let start = if best.is_some() { start } else { start.misplaced().with_regions() };
     let warnings = read.loaded.warnings.iter().map(warning).collect();
     let subject = Subject { start, best, found: read.found, manifest: read.manifest, warnings };
     if a.of.is_dir() {

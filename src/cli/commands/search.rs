@@ -123,7 +123,8 @@ fn compared<'a>(workcell: &'a Workcell, record: &SearchRecord) -> Comparison<'a>
     // Misplacement is analysed only if the cell has a placement tolerance or a limit.
     let limited = workcell.cell.operations.iter().any(|o| o.limit.is_some());
     let matters = workcell.cell.has_placement_tolerance() || limited;
-    let columns = [start, if matters { best.misplaced() } else { best }];
+    let best = if matters { best.misplaced() } else { best };
+    let columns = [start, best.with_regions()];
     Comparison { columns: columns.into() }
 }
 
@@ -198,25 +199,36 @@ fn answer(
             Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
             Some(change) => {
                 let word = crate::record::objective_word(cell);
-                format!("the best layout has {:.1} % less {word} than the start", -change)
+                format!("gain: the best layout has {:.1} % less {word} than the start", -change)
             }
             None => "the start layout is infeasible, the best layout is feasible".to_string(),
         },
     };
-    format!(
-        "{}\n\n{}\n{}{}{}{}{}{said}\n{}{} layouts evaluated, {} feasible, in {seconds:.2} s ({}, seed {}); {}\n",
-        report::text::headline(cell),
-        report::text::comparison(comparison),
-        report::text::assumptions(cell),
-        comparison.columns.last().map(report::text::robustness).unwrap_or_default(),
-        comparison.columns.last().map(report::text::goals_line).unwrap_or_default(),
-        comparison.columns.last().map(report::text::yield_lines).unwrap_or_default(),
-        report::text::front(cell, record),
+    let limits = match cell.operations.iter().any(|o| o.limit.is_some()) {
+        true => "feasible and within every limit",
+        false => "feasible",
+    };
+    let shown = comparison.columns.last();
+    let of_best = |text: fn(&Assessment<'_>) -> String| shown.map(text).unwrap_or_default();
+    [
+        format!("{}\n\n", report::text::headline(cell)),
+        of_best(report::text::answer),
+        format!("\n{said}\n"),
         report::text::proven(workcell, gap, &proof),
-        record.evaluations,
-        record.feasible,
-        cell.search.solver.name(),
-        cell.search.seed,
-        record.ended.in_words(),
-    )
+        report::text::front(cell, record),
+        format!("\n{}\n", report::text::side_by_side(comparison)),
+        // The certificate of a layout makes the sampled misplacements superfluous.
+        shown.filter(|best| best.certificate.is_none()).map(report::text::robustness).unwrap_or_default(),
+        of_best(report::text::goals_line),
+        report::text::assumptions(cell),
+        format!(
+            "{} layouts evaluated, {} {limits}, in {seconds:.2} s ({}, seed {}); {}\n",
+            record.evaluations,
+            record.feasible,
+            cell.search.solver.name(),
+            cell.search.seed,
+            record.ended.in_words(),
+        ),
+    ]
+    .concat()
 }

@@ -254,6 +254,7 @@ fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Ass
         cell_yield: None,
         confirmed: vec![None; operations],
         certificate,
+        regions: None,
         apart,
     }
 }

@@ -37,6 +37,7 @@ use crate::layout::{Evaluation, LayoutCertificate, Refined, Robustness, Workcell
 use crate::proof::Proof;
 use crate::reach::{Envelope, Fineness};
 use crate::reading::{Estimate, Figures, MonteCarlo};
+use crate::region::Regions;
 use crate::safe_text::shown;
 
 /// Full evaluation of one layout, with maps and figures.
@@ -69,6 +70,9 @@ pub struct Assessment<'a> {
     /// Certificate that the layout works at every misplacement; None if none is demanded, or if the layout is not
     /// feasible.
     pub certificate: Option<LayoutCertificate>,
+    /// Where every piece may stand; None unless [`Self::with_regions`] was called, or if the layout is not feasible or
+    /// misses a limit.
+    pub regions: Option<Regions>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
     pub apart: Option<Layout>,
 }
@@ -102,8 +106,17 @@ impl<'a> Assessment<'a> {
             cell_yield,
             confirmed,
             certificate,
+            regions: None,
             apart,
         }
+    }
+
+    /// Computes [`Self::regions`]: where every piece may stand.
+    pub fn with_regions(mut self) -> Self {
+        if self.evaluation.misfit.is_none() {
+            self.regions = Regions::new(self.workcell, &self.layout);
+        }
+        self
     }
 
     /// Computes [`Self::robustness`]: the effect of the placement tolerances on every operation.

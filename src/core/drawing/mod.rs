@@ -12,6 +12,7 @@ mod mesh;
 mod movement;
 mod node_glyph;
 mod parts;
+mod regions;
 pub mod round_numbers;
 pub mod silhouette;
 
@@ -23,6 +24,7 @@ pub use mesh::Mesh;
 pub use movement::{Movement, MovementStop};
 pub use node_glyph::{GlyphRing, GlyphStroke, GlyphTone, NodeGlyph, node_glyph};
 pub use parts::{DrawnPart, PartCarrier, PartKind};
+pub use regions::DrawnRegion;
 
 use crate::assess::Assessment;
 use crate::cell::{Cell, Layout};
@@ -45,6 +47,8 @@ pub struct Drawing<'a> {
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
+    /// Where the frame origin of each piece may stand, at the height of the frame; empty if no regions were computed.
+    pub regions: Vec<DrawnRegion>,
     /// Working envelope of each operation; empty if [`Detail::envelopes`] is false.
     pub envelopes: Vec<Rings>,
     /// Motion from home to every spot and back.
@@ -89,6 +93,7 @@ impl<'a> Drawing<'a> {
             parts: parts::parts(a),
             lenses,
             fields,
+            regions: regions::regions(a),
             envelopes,
             movement: Movement::new(a),
         })

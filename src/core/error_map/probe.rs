@@ -2,15 +2,15 @@
 //! nodes.
 
 use super::candidate::PostureCandidate;
+use super::held::HeldPosture;
 use super::node_record::Status;
 use super::outcome::{Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
 use super::workspace::PostureMemory;
 use crate::cell::JointVector;
-use crate::reach::{Branch, Cost, Reach};
+use crate::reach::Reach;
 use crate::reading::WorkContext;
-use crate::robot::Posture;
 use nalgebra::Vector3;
 
 /// A point of the surface at which the operation can happen.
@@ -21,17 +21,6 @@ pub struct PointSpot {
     pub branch: u32,
     /// Value to minimize, defined like [`Spot::value`].
     pub value: f64,
-}
-
-/// Point and posture that are kept while the layout changes a little.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HeldPosture {
-    /// Point in the frame of the equipment, m.
-    pub at: (f64, f64),
-    pub branch: u32,
-    /// Joint coordinates. They identify the posture of an arm whose branch indices change from target to
-    /// target.
-    pub joints: JointVector,
 }
 
 /// One operation in one placed layout, ready to be judged point by point.
@@ -58,7 +47,7 @@ impl<'a> Probe<'a> {
 
     /// Returns the TCP target over a point of the surface, base frame, m.
     fn target(&self, at: (f64, f64)) -> Vector3<f64> {
-        self.query.setup.grid.point(&self.query.at, at)
+        self.query.target(at)
     }
 
     /// Returns the TCP target over a point of the surface, world frame, m.
@@ -101,62 +90,21 @@ impl<'a> Probe<'a> {
 
     /// Computes the operation's value ([`Spot::value`]) in the layout of this probe, at the point of `held`.
     ///
-    /// `held` may come from a slightly different layout. The point keeps its coordinates in the frame of the
-    /// equipment, and the joint coordinates are computed anew.
-    ///
-    /// Closed-form inverse kinematics gives the posture with the branch index of `held`.
-    ///
-    /// Numeric inverse kinematics does not keep branch indices from target to target. In this case, the
-    /// function takes the usable posture whose joint coordinates are nearest to those of `held`.
+    /// The rules of [`OperationQuery::held`] apply, and the posture must be free of collisions and allowed by the
+    /// motion rules.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
     pub fn holding(&mut self, held: &HeldPosture) -> Result<f64, Status> {
-        let target = self.target(held.at);
-        let inverse = &self.query.placed.mapper.arm.inverse;
-        let is_numeric = inverse.cost() == Cost::Numeric;
-        let found = match is_numeric {
-            true => self.branch_near(held).map(|b| (b.posture, b.index)),
-            false => inverse.usable(&target, &self.query.attitudes, held.branch).map(|p| (p, held.branch)),
-        };
-        let Some((posture, branch)) = found else {
-            return Err(self.query.why_unreached(&target, |b| is_numeric || b.index == held.branch));
-        };
-        let value = self.value(&posture)?;
-        match self.query.refusal_status(&target, branch, &self.memory) {
-            Some(trouble) => Err(trouble),
-            None => Ok(value),
-        }
+        self.query.holding(held, &mut self.memory).map(|spot| spot.value)
     }
 
     /// Computes the operation's value ([`Spot::value`]) in a held posture, even if this posture collides.
     ///
     /// The posture may also exceed a joint limit if the inverse kinematics is in closed form.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
-        let branch = self.branch_near(held)?;
-        self.value(&branch.posture).ok()
-    }
-
-    /// Finds the branch of a held posture.
-    ///
-    /// The branch may exceed a joint limit, unless the inverse kinematics is numeric. In that case, the
-    /// usable branch nearest to `held` is taken.
-    fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
-        let inverse = &self.query.placed.mapper.arm.inverse;
-        let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.query.attitudes) else {
-            return None;
-        };
-        match inverse.cost() {
-            Cost::Numeric => nearest(&all, &held.joints).copied(),
-            _ => all.into_iter().find(|b| b.index == held.branch),
-        }
-    }
-
-    fn value(&mut self, posture: &Posture) -> Result<f64, Status> {
-        let Self { query, memory: PostureMemory { frames, scratch, .. }, .. } = self;
-        let context = query.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
-        query.placed.mapper.arm.chain.place(posture, frames);
-        Ok(query.setup.evaluator.value(context, frames, scratch))
+        let branch = self.query.branch_near(held)?;
+        self.query.value(&branch.posture, &mut self.memory).ok()
     }
 
     /// Computes the joint coordinates of a branch at a point of the surface.
@@ -167,10 +115,4 @@ impl<'a> Probe<'a> {
         };
         all.iter().find(|b| b.index == branch).map(|b| b.joints)
     }
-}
-
-/// Returns the usable branch whose largest joint difference from `joints` is least.
-fn nearest<'b>(branches: &'b [Branch], joints: &JointVector) -> Option<&'b Branch> {
-    let off = |b: &Branch| b.joints.iter().zip(joints).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    branches.iter().filter(|b| b.is_usable()).min_by(|a, b| off(a).total_cmp(&off(b)))
 }

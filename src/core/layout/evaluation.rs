@@ -163,7 +163,7 @@ impl Operations {
                     all.values.push(value);
                     all.most.push(most);
                 }
-                Some(SpotValue::Lost(penalty)) => all.lost += penalty,
+                Some(SpotValue::Lost(loss)) => all.lost += loss.penalty(),
                 None => {}
             }
             all.spots.push(if let Outcome::Found(spot) = outcome { Some(spot) } else { None });

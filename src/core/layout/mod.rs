@@ -3,6 +3,7 @@
 mod certify;
 mod evaluation;
 mod goals;
+mod held_layout;
 mod maps;
 mod misplacement;
 mod objective;
@@ -15,6 +16,7 @@ mod workcell;
 pub use certify::{LayoutCertificate, OperationCertificate};
 pub use evaluation::{Evaluation, Workspace, evaluate, evaluate_in};
 pub use goals::MAX_CLEARANCE;
+pub use held_layout::{Ending, HeldLayout, HeldMemory};
 pub use misplacement::Moves;
 pub use objective::combined;
 pub use refine::Refined;

@@ -26,6 +26,9 @@ const MAX_NODES: usize = 16;
 /// The penalty of an operation without any spot is larger.
 const LOST_PENALTY: f64 = 0.1;
 
+/// Penalty of an operation that a corner of the placement tolerances ends, m.
+const CORNER_PENALTY: f64 = LOST_PENALTY * 0.2;
+
 /// One operation whose spot is to be chosen in a placed layout.
 pub struct SpotQuery<'a> {
     pub workcell: &'a Workcell,
@@ -65,8 +68,26 @@ pub enum SpotValue {
         /// It is infinite if no bound of this value is known.
         most: f64,
     },
-    /// Penalty (m) of a spot that cannot be used at every misplacement.
-    Lost(f64),
+    /// The spot cannot be used at every misplacement.
+    Lost(Loss),
+}
+
+/// Reason why a spot cannot be used at every misplacement.
+#[derive(Clone, Copy)]
+pub enum Loss {
+    NotCertified(NotCertified),
+    /// The posture cannot be held at a corner of the placement tolerances.
+    Corner,
+}
+
+impl Loss {
+    /// Returns the penalty of the operation, m.
+    pub fn penalty(&self) -> f64 {
+        match self {
+            Self::NotCertified(why) => penalty(why),
+            Self::Corner => CORNER_PENALTY,
+        }
+    }
 }
 
 impl SpotQuery<'_> {
@@ -78,11 +99,10 @@ impl SpotQuery<'_> {
         let drawn = SpotValue::Kept { value: first.value, most: first.value };
         let SpotQuery { workcell, placed, operation, spots } = *self;
         let robust = workcell.cell.search.robust;
-        let Some(demand) = placed.demand().filter(|_| robust || self.has_limit()) else {
+        let Some(demand) = placed.demand().filter(|_| self.needs_bound()) else {
             return (outcome, Some(drawn));
         };
-        let demand = Demand { value: Some(&workcell.value_bounds[operation]), ..demand };
-        let mut judge = Judge { query: self, demand, memory: bounds };
+        let mut judge = Judge::new(self, demand, bounds);
         if workcell.cell.operations[operation].over.needs_every_node() {
             let all = placed.every_free(operation, spots, mapper).unwrap_or_default();
             return (outcome, Some(judge.value(first.value, &all)));
@@ -106,8 +126,10 @@ impl SpotQuery<'_> {
         (Outcome::Found(best.0), Some(best.1))
     }
 
-    fn has_limit(&self) -> bool {
-        self.workcell.cell.operations[self.operation].limit.is_some()
+    /// Returns whether the objective or a limit depends on the value at the misplacements.
+    pub fn needs_bound(&self) -> bool {
+        let cell = &self.workcell.cell;
+        cell.search.robust || cell.operations[self.operation].limit.is_some()
     }
 }
 
@@ -115,7 +137,7 @@ impl SpotValue {
     fn is_better_than(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Kept { value, .. }, Self::Kept { value: least, .. }) => value < least,
-            (Self::Lost(by), Self::Lost(least)) => by < least,
+            (Self::Lost(by), Self::Lost(least)) => by.penalty() < least.penalty(),
             (Self::Kept { .. }, Self::Lost(_)) => true,
             (Self::Lost(_), Self::Kept { .. }) => false,
         }
@@ -123,21 +145,26 @@ impl SpotValue {
 }
 
 /// Bounds the values of certified spots of one operation.
-struct Judge<'a, 'm> {
+pub struct Judge<'a, 'm> {
     query: &'a SpotQuery<'a>,
     demand: Demand<'a>,
     memory: &'m mut MapperWorkspace,
 }
 
-impl Judge<'_, '_> {
-    /// Returns the value of an operation that happens at `spots`; `drawn` is its value as drawn.
-    fn value(&mut self, drawn: f64, at: &[Spot]) -> SpotValue {
+impl<'a, 'm> Judge<'a, 'm> {
+    pub fn new(query: &'a SpotQuery<'a>, demand: Demand<'a>, memory: &'m mut MapperWorkspace) -> Self {
+        let demand = Demand { value: Some(&query.workcell.value_bounds[query.operation]), ..demand };
+        Self { query, demand, memory }
+    }
+
+    /// Returns the value of an operation that happens at `at`; `drawn` is its value as drawn.
+    pub fn value(&mut self, drawn: f64, at: &[Spot]) -> SpotValue {
         let SpotQuery { workcell, placed, operation, spots } = *self.query;
         let mut most = Vec::with_capacity(at.len());
         for spot in at {
             match placed.most(operation, spots, spot, &self.demand, self.memory) {
                 Ok(bound) => most.extend(bound),
-                Err(why) => return SpotValue::Lost(penalty(&why)),
+                Err(why) => return SpotValue::Lost(Loss::NotCertified(why)),
             }
         }
         let over = workcell.cell.operations[operation].over;
@@ -156,7 +183,7 @@ impl Judge<'_, '_> {
         };
         match worst {
             Ok(value) => SpotValue::Kept { value, most: bound.unwrap_or(f64::INFINITY) },
-            Err(penalty) => SpotValue::Lost(penalty),
+            Err(loss) => SpotValue::Lost(loss),
         }
     }
 }
@@ -198,8 +225,8 @@ impl<'a> Corners<'a> {
     /// The points and postures in `held` stay the same.
     ///
     /// # Errors
-    /// Returns a penalty (m) if a posture cannot be used at some corner.
-    fn worst(&self, drawn: f64, held: &[HeldPosture]) -> Result<f64, f64> {
+    /// Returns the loss if a posture cannot be used at some corner.
+    fn worst(&self, drawn: f64, held: &[HeldPosture]) -> Result<f64, Loss> {
         let SpotQuery { workcell, operation, spots, .. } = *self.query;
         let over = workcell.cell.operations[operation].over;
         let mut worst = drawn;
@@ -208,7 +235,7 @@ impl<'a> Corners<'a> {
             let values: Result<Vec<f64>, Status> = Probe::new(&placed, operation, spots)
                 .map_err(|why: Unjudged| Status::Unjudged(why))
                 .and_then(|mut probe| held.iter().map(|held| probe.holding(held)).collect());
-            worst = worst.max(over.of(&mut values.map_err(|_| LOST_PENALTY * 0.2)?));
+            worst = worst.max(over.of(&mut values.map_err(|_| Loss::Corner)?));
         }
         Ok(worst)
     }

@@ -12,6 +12,9 @@
 //! the best layouts that differ clearly from each other. Front and shortlist are part of the record, and
 //! therefore of every checkpoint. At the end a local search explores the neighbours of the layouts in the
 //! front or shortlist. Polish and local search together use a quarter of the budget.
+//!
+//! At the end, a search for one layout takes the layout with the most room among those with nearly the least
+//! objective. It evaluates at most a fifth as many layouts again.
 
 mod cma_es;
 mod journal;
@@ -22,6 +25,7 @@ mod record;
 #[doc(hidden)] // public for tests/maths
 pub mod scalarization;
 mod search_space;
+mod settle;
 mod shortlist;
 mod solvers;
 mod stopping;
@@ -60,9 +64,13 @@ pub struct Alternative {
 pub struct SearchRecord {
     pub start: EvaluatedLayout,
     /// Best feasible layout; if none was found, the layout that comes nearest to being feasible.
+    ///
+    /// Among the layouts with nearly the least objective, it is one with much room.
     pub best: EvaluatedLayout,
+    /// Least objective found (m, rad or a share); None if no layout is feasible and keeps every limit.
+    pub least: Option<f64>,
     pub evaluations: u64,
-    /// Number of evaluated layouts that were feasible.
+    /// Number of evaluated layouts that were feasible and kept every limit.
     pub feasible: u64,
     /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
     /// layout.
@@ -123,7 +131,18 @@ pub fn search_job(
         let asked = settings.keep > 0 || !settings.pareto.is_empty();
         let all = asked.then(|| alternative(workcell, start.layout.clone())).flatten();
         let alternatives = all.into_iter().collect();
-        return SearchRecord { start, best, evaluations: 1, feasible, trace, bound, ended, alternatives };
+        let least = best.evaluation.objective;
+        return SearchRecord {
+            start,
+            best,
+            least,
+            evaluations: 1,
+            feasible,
+            trace,
+            bound,
+            ended,
+            alternatives,
+        };
     }
     let stopping = Stopping::new(settings, bound);
     let journal = match job.from {
@@ -143,7 +162,7 @@ pub fn search_job(
         (job.keep)(journal.checkpoint(), Moment::Stopped);
     }
     let ended = if stopped { SearchEnd::Interrupted } else { journal.ended() };
-    let alternatives = alternatives(workcell, &space, &journal.record, settings.keep);
+    let mut alternatives = alternatives(workcell, &space, &journal.record, settings.keep);
     let mut record = journal.record;
     let mut best = candidate(workcell, space.layout(&record.point));
     // The search rounds coordinates, so the unrounded layout in the file may be better. A layout to build must
@@ -152,8 +171,23 @@ pub fn search_job(
         best = start.clone();
         record.trace.extend(best.evaluation.objective.map(|e| (record.evaluations, e)));
     }
+    let least = best.evaluation.objective.filter(|_| best.evaluation.is_accepted());
+    if let Some(least) = least.filter(|_| !stopped) {
+        // The room must not cost the gap that the user asks for.
+        let gap =
+            settings.gap.zip(bound).map(|(gap, bound)| bound * (1.0 + gap)).filter(|most| least <= *most);
+        let found = (&space.point(&best.layout)[..], least, gap);
+        if let Some(settled) = settle::settled(workcell, &space, settings, watch, found) {
+            let at = alternatives.iter().position(|a| a.candidate.layout == best.layout);
+            best = candidate(workcell, settled);
+            // The best layout heads the shortlist.
+            if let Some(at) = at {
+                alternatives.splice(at..=at, alternative(workcell, best.layout.clone()));
+            }
+        }
+    }
     let Record { evaluations, feasible, trace, .. } = record;
-    SearchRecord { start, best, evaluations, feasible, trace, bound, ended, alternatives }
+    SearchRecord { start, best, least, evaluations, feasible, trace, bound, ended, alternatives }
 }
 
 fn candidate(workcell: &Workcell, layout: Layout) -> EvaluatedLayout {

@@ -126,12 +126,28 @@ impl LayoutView<'_> {
             canvas.put(&drawn(self.rings(part, &view), part.part.kind));
         }
         canvas.path(&reach, &Ink::Blue.line(1.6));
+        let regions: String = self.regions(&view);
+        if !regions.is_empty() {
+            canvas.path(
+                &regions,
+                &format!("{} fill-opacity=\"0.3\" fill-rule=\"evenodd\"", Ink::Orange.fill()),
+            );
+            canvas.path(&regions, &Ink::Orange.line(1.2));
+        }
         let mut taken = OccupiedBoxes::default();
         self.draw_levels(&mut canvas, &x, &y, &mut taken);
         self.draw_spots(&mut canvas, &view, &mut taken);
         self.draw_names(&mut canvas, &parts, &view, &mut taken);
         canvas.legend(&self.legend(&parts));
         canvas.finish()
+    }
+
+    /// Returns the outlines of the regions, px; empty from the side.
+    fn regions(&self, view: &PlaneView) -> String {
+        let rings = self.drawing.regions.iter().flat_map(|region| &region.rings);
+        let ring =
+            |r: &Vec<Vector3<f64>>| path_data(r.iter().map(|p| view.at(&self.seen(p))), PathEnd::Closed, 1);
+        if self.levels.is_empty() { rings.map(ring).collect() } else { String::new() }
     }
 
     /// Projects a point of the world onto the plane of the picture, mm.
@@ -258,6 +274,10 @@ impl LayoutView<'_> {
         entries.extend(KINDS.into_iter().filter(occurs).map(entry));
         if self.drawing.fields[self.operation].spot.is_some() {
             entries.push(LegendEntry { mark: signs::spot((0.0, 0.0)), said: "chosen spot".into() });
+        }
+        if self.levels.is_empty() && !self.drawing.regions.is_empty() {
+            let mark = format!("<path d=\"M-11 -6H11V6H-11Z\" {}/>", Ink::Orange.line(1.2));
+            entries.push(LegendEntry { mark, said: "where the frame of a piece may stand".into() });
         }
         entries
     }

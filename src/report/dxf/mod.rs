@@ -16,13 +16,14 @@ use std::collections::HashMap;
 const ROBOT: &str = "ROBOT";
 const EQUIPMENT: &str = "EQUIPMENT";
 const ENVELOPE: &str = "ENVELOPE";
+const REGION: &str = "REGION";
 const SPOT: &str = "SPOT";
 const DIMENSIONS: &str = "DIMENSIONS";
 const TEXT: &str = "TEXT";
 
 /// Layers with their colours. Every colour has a contrast ratio of at least 3 on a white background and on
 /// AutoCAD's black one. Colour 7 is black on white and white on black.
-const LAYERS: [Layer; 15] = [
+const LAYERS: [Layer; 16] = [
     (ROBOT, 32),
     (ENVELOPE, 134),
     (EQUIPMENT, 8),
@@ -35,6 +36,7 @@ const LAYERS: [Layer; 15] = [
     ("ARROWS_Y", 94),
     ("ARROWS_Z", 150),
     ("ARROWS_R", 7),
+    (REGION, 30),
     (SPOT, 6),
     (DIMENSIONS, 7),
     (TEXT, 7),
@@ -61,6 +63,9 @@ pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     for ring in drawing.envelopes.iter().flat_map(|rings| rings.at_work.iter().chain(&rings.around)) {
         file.ring(ENVELOPE, ring);
     }
+    for ring in drawing.regions.iter().flat_map(|region| &region.rings) {
+        file.ring(REGION, ring);
+    }
     for k in 0..drawing.fields.len() {
         nodes(&mut file, &drawing.fields[k]);
         arrows(&mut file, drawing, k);
@@ -71,14 +76,15 @@ pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     file.bytes(&used(drawing))
 }
 
-/// Returns the layers to write. The layers of obstacles, fence and keep-out spaces are left out if they would
-/// be empty.
+/// Returns the layers to write. The layers of obstacles, fence, keep-out spaces and regions are left out if they
+/// would be empty.
 fn used(drawing: &Drawing<'_>) -> Vec<Layer> {
     let has = |kind: PartKind| drawing.parts.iter().any(|p| p.kind == kind);
     let idle = |name: &str| match name {
         "OBSTACLES" => !has(PartKind::Obstacle),
         "FENCE" => !has(PartKind::Fence),
         "KEEP_OUT" => !has(PartKind::KeepOut),
+        REGION => drawing.regions.is_empty(),
         _ => false,
     };
     LAYERS.into_iter().filter(|(name, _)| !idle(name)).collect()

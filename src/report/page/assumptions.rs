@@ -132,7 +132,7 @@ pub fn manifest(subject: &Subject<'_>) -> Section {
     ];
     if let Some(found) = &subject.found {
         let search = format!(
-            "{}: {} layouts evaluated of at most {}, {} of them feasible; ended: {}",
+            "{}: {} layouts evaluated of at most {}, {} of them feasible and within every limit; ended: {}",
             found.solver.name(),
             found.evaluations,
             found.budget,

@@ -174,7 +174,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
     let Some(found) = &subject.found else { return section };
     let unit = subject.cell().unit();
     section.text.push(format!(
-        "{} layouts were evaluated, {} of them feasible. {}",
+        "{} layouts were evaluated; {} of them are feasible and keep every limit. {}",
         found.evaluations,
         found.feasible,
         bound_in_words(found, subject)
@@ -247,6 +247,7 @@ fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     SearchRecord {
         start: candidate(&subject.start),
         best: candidate(subject.shown()),
+        least: None,
         evaluations: found.evaluations,
         feasible: found.feasible,
         trace: Vec::new(),

@@ -6,7 +6,8 @@ use crate::assess::Assessment;
 use crate::cell::{Equipment, Joint, JointKind, Placement, Rectangle, Role};
 use crate::drawing::floor_corners;
 use crate::files::shown;
-use crate::units::{deg_from_rad, mm_from_m, rounded};
+use crate::record::{NEAR_LIMIT, near_limits};
+use crate::units::{deg_from_rad, mm_from_m, percent_from_share, rounded};
 
 /// Returns the section on placements.
 pub fn section(subject: &Subject<'_>) -> Section {
@@ -34,7 +35,11 @@ fn empty() -> Section {
 
 /// Returns the section on the joint coordinates at home and at the spots.
 pub fn joints(subject: &Subject<'_>) -> Section {
-    let text = vec!["Joint coordinates in the convention of the robot file.".to_string()];
+    let text = vec![format!(
+        "Joint coordinates in the convention of the robot file. A joint is near its limit if less than {:.0} % of its \
+         travel is left.",
+        percent_from_share(NEAR_LIMIT)
+    )];
     let mut section = Section::new("joints", "Joints at the spots", text);
     section.tables = subject.tables(|a| vec![joint_table(a)]);
     section
@@ -161,7 +166,12 @@ fn joint_table(a: &Assessment<'_>) -> PageTable {
         };
         let unit = if joint.kind == JointKind::Revolute { "deg" } else { "mm" };
         let mut row = vec![shown(&joint.name), unit.into(), told(a.cell.robot.home[k])];
-        let at_spot = |o: usize| a.spot(o).map_or(NOTHING.into(), |(_, p)| told(p.joints[k]));
+        let at_spot = |o: usize| {
+            a.spot(o).map_or(NOTHING.into(), |(_, p)| match near_limits(a.cell, &p.joints)[k] {
+                true => format!("{} (near its limit)", told(p.joints[k])),
+                false => told(p.joints[k]),
+            })
+        };
         row.extend((0..a.maps.len()).map(at_spot));
         row.extend([told(joint.limits.0), told(joint.limits.1)]);
         row

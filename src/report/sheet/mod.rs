@@ -110,6 +110,7 @@ pub fn sheet(drawing: &Drawing<'_>, operation: Option<usize>) -> String {
     for (k, field) in drawing.fields.iter().enumerate() {
         map(&mut out, drawing, &plan, (k, field));
     }
+    regions(&mut out, drawing, &plan);
     (0..drawing.fields.len()).for_each(|k| spot(&mut out, drawing, [&plan, &front], &drawing.fields[k]));
     dimensions::draw(&mut out, drawing, &plan);
     title::list(&mut out, drawing, (front.left, front.bottom + 2.0 * VIEW_MARGIN));
@@ -244,6 +245,20 @@ fn map(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, (k, field): (u
         "<g fill=\"none\" stroke=\"#57606a\" stroke-width=\"0.18\">{out_of_reach}</g><g>{usable}</g>\
          <path d=\"{lines}\" fill=\"none\" stroke=\"#00543d\" stroke-width=\"0.18\"/>"
     );
+}
+
+/// Draws in plan where the frame origin of each piece may stand.
+fn regions(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
+    let rings = drawing.regions.iter().flat_map(|region| &region.rings);
+    let outline: String =
+        rings.map(|ring| path_data(ring.iter().map(|p| view.plan(p)), PathEnd::Closed, 2)).collect();
+    if !outline.is_empty() {
+        let _ = writeln!(
+            out,
+            "<path class=\"region\" d=\"{outline}\" fill=\"#b35900\" fill-opacity=\"0.25\" \
+             fill-rule=\"evenodd\" stroke=\"#b35900\" stroke-width=\"0.25\"/>"
+        );
+    }
 }
 
 /// Draws the spot of an operation in both views.

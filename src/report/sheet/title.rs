@@ -16,7 +16,8 @@ const NAME: usize = 24;
 
 /// Returns the number of lines of the list of placements, and the space for the dimension lines, mm on paper.
 pub fn rows(drawing: &Drawing<'_>) -> (usize, f64) {
-    (marks(drawing).len() + drawing.fields.len() + 3, room(drawing))
+    let of_regions = if drawing.regions.is_empty() { 0 } else { drawing.regions.len() + 1 };
+    (marks(drawing).len() + drawing.fields.len() + of_regions + 3, room(drawing))
 }
 
 fn short(name: &str) -> String {
@@ -72,6 +73,15 @@ pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
             }
         };
         row(cells, "400");
+    }
+    if drawing.regions.is_empty() {
+        return;
+    }
+    row(words(["room to place (filled: where the frame may be)", "", "", "", "mm", "deg"]), "600");
+    for region in &drawing.regions {
+        let room = region.room.map_or("-".into(), |room| mm(room).to_string());
+        let turn = region.turn.map_or("-".into(), |turn| rounded(deg_from_rad(turn), 2).to_string());
+        row([short(&region.name), String::new(), String::new(), String::new(), room, turn], "400");
     }
 }
 

@@ -39,3 +39,20 @@ pub fn assumptions(cell: &Cell) -> String {
     let all: Vec<String> = cell.assumed.iter().map(|a| format!("{} = {}", a.key, a.value)).collect();
     format!("assumed, because the cell does not state it: {}\n", all.join("; "))
 }
+
+/// Returns whether a feasible layout works at every misplacement, as a line of text; empty if the cell does not demand
+/// it.
+pub fn verdict(a: &Assessment<'_>) -> String {
+    if !a.workcell.certifies() {
+        return String::new();
+    }
+    match a.certificate.as_ref().is_some_and(|certificate| certificate.holds()) {
+        true => {
+            "certified: every operation works at every misplacement within the placement tolerances\n".into()
+        }
+        false => {
+            "NOT certified: an operation may fail at some misplacement within the placement tolerances\n"
+                .into()
+        }
+    }
+}

@@ -3,10 +3,10 @@
 use super::table::TextTable;
 use super::{ALWAYS_COUNTED, fixed, mm, mm1, percent1};
 use crate::assess::{Assessment, Comparison, Requirement};
-use crate::cell::{Coordinate, JointKind, Slot, Unit};
+use crate::cell::{Cell, Coordinate, JointKind, Objective, Slot, Unit};
 use crate::error_map::NodeSign;
 use crate::layout::Refined;
-use crate::record::{joints as joint_coordinates, value_word};
+use crate::record::{joints as joint_coordinates, near_limits, value_word};
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
@@ -16,7 +16,12 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
     if !out.is_empty() {
         out.push('\n');
     }
-    out.push_str(&comparison_table(comparison).render());
+    out + &side_by_side(comparison)
+}
+
+/// Returns the table of [`comparison`] without the certificates, then the reasons why layouts are not feasible.
+pub fn side_by_side(comparison: &Comparison<'_>) -> String {
+    let mut out = comparison_table(comparison).render();
     for column in comparison.columns.iter().filter(|c| c.evaluation.objective.is_none()) {
         let _ = write!(out, "\n{}", feasibility(column));
     }
@@ -45,13 +50,21 @@ pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
         let cells = (0..columns.len()).map(|c| with_change(comparison, c, &share));
         table.labelled("all operations", "yield of the samples", cells);
     }
-    let robust = columns.iter().any(|c| c.cell.search.robust);
-    table.labelled(
-        if robust { "objective if misplaced" } else { "objective" },
-        columns.first().map_or("", |c| c.cell.unit().word()),
-        cells,
-    );
+    let label = columns.first().map_or(String::new(), |c| objective_label(c.cell));
+    table.labelled("optimizer", &label, cells);
     table
+}
+
+/// Returns what the optimizer minimizes, with the unit.
+fn objective_label(cell: &Cell) -> String {
+    let how = match (cell.operations.len(), cell.search.objective) {
+        (1, _) => "",
+        (_, Objective::WeightedSum) => ", weighted sum",
+        (_, Objective::WeightedMaximum) => ", weighted maximum",
+        (_, Objective::Lexicographic) => ", in order of priority",
+    };
+    let misplaced = if cell.search.robust { " if misplaced" } else { "" };
+    format!("objective{misplaced}{how} {}", cell.unit().word()).trim_end().to_string()
 }
 
 /// Returns the objective of a layout, or the reasons why it is not feasible, one per line.
@@ -160,13 +173,19 @@ fn operation_rows(table: &mut TextTable, k: usize, comparison: &Comparison<'_>) 
     let joints = |a: &Assessment<'_>| match a.spot(k) {
         Some((_, p)) => {
             let q = joint_coordinates(a.cell, &p.joints);
-            q.iter().map(|q| format!("{:.2}", rounded(*q, 2))).collect::<Vec<_>>().join(", ")
+            let near = near_limits(a.cell, &p.joints);
+            let mark =
+                |(q, near): (&f64, bool)| format!("{:.2}{}", rounded(*q, 2), if near { "!" } else { "" });
+            q.iter().zip(near).map(mark).collect::<Vec<_>>().join(", ")
         }
         None => "-".into(),
     };
     let slides = columns.iter().any(|a| a.cell.robot.joints.iter().any(|j| j.kind == JointKind::Prismatic));
     let units = if slides { "joints deg, slides mm" } else { "joints deg" };
-    table.labelled("", units, columns.iter().map(joints));
+    let near =
+        |a: &Assessment<'_>| a.spot(k).is_some_and(|(_, p)| near_limits(a.cell, &p.joints).contains(&true));
+    let note = if columns.iter().any(near) { " (! near its limit)" } else { "" };
+    table.labelled("", &format!("{units}{note}"), columns.iter().map(joints));
     attitude_rows(table, k, columns);
     let cell = columns[0].cell;
     let word = if cell.unit() == Unit::Share { "p95" } else { value_word(cell) };

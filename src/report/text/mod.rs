@@ -1,5 +1,6 @@
 //! Text for the terminal.
 
+mod answer;
 mod budget;
 mod buildability;
 mod check;
@@ -16,10 +17,11 @@ mod sweep;
 pub mod table;
 mod urdf;
 
+pub use answer::answer;
 pub use budget::budget;
 pub use buildability::{assumptions, certificate};
 pub use check::{yield_in_words, yield_lines};
-pub use compare::{comparison, comparison_table, feasibility, verdict};
+pub use compare::{comparison, comparison_table, feasibility, side_by_side, verdict};
 pub use envelope::{envelope, envelope_title, robot, robots};
 pub use explain::explanation;
 pub use front::{front, goals_line};

@@ -20,6 +20,11 @@ pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
         let _ = write!(out, "; the best found is within {gap} of it");
     }
     let _ = writeln!(out, "\n  the bound covers {covers}");
+    if workcell.certifies() {
+        out.push_str(
+            "  it holds for layouts that work as drawn, so also for those that withstand misplacements\n",
+        );
+    }
     for (bound, operation) in proof.operations.iter().zip(&cell.operations) {
         if let Ok(value) = bound.value {
             let limit = operation.limit.filter(|limit| *limit < value);

@@ -1,0 +1,35 @@
+//! Regions in pictures: where each piece may stand.
+
+use crate::assess::Assessment;
+use crate::region::{Body, Region};
+use nalgebra::Vector3;
+
+/// Region of the frame origin of one piece, world frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnRegion {
+    /// Name of the equipment, or `robot base`.
+    pub name: String,
+    /// Closed lines, m.
+    pub rings: Vec<Vec<Vector3<f64>>>,
+    /// Room in plan, m, and room to turn, rad, if the search moves the piece so.
+    pub room: Option<f64>,
+    pub turn: Option<f64>,
+}
+
+/// Returns the regions of an assessed layout; empty if none were computed.
+pub fn regions(a: &Assessment<'_>) -> Vec<DrawnRegion> {
+    let drawn = |region: &Region| {
+        let z = match region.body {
+            Body::Base => a.layout.base.z,
+            Body::Equipment(k) => a.layout.placements[k].z,
+        };
+        let ring = |ring: &Vec<(f64, f64)>| ring.iter().map(|(x, y)| Vector3::new(*x, *y, z)).collect();
+        DrawnRegion {
+            name: region.body.name(a.cell).to_string(),
+            rings: region.rings.iter().map(ring).collect(),
+            room: region.room,
+            turn: region.turn,
+        }
+    };
+    a.regions.iter().flat_map(|regions| &regions.pieces).map(drawn).collect()
+}

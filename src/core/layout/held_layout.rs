@@ -1,0 +1,249 @@
+//! A layout whose operations keep their spots while robot base or equipment is placed elsewhere.
+//!
+//! Node and branch of every operation stay as they are, so that a sheet with the spots remains valid. An operation
+//! at every node keeps no posture: each of its nodes takes its best posture.
+
+use super::certify::is_between_solids;
+use super::evaluation::{Evaluation, evaluate};
+use super::objective::combined;
+use super::spot_choice::{Judge, Loss, SpotMemory, SpotQuery, SpotValue};
+use super::workcell::Workcell;
+use crate::cell::{Cell, Layout};
+use crate::certificate::{Misplacements, NotCertified};
+use crate::clearance::{Overlap, PlacedSolids};
+use crate::error_map::{
+    Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, PointSpot, Probe, Spot, Status,
+};
+use crate::motion::Blocked;
+use crate::safe_text::shown;
+
+/// Reason why a layout with held spots does not work, or not well enough.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ending {
+    /// The objective exceeds the given one.
+    Objective,
+    /// The value of the operation may exceed its limit.
+    Limit(usize),
+    Overlap(Overlap),
+    /// The operation cannot keep its posture.
+    Posture(usize, Status),
+    /// The operation is not certified.
+    NotCertified(usize, NotCertified),
+    /// The operation cannot keep its posture at a corner of the placement tolerances.
+    Corner(usize),
+    /// The operation at every node has a node that cannot be used.
+    EveryNode(usize),
+    /// A move between two operations is blocked.
+    Transfer(Blocked),
+}
+
+impl Ending {
+    /// Describes the reason with the names of the cell, as a clause.
+    pub fn in_words(&self, cell: &Cell) -> String {
+        let of = |k: &usize, why: String| format!("{}: {why}", shown(&cell.operations[*k].name));
+        match self {
+            Self::Objective => "the error grows beyond the indifference".into(),
+            Self::Limit(k) => of(k, "its error may exceed its limit".into()),
+            Self::Overlap(overlap) => overlap.in_words(cell),
+            Self::Posture(k, status) => of(k, status.reason(cell)),
+            Self::NotCertified(k, NotCertified::JointLimit { joint, .. }) => {
+                of(k, format!("joint {} reaches its limit or margin", shown(&cell.robot.joints[*joint].name)))
+            }
+            Self::NotCertified(k, why) => of(k, why.in_words(cell)),
+            Self::Corner(k) => of(k, "its posture is lost at a corner of the placement tolerances".into()),
+            Self::EveryNode(k) => of(k, "a node cannot be used".into()),
+            Self::Transfer(blocked) => blocked.in_words(cell),
+        }
+    }
+}
+
+/// Spot that an operation keeps.
+#[derive(Debug, Clone, Copy)]
+enum HeldSpot {
+    Spot { node: usize, posture: HeldPosture },
+    EveryNode,
+}
+
+/// Layout whose operations keep their spots.
+pub struct HeldLayout<'a> {
+    workcell: &'a Workcell,
+    layout: &'a Layout,
+    /// Objective of the layout, m, rad or a share.
+    pub objective: f64,
+    /// Spot of each operation.
+    spots: Vec<HeldSpot>,
+}
+
+/// Memory that one thread reuses from judgement to judgement.
+#[derive(Default)]
+pub struct HeldMemory {
+    overlaps: Vec<Overlap>,
+    solids: PlacedSolids,
+    choice: SpotMemory,
+    bounds: MapperWorkspace,
+    misplacements: Misplacements,
+}
+
+impl<'a> HeldLayout<'a> {
+    /// Evaluates a layout and keeps its spots; None if the layout is not feasible or misses a limit.
+    pub fn new(workcell: &'a Workcell, layout: &'a Layout) -> Option<Self> {
+        Self::holding(workcell, layout, &evaluate(workcell, layout))
+    }
+
+    /// Keeps the spots of an evaluated layout; None if it is not feasible or misses a limit.
+    pub fn holding(workcell: &'a Workcell, layout: &'a Layout, evaluation: &Evaluation) -> Option<Self> {
+        let objective = evaluation.objective.filter(|_| evaluation.is_accepted())?;
+        let found = |outcome: &Outcome| if let Outcome::Found(spot) = outcome { Some(*spot) } else { None };
+        let all: Vec<Option<Spot>> = evaluation.outcomes.iter().map(found).collect();
+        let placed = workcell.placed(layout);
+        let held = |(k, spot): (usize, &Option<Spot>)| {
+            if workcell.cell.operations[k].over.needs_every_node() {
+                return Some(HeldSpot::EveryNode);
+            }
+            let Spot { node, branch, .. } = (*spot)?;
+            let at = workcell.mapper.grid(k).local(node);
+            let joints = Probe::new(&placed, k, &all).ok()?.joints(at, branch)?;
+            Some(HeldSpot::Spot { node, posture: HeldPosture { at, branch, joints } })
+        };
+        let spots = all.iter().enumerate().map(held).collect::<Option<Vec<_>>>()?;
+        Some(Self { workcell, layout, objective, spots })
+    }
+
+    /// Returns the workcell of the layout.
+    pub fn workcell(&self) -> &'a Workcell {
+        self.workcell
+    }
+
+    /// Returns the layout as it was found.
+    pub fn layout(&self) -> &'a Layout {
+        self.layout
+    }
+
+    /// Judges another layout with these spots. Returns its objective (m, rad or a share).
+    ///
+    /// # Errors
+    /// Returns the first reason why the layout does not work, misses a limit, or has an objective above `most`.
+    pub fn judge(&self, layout: &Layout, most: f64, memory: &mut HeldMemory) -> Result<f64, Ending> {
+        let HeldMemory { overlaps, solids, misplacements, .. } = memory;
+        let workcell = self.workcell;
+        if let Some(overlap) = first_overlap(workcell, layout, overlaps) {
+            return Err(Ending::Overlap(overlap));
+        }
+        let demand = workcell.certifies().then(|| {
+            misplacements.set(&workcell.cell, layout, workcell.cell.robot.reach());
+            workcell.demand(misplacements)
+        });
+        let placed =
+            PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
+        let judgement = Judgement { held: self, placed: &placed, most };
+        let found = judgement.objective(&mut memory.choice, &mut memory.bounds);
+        memory.solids = placed.into_solids();
+        found
+    }
+}
+
+/// Returns the first overlap that makes a layout infeasible.
+fn first_overlap(workcell: &Workcell, layout: &Layout, found: &mut Vec<Overlap>) -> Option<Overlap> {
+    if workcell.certifies() {
+        workcell.wide.overlaps(layout, found);
+        if found.is_empty() {
+            return None;
+        }
+        if let Some(overlap) = found.iter().find(|o| is_between_solids(o)) {
+            return Some(*overlap);
+        }
+    }
+    workcell.plan.overlaps(layout, found);
+    found.first().copied()
+}
+
+/// Judgement of one placed layout with held spots.
+struct Judgement<'j, 'a> {
+    held: &'j HeldLayout<'a>,
+    placed: &'j PlacedLayout<'j>,
+    most: f64,
+}
+
+impl Judgement<'_, '_> {
+    fn objective(&self, choice: &mut SpotMemory, bounds: &mut MapperWorkspace) -> Result<f64, Ending> {
+        let Workcell { cell, .. } = self.held.workcell;
+        let mut spots: Vec<Option<Spot>> = Vec::with_capacity(self.held.spots.len());
+        let (mut values, mut worst) = (Vec::new(), Vec::new());
+        // Values are computed first, because they cost less than collisions.
+        for (k, held) in self.held.spots.iter().enumerate() {
+            match held {
+                HeldSpot::Spot { node, posture } => {
+                    let found = self.placed.held(k, &spots, posture, false, bounds);
+                    let PointSpot { branch, value, .. } = found.map_err(|s| Ending::Posture(k, s))?;
+                    spots.push(Some(Spot { node: *node, branch, value }));
+                    values.push(value);
+                    worst.push(value);
+                }
+                HeldSpot::EveryNode => {
+                    let query = self.query(k, &spots);
+                    let (outcome, value) = query.choose(choice);
+                    let (Outcome::Found(spot), Some(SpotValue::Kept { value, most })) = (outcome, value)
+                    else {
+                        return Err(match outcome {
+                            Outcome::Uncertain { why, .. } => Ending::NotCertified(k, why),
+                            _ => Ending::EveryNode(k),
+                        });
+                    };
+                    spots.push(Some(spot));
+                    values.push(value);
+                    worst.push(most);
+                }
+            }
+        }
+        self.within(&values)?;
+        for (k, held) in self.held.spots.iter().enumerate() {
+            let (HeldSpot::Spot { posture, .. }, Some(spot)) = (held, spots[k]) else { continue };
+            if let Some((value, most)) = self.certified(k, &spots, &spot, bounds)? {
+                (values[k], worst[k]) = (value, most);
+            }
+            let free = self.placed.held(k, &spots, posture, true, bounds);
+            free.map_err(|status| Ending::Posture(k, status))?;
+        }
+        let objective = self.within(&values)?;
+        if self.held.workcell.priced(objective, &worst) != objective {
+            let misses = |k: &usize| cell.operations[*k].limit.is_some_and(|limit| worst[*k] > limit);
+            return Err(Ending::Limit((0..worst.len()).find(misses).unwrap_or(0)));
+        }
+        self.placed.transfers(&spots).map_err(Ending::Transfer)?;
+        Ok(objective)
+    }
+
+    fn query<'q>(&'q self, operation: usize, spots: &'q [Option<Spot>]) -> SpotQuery<'q> {
+        SpotQuery { workcell: self.held.workcell, placed: self.placed, operation, spots }
+    }
+
+    /// Certifies a held spot, if a certificate is demanded. Returns the value that counts in the objective and the
+    /// value that must keep the limit, if they differ from the value as drawn.
+    fn certified(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        spot: &Spot,
+        memory: &mut MapperWorkspace,
+    ) -> Result<Option<(f64, f64)>, Ending> {
+        let Some(demand) = self.placed.demand() else { return Ok(None) };
+        let query = self.query(operation, spots);
+        let refused = |why: NotCertified| Ending::NotCertified(operation, why);
+        if !query.needs_bound() {
+            let demand = Demand { value: None, ..demand };
+            let found = self.placed.most(operation, spots, spot, &demand, memory);
+            return found.map(|_| None).map_err(refused);
+        }
+        match Judge::new(&query, demand, memory).value(spot.value, &[*spot]) {
+            SpotValue::Kept { value, most } => Ok(Some((value, most))),
+            SpotValue::Lost(Loss::NotCertified(why)) => Err(refused(why)),
+            SpotValue::Lost(Loss::Corner) => Err(Ending::Corner(operation)),
+        }
+    }
+
+    /// Returns the objective if it is at most [`Self::most`].
+    fn within(&self, values: &[f64]) -> Result<f64, Ending> {
+        let objective = combined(&self.held.workcell.cell, values);
+        if objective > self.most { Err(Ending::Objective) } else { Ok(objective) }
+    }
+}

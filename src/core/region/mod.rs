@@ -1,0 +1,137 @@
+//! Regions: where each piece of a found layout may stand instead, and what ends its room.
+//!
+//! Every operation keeps its spot on its equipment and its branch ([`HeldLayout`]). A placement belongs to the
+//! region of a piece if everything still holds there, within the placement tolerances, and if the objective grows
+//! by at most the indifference. All other pieces stay as found.
+//!
+//! A layout file without search variables has regions, too: of the pieces with a placement tolerance, within a window
+//! around their placements.
+//!
+//! | file | content |
+//! |---|---|
+//! | `outline` | outline of a region in plan |
+//! | `piece` | region of one piece |
+//! | `whole_cell` | rotation of all pieces about the base axis |
+
+mod outline;
+mod piece;
+mod whole_cell;
+
+pub use outline::{Domain, Inside, TwoLattices};
+pub use whole_cell::WholeTurn;
+
+use crate::cell::{Cell, Coordinate, Layout};
+use crate::geometry::PlanePoint;
+use crate::layout::{Ending, HeldLayout, HeldMemory, Workcell};
+
+/// Body that the search places.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Body {
+    Base,
+    /// Index of the equipment.
+    Equipment(usize),
+}
+
+impl Body {
+    /// Returns the name of the body in documents and pictures.
+    pub fn name(self, cell: &Cell) -> &str {
+        match self {
+            Self::Base => "robot base",
+            Self::Equipment(k) => &cell.equipment[k].name,
+        }
+    }
+}
+
+/// What ends the room of a piece.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RoomEnd {
+    /// The range of a search variable.
+    Range,
+    /// The examined distance from the found placement.
+    Window,
+    Held(Ending),
+}
+
+impl RoomEnd {
+    /// Describes the end with the names of the cell, as a clause.
+    pub fn in_words(&self, cell: &Cell) -> String {
+        match self {
+            Self::Range => "the range of the search ends".into(),
+            Self::Window => "nothing, as far as it was examined".into(),
+            Self::Held(ending) => ending.in_words(cell),
+        }
+    }
+}
+
+/// Where one piece may stand, in the world frame, m and rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    pub body: Body,
+    /// Closed rings in plan; a point is inside if it lies in an odd number of them. A line of two points if the
+    /// search moves the piece along one axis; empty if it moves the piece along neither.
+    pub rings: Vec<Vec<PlanePoint>>,
+    pub z: (f64, f64),
+    pub yaw: (f64, f64),
+    /// Largest distance by which the piece may be displaced in every direction in plan in which the search may move
+    /// it; None if there is none.
+    pub room: Option<f64>,
+    /// Largest angle by which the piece may be turned either way; None if the search does not turn it.
+    pub turn: Option<f64>,
+    /// What ends [`Self::room`], or [`Self::turn`] if there is no room in plan.
+    pub ended: RoomEnd,
+    /// Width of the rim along the outline in which the region is not resolved.
+    pub rim: f64,
+}
+
+/// Regions of a layout.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Regions {
+    /// One region per piece that the search places.
+    pub pieces: Vec<Region>,
+    /// Rotation of all pieces together about the base axis; None if some piece of an operation does not turn.
+    pub whole: Option<WholeTurn>,
+}
+
+impl Regions {
+    /// Computes the regions of a layout, in which the objective grows by at most the indifference of the cell.
+    ///
+    /// The result is None if the layout is not feasible or misses a limit.
+    pub fn new(workcell: &Workcell, layout: &Layout) -> Option<Self> {
+        let held = HeldLayout::new(workcell, layout)?;
+        let most = held.objective * (1.0 + workcell.cell.search.indifference);
+        let pieces = piece::movable(&workcell.cell).into_iter();
+        let pieces = pieces.map(|body| piece::Piece::new(&held, most, body).region()).collect();
+        Some(Self { pieces, whole: whole_cell::turn(&held, most) })
+    }
+}
+
+/// Scale of an estimate of the room, m.
+pub struct RoomScale {
+    /// Room below which the estimate need not be accurate.
+    pub poor: f64,
+    /// Largest room that counts.
+    pub widest: f64,
+}
+
+/// Estimates the room of a layout: the least room of its pieces.
+///
+/// Every operation keeps its spot, and the objective may grow by the indifference of the cell.
+pub fn estimated_room(held: &HeldLayout<'_>, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {
+    let cell = &held.workcell().cell;
+    let most = held.objective * (1.0 + cell.search.indifference);
+    let pieces = piece::movable(cell).into_iter().map(|body| piece::Piece::new(held, most, body));
+    let mut room = scale.widest;
+    for piece in pieces {
+        room = piece.estimated_room(&RoomScale { widest: room, ..*scale }, memory);
+        if room < scale.poor {
+            break;
+        }
+    }
+    room
+}
+
+/// Returns whether the search displaces any body in plan.
+pub fn can_move(cell: &Cell) -> bool {
+    let in_plan = |c: &[Coordinate; 4]| c[..2].iter().any(|c| matches!(c, Coordinate::Range { .. }));
+    in_plan(&cell.base) || cell.equipment.iter().any(|e| in_plan(&e.placement))
+}

@@ -1,0 +1,311 @@
+//! Region of one piece: outline in plan, ranges of z and yaw, and room.
+
+use super::outline::{Domain, Inside, TwoLattices};
+use super::{Body, Region, RoomEnd, RoomScale};
+use crate::cell::{Cell, Coordinate, Placement, Slot};
+use crate::geometry::PlanePoint;
+use crate::layout::{HeldLayout, HeldMemory, Moves};
+use crate::reach::Cost;
+use crate::units::{m_from_mm, rad_from_deg};
+use std::f64::consts::{PI, TAU};
+
+/// Spacing of the fine lattice, mm.
+const FINE_MM: f64 = 5.0;
+/// Spacing of the fine lattice for an arm whose inverse kinematics is numeric, mm.
+const FINE_NUMERIC_MM: f64 = 20.0;
+/// Least number of spacings of the coarse lattice along the longer side of the domain.
+const DIVISIONS: f64 = 150.0;
+/// Least number of these spacings for an arm whose inverse kinematics is numeric.
+const DIVISIONS_NUMERIC: f64 = 40.0;
+/// Step of a scan along z, mm, and of yaw, degrees.
+const SCAN_MM: f64 = 5.0;
+const SCAN_DEG: f64 = 0.5;
+/// Largest displacement and rotation that are examined for a layout without search variables, mm and degrees.
+const WINDOW_MM: f64 = 250.0;
+const WINDOW_DEG: f64 = 15.0;
+/// Number of bisection steps at the end of a scan.
+const BISECTIONS: usize = 8;
+/// Number of directions of an estimate of the room.
+const ESTIMATED: usize = 16;
+/// Relative accuracy of an estimate of the room.
+const ESTIMATE_SHARE: f64 = 0.02;
+/// Number of directions in which the room is checked.
+const DIRECTIONS: usize = 64;
+/// Least room that is looked for, and least distance beyond the room at which its end is looked for, m.
+const OVERSHOOT: f64 = 1e-4;
+/// Factor by which the room is reduced until all directions hold.
+const SHRINK: f64 = 0.98;
+/// Distance beyond the room at which its end is looked for, as a factor.
+const BEYOND: f64 = 1.02;
+
+/// Returns the bodies that the search places or, if it places none, those with a placement tolerance.
+pub fn movable(cell: &Cell) -> Vec<Body> {
+    let bodies = [Body::Base].into_iter().chain((0..cell.equipment.len()).map(Body::Equipment));
+    bodies.filter(|body| (0..4).any(|axis| domain(cell, *body, axis).is_some())).collect()
+}
+
+/// Returns the interval in which a coordinate of a body may lie, and what ends it; None if it is fixed.
+fn domain(cell: &Cell, body: Body, axis: usize) -> Option<((f64, f64), RoomEnd)> {
+    let (coordinates, tolerance) = match body {
+        Body::Base => (&cell.base, &cell.base_tolerance),
+        Body::Equipment(k) => (&cell.equipment[k].placement, &cell.equipment[k].tolerance),
+    };
+    match coordinates[axis] {
+        Coordinate::Range { min, max, .. } => Some(((min, max), RoomEnd::Range)),
+        Coordinate::Fixed(at) if tolerance.0[axis] > 0.0 && cell.free().is_empty() => {
+            let by = if axis == 3 { rad_from_deg(WINDOW_DEG) } else { m_from_mm(WINDOW_MM) };
+            Some(((at - by, at + by), RoomEnd::Window))
+        }
+        _ => None,
+    }
+}
+
+/// One piece of a layout whose region is to be found.
+pub struct Piece<'a> {
+    held: &'a HeldLayout<'a>,
+    /// Largest objective in the region.
+    most: f64,
+    body: Body,
+    /// Placement in the frame that the cell file uses.
+    own: Placement,
+}
+
+impl<'a> Piece<'a> {
+    pub fn new(held: &'a HeldLayout<'a>, most: f64, body: Body) -> Self {
+        let cell = &held.workcell().cell;
+        let own = match body {
+            Body::Base => held.layout().base,
+            Body::Equipment(k) => cell.own_placement(held.layout(), k),
+        };
+        Self { held, most, body, own }
+    }
+
+    /// Computes the region.
+    pub fn region(&self) -> Region {
+        let [z, yaw] = [2, 3].map(|axis| self.scan(axis));
+        let turn = self.variable(3).map(|_| yaw.nearest(self.own.yaw));
+        let numeric = self.held.workcell().inverse().cost() == Cost::Numeric;
+        let (rings, room) = match (self.variable(0), self.variable(1)) {
+            (Some(x), Some(y)) => {
+                let rings = self.lattices(Domain { x, y }, numeric).trace(self);
+                let room = self.room(&rings);
+                (rings, Some(room))
+            }
+            (None, None) => (Vec::new(), None),
+            (x, _) => {
+                let axis = if x.is_some() { 0 } else { 1 };
+                let line = self.scan(axis);
+                let end = |(at, _): &(f64, RoomEnd)| {
+                    if axis == 0 { (*at, self.own.y) } else { (self.own.x, *at) }
+                };
+                (vec![vec![end(&line.low), end(&line.high)]], Some(line.nearest(self.own.values()[axis])))
+            }
+        };
+        let ended = room.as_ref().or(turn.as_ref()).map_or(RoomEnd::Range, |(_, ended)| ended.clone());
+        let world = self.carrier();
+        let in_world = |p: &PlanePoint| {
+            let at = world.carrying(&Placement { x: p.0, y: p.1, ..self.own });
+            (at.x, at.y)
+        };
+        Region {
+            body: self.body,
+            rings: rings.iter().map(|ring| ring.iter().map(in_world).collect()).collect(),
+            z: (z.low.0 + world.z, z.high.0 + world.z),
+            yaw: (yaw.low.0 + world.yaw, yaw.high.0 + world.yaw),
+            room: room.map(|(room, _)| room),
+            turn: turn.map(|(turn, _)| turn),
+            ended,
+            rim: m_from_mm(if numeric { FINE_NUMERIC_MM } else { FINE_MM }),
+        }
+    }
+
+    fn slot(&self, axis: usize) -> Slot {
+        match self.body {
+            Body::Base => Slot::Base(axis),
+            Body::Equipment(k) => Slot::Equipment(k, axis),
+        }
+    }
+
+    /// Returns the interval in which a coordinate may lie; None if it is fixed.
+    fn variable(&self, axis: usize) -> Option<(f64, f64)> {
+        domain(&self.held.workcell().cell, self.body, axis).map(|(interval, _)| interval)
+    }
+
+    /// Returns the placement in the world of the frame that the cell file uses.
+    fn carrier(&self) -> Placement {
+        let under = match self.body {
+            Body::Base => None,
+            Body::Equipment(k) => self.held.workcell().cell.equipment[k].on,
+        };
+        under.map_or(Placement::from_values([0.0; 4]), |under| self.held.layout().placements[under])
+    }
+
+    /// Judges the piece with some coordinates changed to `at`, m and rad.
+    fn judge(&self, at: &[(usize, f64)], memory: &mut HeldMemory) -> Result<f64, RoomEnd> {
+        let (cell, layout) = (&self.held.workcell().cell, self.held.layout());
+        let own = self.own.values();
+        let moves: Moves = at.iter().map(|(axis, value)| (self.slot(*axis), value - own[*axis])).collect();
+        self.held.judge(&cell.misplaced(layout, &moves), self.most, memory).map_err(RoomEnd::Held)
+    }
+
+    /// Returns the interval around the found value of one coordinate in which everything holds.
+    fn scan(&self, axis: usize) -> Interval {
+        let at = self.own.values()[axis];
+        let Some((range, end)) = domain(&self.held.workcell().cell, self.body, axis) else {
+            return Interval::point(at);
+        };
+        let step = if axis == 3 { rad_from_deg(SCAN_DEG) } else { m_from_mm(SCAN_MM) };
+        let judge = |value: f64, memory: &mut HeldMemory| self.judge(&[(axis, value)], memory).map(|_| ());
+        Interval::scanned(at, (range, end), step, judge)
+    }
+
+    fn lattices(&self, domain: Domain, numeric: bool) -> TwoLattices {
+        let (fine, divisions) =
+            if numeric { (FINE_NUMERIC_MM, DIVISIONS_NUMERIC) } else { (FINE_MM, DIVISIONS) };
+        let step = m_from_mm(fine);
+        let longer = (domain.x.1 - domain.x.0).max(domain.y.1 - domain.y.0);
+        let coarse = ((longer / divisions / step).floor() as i32).max(1);
+        TwoLattices { domain, origin: (self.own.x, self.own.y), step, coarse }
+    }
+
+    /// Returns the radius of the largest disc around the found placement inside the outline, and what ends it.
+    fn room(&self, rings: &[Vec<PlanePoint>]) -> (f64, RoomEnd) {
+        let at = (self.own.x, self.own.y);
+        let edges = rings.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
+        let nearest = edges.map(|(a, b)| nearest_on(a, b, &at));
+        let Some(nearest) = nearest.min_by(|a, b| distance(a, &at).total_cmp(&distance(b, &at))) else {
+            return (0.0, RoomEnd::Range);
+        };
+        let mut memory = HeldMemory::default();
+        let heading = (nearest.1 - at.1).atan2(nearest.0 - at.0);
+        let mut judged = |radius: f64| {
+            let failed = (0..DIRECTIONS).find_map(|k| {
+                let turn = heading + TAU * k as f64 / DIRECTIONS as f64;
+                self.in_plan((at.0 + radius * turn.cos(), at.1 + radius * turn.sin()), &mut memory).err()
+            });
+            failed.map_or(Ok(()), Err)
+        };
+        let mut room = distance(&nearest, &at);
+        let mut ended = judged(room * BEYOND + OVERSHOOT).err();
+        while room > OVERSHOOT {
+            match judged(room) {
+                Ok(()) => return (room, ended.unwrap_or(RoomEnd::Range)),
+                Err(why) => (room, ended) = (room * SHRINK, Some(why)),
+            }
+        }
+        (0.0, ended.unwrap_or(RoomEnd::Range))
+    }
+
+    fn in_plan(&self, at: PlanePoint, memory: &mut HeldMemory) -> Result<(), RoomEnd> {
+        for (axis, value) in [(0, at.0), (1, at.1)] {
+            match domain(&self.held.workcell().cell, self.body, axis) {
+                Some(((min, max), end)) if !(min..=max).contains(&value) => return Err(end),
+                _ => {}
+            }
+        }
+        self.judge(&[(0, at.0), (1, at.1)], memory).map(|_| ())
+    }
+}
+
+impl Piece<'_> {
+    /// Estimates the room: the largest radius, up to the widest of `scale`, at which all of some directions hold.
+    ///
+    /// Only the ends of the directions are judged, so the estimate may exceed the room.
+    pub fn estimated_room(&self, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {
+        let is_free = [0, 1].map(|axis| self.variable(axis).is_some());
+        let headings: Vec<f64> = match is_free {
+            [true, true] => (0..ESTIMATED).map(|k| TAU * k as f64 / ESTIMATED as f64).collect(),
+            [true, false] => vec![0.0, PI],
+            [false, true] => vec![PI / 2.0, -PI / 2.0],
+            [false, false] => Vec::new(),
+        };
+        let mut room = scale.widest;
+        for heading in headings {
+            let mut holds = |radius: f64| {
+                let at = (self.own.x + radius * heading.cos(), self.own.y + radius * heading.sin());
+                self.in_plan(at, memory).is_ok()
+            };
+            if holds(room) {
+                continue;
+            }
+            let mut low = 0.0;
+            while room - low > ESTIMATE_SHARE * room + OVERSHOOT {
+                let middle = (low + room) / 2.0;
+                match holds(middle) {
+                    true => low = middle,
+                    false => room = middle,
+                }
+            }
+            room = low;
+            if room < scale.poor {
+                break;
+            }
+        }
+        room
+    }
+}
+
+impl Inside for Piece<'_> {
+    type Memory = HeldMemory;
+
+    fn inside(&self, at: PlanePoint, memory: &mut HeldMemory) -> bool {
+        self.in_plan(at, memory).is_ok()
+    }
+}
+
+/// Interval around a found value in which everything holds, with what ends it on each side.
+pub struct Interval {
+    pub low: (f64, RoomEnd),
+    pub high: (f64, RoomEnd),
+}
+
+impl Interval {
+    fn point(at: f64) -> Self {
+        Self { low: (at, RoomEnd::Range), high: (at, RoomEnd::Range) }
+    }
+
+    /// Scans from `at` to both ends of a range, in steps, up to the first value at which `judge` fails.
+    pub fn scanned(
+        at: f64,
+        (range, end): ((f64, f64), RoomEnd),
+        step: f64,
+        mut judge: impl FnMut(f64, &mut HeldMemory) -> Result<(), RoomEnd>,
+    ) -> Self {
+        let mut memory = HeldMemory::default();
+        let mut side = |limit: f64| {
+            let steps = ((limit - at).abs() / step).ceil() as usize;
+            let value = |k: usize| if k == steps { limit } else { at + step.copysign(limit - at) * k as f64 };
+            let failed = (1..=steps).find_map(|k| judge(value(k), &mut memory).err().map(|why| (k, why)));
+            let Some((k, mut why)) = failed else { return (limit, end.clone()) };
+            let (mut inside, mut outside) = (value(k - 1), value(k));
+            for _ in 0..BISECTIONS {
+                let middle = (inside + outside) / 2.0;
+                match judge(middle, &mut memory) {
+                    Ok(()) => inside = middle,
+                    Err(reason) => (outside, why) = (middle, reason),
+                }
+            }
+            (inside, why)
+        };
+        Self { low: side(range.0), high: side(range.1) }
+    }
+
+    /// Returns the distance from `at` to the nearer end, and what ends it there.
+    pub fn nearest(&self, at: f64) -> (f64, RoomEnd) {
+        let off = |end: &(f64, RoomEnd)| (end.0 - at).abs();
+        let nearer = if off(&self.low) <= off(&self.high) { &self.low } else { &self.high };
+        (off(nearer), nearer.1.clone())
+    }
+}
+
+/// Returns the point of the segment from `a` to `b` that is nearest to `p`.
+fn nearest_on(a: &PlanePoint, b: &PlanePoint, p: &PlanePoint) -> PlanePoint {
+    let along = (b.0 - a.0, b.1 - a.1);
+    let length = (along.0 * along.0 + along.1 * along.1).max(f64::MIN_POSITIVE);
+    let share = (((p.0 - a.0) * along.0 + (p.1 - a.1) * along.1) / length).clamp(0.0, 1.0);
+    (a.0 + share * along.0, a.1 + share * along.1)
+}
+
+fn distance(a: &PlanePoint, b: &PlanePoint) -> f64 {
+    (a.0 - b.0).hypot(a.1 - b.1)
+}

@@ -1,0 +1,78 @@
+//! Rotation of all pieces together about the base axis.
+//!
+//! The error of a robot that stands level is the same all round its first axis. So a layout that is turned as a whole
+//! about this axis keeps its errors, until a joint limit, an obstacle or the range of the search ends the rotation.
+
+use super::RoomEnd;
+use super::piece::Interval;
+use crate::cell::{Cell, Coordinate, Layout, Placement};
+use crate::layout::HeldLayout;
+use crate::units::rad_from_deg;
+use std::f64::consts::PI;
+
+/// Step of the scan of the angle, degrees.
+const SCAN_DEG: f64 = 0.5;
+/// Rounding error of a coordinate, m and rad.
+const ROUNDING: f64 = 1e-9;
+
+/// Angles by which all pieces of a layout may be turned together about the base axis, rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WholeTurn {
+    pub least: f64,
+    pub most: f64,
+    /// What ends the nearer side.
+    pub ended: RoomEnd,
+}
+
+/// Returns how far all pieces may be turned together; None if a piece of an operation cannot be turned.
+pub fn turn(held: &HeldLayout<'_>, most: f64) -> Option<WholeTurn> {
+    let cell = &held.workcell().cell;
+    let turns = |k: usize| {
+        let is_range = |axis: usize| matches!(cell.equipment[k].placement[axis], Coordinate::Range { .. });
+        [0, 1, 3].into_iter().all(is_range)
+    };
+    let carrier = |mut k: usize| {
+        while let Some(under) = cell.equipment[k].on {
+            k = under;
+        }
+        k
+    };
+    if !cell.operations.iter().all(|o| turns(carrier(o.equipment))) {
+        return None;
+    }
+    let pieces: Vec<usize> = (0..cell.equipment.len()).filter(|k| turns(carrier(*k))).collect();
+    let interval =
+        Interval::scanned(0.0, ((-PI, PI), RoomEnd::Window), rad_from_deg(SCAN_DEG), |angle, memory| {
+            let turned = turned(cell, held.layout(), &pieces, angle).ok_or(RoomEnd::Range)?;
+            held.judge(&turned, most, memory).map(|_| ()).map_err(RoomEnd::Held)
+        });
+    let (_, ended) = interval.nearest(0.0);
+    Some(WholeTurn { least: interval.low.0, most: interval.high.0, ended })
+}
+
+/// Returns a layout with some pieces turned about the base axis; None if a piece leaves the range of the search.
+fn turned(cell: &Cell, layout: &Layout, pieces: &[usize], angle: f64) -> Option<Layout> {
+    let (sin, cos) = angle.sin_cos();
+    let mut turned = layout.clone();
+    for &k in pieces {
+        let (at, base) = (&layout.placements[k], &layout.base);
+        let (x, y) = (at.x - base.x, at.y - base.y);
+        let at = Placement {
+            x: base.x + cos * x - sin * y,
+            y: base.y + sin * x + cos * y,
+            z: at.z,
+            yaw: at.yaw + angle,
+        };
+        turned.placements[k] = at;
+        if cell.equipment[k].on.is_none() {
+            let within = |(c, value): (&Coordinate, f64)| {
+                let (min, max) = c.range();
+                (min - ROUNDING..=max + ROUNDING).contains(&value)
+            };
+            if !cell.equipment[k].placement.iter().zip(at.values()).all(within) {
+                return None;
+            }
+        }
+    }
+    Some(turned)
+}

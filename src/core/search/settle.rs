@@ -1,0 +1,209 @@
+//! Last phase of a search: among the layouts with nearly the least objective, it finds one with much room.
+//!
+//! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective is
+//! larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among them
+//! ([`estimated_room`]), and polls of the neighbours follow. Of the layouts with nearly the most room, the one with
+//! the most clearance is taken.
+//!
+//! The phase is a pure function of cell, settings and best layout, so a resumed search repeats it.
+
+use super::cma_es::CmaEs;
+use super::problem::Watch;
+use super::search_space::{NeighbourChange, SearchSpace};
+use super::workspace_pool::locked;
+use crate::cell::{Goal, Goals, Layout, SearchSettings};
+use crate::layout::{HeldLayout, HeldMemory, Workcell, Workspace, evaluate, evaluate_in};
+use crate::region::{RoomScale, can_move, estimated_room};
+use argmin::core::{CostFunction, Error, Executor, IterState};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::borrow::Borrow;
+use std::sync::Mutex;
+use std::sync::atomic::Ordering;
+
+type IterationState = IterState<Vec<f64>, (), (), (), (), f64>;
+
+/// Number of evaluations of this phase, as a share of the budget of the search, and its limit.
+const SHARE: f64 = 0.2;
+const MAX_EVALUATIONS: u64 = 4000;
+/// Runs of CMA-ES: first step as a share of the search range, and population as a multiple of the default.
+const RUNS: [(f64, u32); 3] = [(0.01, 2), (0.003, 2), (0.03, 2)];
+/// Largest number of generations of a run.
+const GENERATIONS: u64 = 50;
+/// Steps of the polls, as shares of the search range.
+const POLLS: [f64; 4] = [0.004, 0.002, 0.001, 0.0005];
+/// Largest room that counts, m.
+const WIDEST: f64 = 0.25;
+/// Room that is looked for first, m; the room of the best layout so far decides later.
+const FIRST_WIDEST: f64 = 0.02;
+/// Share of the most room below which a room is not estimated accurately.
+const POOR: f64 = 0.3;
+/// Share of the most room at which a layout counts as equally roomy.
+const NEARLY: f64 = 0.98;
+/// Largest number of roomy layouts whose clearance is compared.
+const COMPARED: usize = 32;
+/// Cost of a layout whose objective is too large; its room does not count.
+const BEYOND: f64 = 1.0;
+/// Cost of a layout that is not feasible or misses a limit.
+const UNUSABLE: f64 = 1e3;
+
+/// Maximization of the room among layouts with nearly the least objective.
+struct RoomProblem<'a> {
+    workcell: &'a Workcell,
+    space: &'a SearchSpace<'a>,
+    watch: &'a Watch<'a>,
+    /// Largest objective allowed.
+    most: f64,
+    state: Mutex<RoomState>,
+}
+
+/// Progress of the maximization.
+struct RoomState {
+    left: u64,
+    /// Usable points with their rooms (m), in the order of evaluation.
+    rooms: Vec<(f64, Vec<f64>)>,
+    /// Most room so far, m.
+    most: f64,
+}
+
+/// Returns the layout of a search that has the most room among those with nearly the least objective.
+///
+/// `best` is the point with the least objective, `least`. `bound` limits the objective, too, if it is given. The
+/// result is None if there is nothing to choose, or if the observer stops the search.
+pub fn settled(
+    workcell: &Workcell,
+    space: &SearchSpace<'_>,
+    settings: &SearchSettings,
+    watch: &Watch<'_>,
+    (best, least, bound): (&[f64], f64, Option<f64>),
+) -> Option<Layout> {
+    if settings.ideal
+        || settings.indifference <= 0.0
+        || !settings.pareto.is_empty()
+        || !can_move(&workcell.cell)
+    {
+        return None;
+    }
+    let most = bound.unwrap_or(f64::INFINITY).min(least * (1.0 + settings.indifference)).max(least);
+    let left = ((settings.budget as f64 * SHARE) as u64).min(MAX_EVALUATIONS);
+    let state = Mutex::new(RoomState { left, rooms: Vec::new(), most: 0.0 });
+    let problem = RoomProblem { workcell, space, watch, most, state };
+    problem.costs(&[&best.to_vec()]);
+    for (run, (sigma, scale)) in RUNS.into_iter().enumerate() {
+        let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
+        rng.set_stream(u64::MAX - run as u64);
+        let solver = CmaEs::new(problem.roomiest(best), sigma, scale, rng);
+        let executor = Executor::<_, _, IterationState>::new(&problem, solver).timer(false);
+        let _ended = executor.configure(|state| state.max_iters(GENERATIONS)).run().map(drop);
+    }
+    problem.poll(best);
+    if watch.stop.load(Ordering::Relaxed) {
+        return None;
+    }
+    problem.clearest()
+}
+
+impl RoomProblem<'_> {
+    /// Returns the point with the most room so far.
+    fn roomiest(&self, otherwise: &[f64]) -> Vec<f64> {
+        let state = locked(&self.state);
+        let most = state.rooms.iter().find(|(room, _)| *room == state.most);
+        most.map_or(otherwise.to_vec(), |(_, point)| point.clone())
+    }
+
+    /// Polls the neighbours of the point with the most room until none has more.
+    fn poll(&self, otherwise: &[f64]) {
+        for step in POLLS {
+            loop {
+                let before = locked(&self.state).most;
+                let beside = self.space.neighbours(&self.roomiest(otherwise), NeighbourChange::Range(step));
+                self.costs(&beside.iter().collect::<Vec<_>>());
+                if locked(&self.state).most <= before {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Returns the layout with the most clearance among those with nearly the most room.
+    fn clearest(&self) -> Option<Layout> {
+        let state = locked(&self.state);
+        let mut roomy: Vec<&(f64, Vec<f64>)> =
+            state.rooms.iter().filter(|(room, _)| *room >= NEARLY * state.most).collect();
+        roomy.sort_by(|a, b| b.0.total_cmp(&a.0));
+        roomy.truncate(COMPARED);
+        let clearance = |(_, point): &&(f64, Vec<f64>)| {
+            let layout = self.space.layout(point);
+            let goals = Goals::of(&[Goal::Clearance]).unwrap_or_default();
+            let values = self.workcell.goals(&layout, &evaluate(self.workcell, &layout), &goals);
+            (values.and_then(|values| values.first().copied()).unwrap_or(0.0), layout)
+        };
+        let all: Vec<(f64, Layout)> = roomy.par_iter().map(clearance).collect();
+        let best = all.into_iter().reduce(|best, other| if other.0 > best.0 { other } else { best });
+        best.map(|(_, layout)| layout)
+    }
+
+    /// Returns the costs of several points, and keeps the usable ones.
+    fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
+        let mut state = locked(&self.state);
+        if state.left < points.len() as u64 || self.watch.stop.load(Ordering::Relaxed) {
+            state.left = 0;
+            return vec![f64::NEG_INFINITY; points.len()];
+        }
+        state.left -= points.len() as u64;
+        let scale =
+            RoomScale { poor: POOR * state.most, widest: (3.0 * state.most).clamp(FIRST_WIDEST, WIDEST) };
+        let judge =
+            |memory: &mut (Workspace, HeldMemory), point: &&Vec<f64>| self.room(point, &scale, memory);
+        let rooms: Vec<Result<f64, f64>> = points.par_iter().map_init(Default::default, judge).collect();
+        for (room, point) in rooms.iter().zip(points) {
+            if let Ok(room) = room {
+                state.most = state.most.max(*room);
+                state.rooms.push((*room, (*point).clone()));
+            }
+        }
+        rooms.into_iter().map(|room| room.map_or_else(|cost| cost, |room| -room)).collect()
+    }
+
+    /// Returns the room of a point, m.
+    ///
+    /// # Errors
+    /// Returns a cost if the layout cannot be used or has too large an objective.
+    fn room(
+        &self,
+        point: &[f64],
+        scale: &RoomScale,
+        (workspace, memory): &mut (Workspace, HeldMemory),
+    ) -> Result<f64, f64> {
+        let layout = self.space.layout(point);
+        let evaluation = evaluate_in(self.workcell, &layout, workspace);
+        let cost = evaluation.cost / self.workcell.weight();
+        match evaluation.objective.filter(|_| evaluation.is_accepted()) {
+            None => Err(UNUSABLE + cost),
+            Some(objective) if objective > self.most => Err(BEYOND + cost),
+            Some(_) => HeldLayout::holding(self.workcell, &layout, &evaluation)
+                .map(|held| estimated_room(&held, scale, memory))
+                .ok_or(UNUSABLE),
+        }
+    }
+}
+
+impl CostFunction for &RoomProblem<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, point: &Vec<f64>) -> Result<f64, Error> {
+        Ok(self.costs(&[point])[0])
+    }
+
+    fn bulk_cost<P>(&self, points: &[P]) -> Result<Vec<f64>, Error>
+    where
+        P: Borrow<Vec<f64>> + argmin::core::SyncAlias,
+        f64: argmin::core::SendAlias,
+        Self: argmin::core::SyncAlias,
+    {
+        let points: Vec<&Vec<f64>> = points.iter().map(|p| p.borrow()).collect();
+        Ok(self.costs(&points))
+    }
+}

@@ -1,0 +1,99 @@
+//! Regions of a layout in documents: where each piece may stand.
+
+use super::numbers::{degrees, millimetres};
+use crate::assess::Assessment;
+use crate::cell::Cell;
+use crate::region::{Region, WholeTurn};
+use crate::units::rounded;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Region of one piece: where it may stand while all other pieces stay as found and every operation keeps its spot
+/// and branch. World frame.
+///
+/// Everywhere in the region, the layout still holds within the placement tolerances, and the objective is at most
+/// `indifference_percent` above that of the layout.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RegionEntry {
+    /// Name of the equipment, or `robot base`.
+    pub equipment: String,
+    /// Closed rings of points x, y in plan, at the z and yaw of the layout. A point is inside if it lies in an odd
+    /// number of rings. A line of two points if the search moves the piece along one axis only; empty if it moves the
+    /// piece along neither.
+    pub outline_mm: Vec<Vec<[f64; 2]>>,
+    /// Width of the rim along the outline that is not resolved.
+    pub rim_mm: f64,
+    /// Least and greatest z, at the x, y and yaw of the layout.
+    pub z_mm: [f64; 2],
+    /// Least and greatest yaw, at the x, y and z of the layout.
+    pub yaw_deg: [f64; 2],
+    /// Largest distance by which the piece may be displaced in every direction in plan; null if the search does not
+    /// displace it in plan.
+    pub room_mm: Option<f64>,
+    /// Largest angle by which the piece may be turned either way; null if the search does not turn it.
+    pub room_deg: Option<f64>,
+    /// What ends the room in plan, or the room to turn if there is none in plan.
+    pub ends_with: String,
+}
+
+/// Rotation of all pieces together about the base axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TurnEntry {
+    /// Least and greatest angle.
+    pub turn_deg: [f64; 2],
+    /// What ends the nearer side.
+    pub ends_with: String,
+}
+
+impl RegionEntry {
+    /// Returns one entry per piece that the search places; empty if no regions were computed.
+    pub fn all(a: &Assessment<'_>) -> Vec<Self> {
+        let pieces = a.regions.iter().flat_map(|regions| &regions.pieces);
+        pieces.map(|region| Self::new(a.cell, region)).collect()
+    }
+
+    fn new(cell: &Cell, region: &Region) -> Self {
+        let ring = |ring: &Vec<(f64, f64)>| ring.iter().map(|p| [tenth(p.0), tenth(p.1)]).collect();
+        Self {
+            equipment: region.body.name(cell).into(),
+            outline_mm: region.rings.iter().map(ring).collect(),
+            rim_mm: millimetres(region.rim),
+            z_mm: inward([region.z.0, region.z.1].map(millimetres), 1),
+            yaw_deg: inward([region.yaw.0, region.yaw.1].map(degrees), 2),
+            room_mm: region.room.map(|room| down(millimetres(room), 2)),
+            room_deg: region.turn.map(|turn| down(degrees(turn), 2)),
+            ends_with: region.ended.in_words(cell),
+        }
+    }
+}
+
+impl TurnEntry {
+    /// Returns the entry; None if no regions were computed, or if a piece cannot be turned.
+    pub fn new(a: &Assessment<'_>) -> Option<Self> {
+        let WholeTurn { least, most, ended } = a.regions.as_ref()?.whole.as_ref()?;
+        let turn_deg = inward([*least, *most].map(degrees), 2);
+        Some(Self { turn_deg, ends_with: ended.in_words(a.cell) })
+    }
+}
+
+/// Returns a length in mm, rounded to 0.1 mm.
+fn tenth(m: f64) -> f64 {
+    rounded(millimetres(m), 1)
+}
+
+/// Rounds the ends of an interval inwards, unless they are equal.
+fn inward([least, most]: [f64; 2], digits: i32) -> [f64; 2] {
+    match -down(-least, digits) <= down(most, digits) {
+        true => [-down(-least, digits), down(most, digits)],
+        false => [least, most],
+    }
+}
+
+/// Rounds a room down, because a room rounded up would not hold.
+fn down(value: f64, digits: i32) -> f64 {
+    let scale = 10f64.powi(digits);
+    // Values that are multiples except for rounding stay; adding 0 avoids a negative zero.
+    ((value * scale + 1e-6).floor() / scale) + 0.0
+}

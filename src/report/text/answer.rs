@@ -1,0 +1,108 @@
+//! The answer to the question of a search or map: where everything stands, the errors of the operations, and the
+//! room to place.
+
+use super::compare::margin;
+use super::table::TextTable;
+use super::{buildability, fixed};
+use crate::assess::Assessment;
+use crate::cell::{Coordinate, Placement, Role};
+use crate::files::shown;
+use crate::record::{RegionEntry, TurnEntry, value_word};
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+use std::fmt::Write;
+
+/// Returns the answer for one feasible layout, in the order in which a fitter needs it.
+///
+/// It is empty if the layout is not feasible.
+pub fn answer(a: &Assessment<'_>) -> String {
+    if a.evaluation.objective.is_none() {
+        return String::new();
+    }
+    let mut out = format!("{}\n{}\n", placements(a), operations(a));
+    out.push_str(&super::yield_lines(a));
+    out.push_str(&room(a));
+    out
+}
+
+/// Returns the table of placements, seen from the robot base.
+fn placements(a: &Assessment<'_>) -> String {
+    let mut table = TextTable::new(1);
+    table.row(["stands at, from the robot base", "x mm", "y mm", "z mm", "yaw deg"]);
+    let base_moves = a.cell.base.iter().any(Coordinate::is_free);
+    if base_moves {
+        table.row(row("robot base (world)", &a.layout.base));
+    }
+    let placed = a.cell.equipment.iter().zip(&a.layout.placements);
+    for (equipment, at) in placed.filter(|(e, _)| e.role == Role::Equipment) {
+        table.row(row(&shown(&equipment.name), &at.seen_from(&a.layout.base)));
+    }
+    table.render()
+}
+
+fn row(name: &str, at: &Placement) -> Vec<String> {
+    let mm = |m: f64| rounded(mm_from_m(m), 2).to_string();
+    let yaw = rounded(deg_from_rad(at.yaw), 3).to_string();
+    vec![name.to_string(), mm(at.x), mm(at.y), mm(at.z), yaw]
+}
+
+/// Returns the table of errors and limits.
+fn operations(a: &Assessment<'_>) -> String {
+    let unit = a.cell.unit();
+    let figure = |value: Option<f64>| value.map_or("-".into(), |v| fixed(unit.from_si(v), 4));
+    let certified = a.certificate.as_ref().is_some_and(|certificate| certificate.holds());
+    let mut table = TextTable::new(1);
+    let mut head = vec!["operation".to_string(), format!("{} {}", value_word(a.cell), unit.word())];
+    if certified {
+        head.push("misplaced at most".into());
+    }
+    head.extend(["limit".to_string(), "requirement".into()]);
+    table.row(head);
+    for (k, operation) in a.cell.operations.iter().enumerate() {
+        let mut row = vec![shown(&operation.name), figure(a.maps[k].value)];
+        if certified {
+            row.push(a.worst(k).map_or("no bound known".into(), |worst| figure(Some(worst))));
+        }
+        let requirement = a.requirement(k);
+        row.push(figure(requirement.map(|r| r.limit)));
+        row.push(requirement.map_or("-".into(), |r| margin(unit, r)));
+        table.row(row);
+    }
+    table.render() + &buildability::verdict(a)
+}
+
+/// Returns the room of every piece, what ends it, and the rotation of the whole cell; empty without regions.
+fn room(a: &Assessment<'_>) -> String {
+    let regions = RegionEntry::all(a);
+    if regions.is_empty() {
+        return String::new();
+    }
+    let mut table = TextTable::new(1);
+    table.row(["room to place, spots kept", "mm", "deg", "z mm", "yaw deg"]);
+    let from_to = |[least, most]: [f64; 2]| match least == most {
+        true => least.to_string(),
+        false => format!("{least} to {most}"),
+    };
+    let figure = |value: Option<f64>| value.map_or("-".into(), |value| value.to_string());
+    for region in &regions {
+        let RegionEntry { equipment, room_mm, room_deg, z_mm, yaw_deg, .. } = region;
+        let row = [shown(equipment), figure(*room_mm), figure(*room_deg), from_to(*z_mm), from_to(*yaw_deg)];
+        table.row(row);
+    }
+    let mut out = format!("\n{}", table.render());
+    for RegionEntry { equipment, ends_with, .. } in &regions {
+        let _ = writeln!(out, "  beyond the room of {}: {}", shown(equipment), ends_with);
+    }
+    if let Some(turn) = TurnEntry::new(a) {
+        out.push_str(&whole_cell(&turn));
+    }
+    out
+}
+
+/// Returns how far the whole cell may be turned about the base axis, as a line of text.
+fn whole_cell(turn: &TurnEntry) -> String {
+    let [least, most] = turn.turn_deg;
+    format!(
+        "the whole cell may be turned about the base axis by {least} to {most} deg with the same errors; then: {}\n",
+        turn.ends_with
+    )
+}
