@@ -74,6 +74,22 @@ pub struct HeldLayout<'a> {
     spots: Vec<HeldSpot>,
 }
 
+/// Spot and value of one operation.
+#[derive(Debug, Clone, Copy)]
+struct OperationValue {
+    spot: Spot,
+    /// Value that counts in the objective, m, rad or a share.
+    value: f64,
+    /// Value that must keep the limit.
+    worst: f64,
+}
+
+/// Values of the operations that a moved body does not carry.
+///
+/// A judgement with them is an estimate: it does not check whether the moved body gets in the way of these
+/// operations, or of the moves between operations.
+pub struct Uncarried(Vec<Option<OperationValue>>);
+
 /// Memory that one thread reuses from judgement to judgement.
 #[derive(Default)]
 pub struct HeldMemory {
@@ -124,6 +140,61 @@ impl<'a> HeldLayout<'a> {
     /// # Errors
     /// Returns the first reason why the layout does not work, misses a limit, or has an objective above `most`.
     pub fn judge(&self, layout: &Layout, most: f64, memory: &mut HeldMemory) -> Result<f64, Ending> {
+        self.objective(&self.values(layout, most, None, memory)?, most)
+    }
+
+    /// Judges another layout like [`Self::judge`], but takes the values of the operations that the moved body does
+    /// not carry from `known`.
+    ///
+    /// # Errors
+    /// Returns the reason as [`Self::judge`] does.
+    pub fn judge_carried(
+        &self,
+        layout: &Layout,
+        most: f64,
+        known: &Uncarried,
+        memory: &mut HeldMemory,
+    ) -> Result<f64, Ending> {
+        self.objective(&self.values(layout, most, Some(known), memory)?, most)
+    }
+
+    /// Returns the values of the operations that do not depend on a piece of equipment; None if the layout does not
+    /// hold as found.
+    pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
+        let cell = &self.workcell.cell;
+        let values = self.values(self.layout, f64::INFINITY, None, memory).ok()?;
+        let depends = |k: usize| cell.rides_on(cell.operations[k].equipment, equipment);
+        let carried = |k: usize| depends(k) || cell.operations[k].relative_to.is_some_and(depends);
+        Some(Uncarried(values.into_iter().enumerate().map(|(k, v)| (!carried(k)).then_some(v)).collect()))
+    }
+
+    /// Combines the values of the operations, and checks their limits.
+    fn objective(&self, values: &[OperationValue], most: f64) -> Result<f64, Ending> {
+        let objective = self.within(values, most)?;
+        let worst: Vec<f64> = values.iter().map(|v| v.worst).collect();
+        if self.workcell.priced(objective, &worst) != objective {
+            let limits = self.workcell.cell.operations.iter().map(|o| o.limit);
+            let misses = |(limit, worst): (Option<f64>, &f64)| limit.is_some_and(|limit| *worst > limit);
+            return Err(Ending::Limit(limits.zip(&worst).position(misses).unwrap_or(0)));
+        }
+        Ok(objective)
+    }
+
+    /// Returns the objective if it is at most `most`.
+    fn within(&self, values: &[OperationValue], most: f64) -> Result<f64, Ending> {
+        let values: Vec<f64> = values.iter().map(|v| v.value).collect();
+        let objective = combined(&self.workcell.cell, &values);
+        if objective > most { Err(Ending::Objective) } else { Ok(objective) }
+    }
+
+    /// Returns spot and values of every operation in another layout. Limits are not checked.
+    fn values(
+        &self,
+        layout: &Layout,
+        most: f64,
+        known: Option<&Uncarried>,
+        memory: &mut HeldMemory,
+    ) -> Result<Vec<OperationValue>, Ending> {
         let HeldMemory { overlaps, solids, misplacements, .. } = memory;
         let workcell = self.workcell;
         if let Some(overlap) = first_overlap(workcell, layout, overlaps) {
@@ -135,8 +206,8 @@ impl<'a> HeldLayout<'a> {
         });
         let placed =
             PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
-        let judgement = Judgement { held: self, placed: &placed, most };
-        let found = judgement.objective(&mut memory.choice, &mut memory.bounds);
+        let judgement = Judgement { held: self, placed: &placed, most, known };
+        let found = judgement.values(&mut memory.choice, &mut memory.bounds);
         memory.solids = placed.into_solids();
         found
     }
@@ -162,55 +233,59 @@ struct Judgement<'j, 'a> {
     held: &'j HeldLayout<'a>,
     placed: &'j PlacedLayout<'j>,
     most: f64,
+    known: Option<&'j Uncarried>,
 }
 
 impl Judgement<'_, '_> {
-    fn objective(&self, choice: &mut SpotMemory, bounds: &mut MapperWorkspace) -> Result<f64, Ending> {
-        let Workcell { cell, .. } = self.held.workcell;
-        let mut spots: Vec<Option<Spot>> = Vec::with_capacity(self.held.spots.len());
-        let (mut values, mut worst) = (Vec::new(), Vec::new());
+    fn values(
+        &self,
+        choice: &mut SpotMemory,
+        bounds: &mut MapperWorkspace,
+    ) -> Result<Vec<OperationValue>, Ending> {
+        let count = self.held.spots.len();
+        let mut spots: Vec<Option<Spot>> = Vec::with_capacity(count);
+        let mut values: Vec<OperationValue> = Vec::with_capacity(count);
         // Values are computed first, because they cost less than collisions.
         for (k, held) in self.held.spots.iter().enumerate() {
-            match held {
-                HeldSpot::Spot { node, posture } => {
+            let found = match (self.known(k), held) {
+                (Some(known), _) => known,
+                (None, HeldSpot::Spot { node, posture }) => {
                     let found = self.placed.held(k, &spots, posture, false, bounds);
                     let PointSpot { branch, value, .. } = found.map_err(|s| Ending::Posture(k, s))?;
-                    spots.push(Some(Spot { node: *node, branch, value }));
-                    values.push(value);
-                    worst.push(value);
+                    OperationValue { spot: Spot { node: *node, branch, value }, value, worst: value }
                 }
-                HeldSpot::EveryNode => {
-                    let query = self.query(k, &spots);
-                    let (outcome, value) = query.choose(choice);
-                    let (Outcome::Found(spot), Some(SpotValue::Kept { value, most })) = (outcome, value)
-                    else {
-                        return Err(match outcome {
-                            Outcome::Uncertain { why, .. } => Ending::NotCertified(k, why),
-                            _ => Ending::EveryNode(k),
-                        });
-                    };
-                    spots.push(Some(spot));
-                    values.push(value);
-                    worst.push(most);
-                }
-            }
+                (None, HeldSpot::EveryNode) => match self.query(k, &spots).choose(choice) {
+                    (Outcome::Found(spot), Some(SpotValue::Kept { value, most })) => {
+                        OperationValue { spot, value, worst: most }
+                    }
+                    (Outcome::Uncertain { why, .. }, _) => return Err(Ending::NotCertified(k, why)),
+                    _ => return Err(Ending::EveryNode(k)),
+                },
+            };
+            spots.push(Some(found.spot));
+            values.push(found);
         }
-        self.within(&values)?;
+        self.held.within(&values, self.most)?;
         for (k, held) in self.held.spots.iter().enumerate() {
-            let (HeldSpot::Spot { posture, .. }, Some(spot)) = (held, spots[k]) else { continue };
-            if let Some((value, most)) = self.certified(k, &spots, &spot, bounds)? {
-                (values[k], worst[k]) = (value, most);
+            let (HeldSpot::Spot { posture, .. }, None) = (held, self.known(k)) else { continue };
+            if let Some((value, worst)) = self.certified(k, &spots, &values[k].spot, bounds)? {
+                values[k] = OperationValue { value, worst, ..values[k] };
             }
-            let free = self.placed.held(k, &spots, posture, true, bounds);
-            free.map_err(|status| Ending::Posture(k, status))?;
+            // A certified posture can be used in the layout as drawn, which an estimate takes for granted.
+            if self.known.is_none() || self.placed.demand().is_none() {
+                let free = self.placed.held(k, &spots, posture, true, bounds);
+                free.map_err(|status| Ending::Posture(k, status))?;
+            }
         }
-        let objective = self.within(&values)?;
-        if self.held.workcell.priced(objective, &worst) != objective {
-            let misses = |k: &usize| cell.operations[*k].limit.is_some_and(|limit| worst[*k] > limit);
-            return Err(Ending::Limit((0..worst.len()).find(misses).unwrap_or(0)));
+        if self.known.is_none() {
+            self.placed.transfers(&spots).map_err(Ending::Transfer)?;
         }
-        self.placed.transfers(&spots).map_err(Ending::Transfer)?;
-        Ok(objective)
+        Ok(values)
+    }
+
+    /// Returns the known value of an operation that the moved body does not carry.
+    fn known(&self, operation: usize) -> Option<OperationValue> {
+        self.known.and_then(|known| known.0[operation])
     }
 
     fn query<'q>(&'q self, operation: usize, spots: &'q [Option<Spot>]) -> SpotQuery<'q> {
@@ -239,11 +314,5 @@ impl Judgement<'_, '_> {
             SpotValue::Lost(Loss::NotCertified(why)) => Err(refused(why)),
             SpotValue::Lost(Loss::Corner) => Err(Ending::Corner(operation)),
         }
-    }
-
-    /// Returns the objective if it is at most [`Self::most`].
-    fn within(&self, values: &[f64]) -> Result<f64, Ending> {
-        let objective = combined(&self.held.workcell.cell, values);
-        if objective > self.most { Err(Ending::Objective) } else { Ok(objective) }
     }
 }

@@ -16,7 +16,7 @@ mod workcell;
 pub use certify::{LayoutCertificate, OperationCertificate};
 pub use evaluation::{Evaluation, Workspace, evaluate, evaluate_in};
 pub use goals::MAX_CLEARANCE;
-pub use held_layout::{Ending, HeldLayout, HeldMemory};
+pub use held_layout::{Ending, HeldLayout, HeldMemory, Uncarried};
 pub use misplacement::Moves;
 pub use objective::combined;
 pub use refine::Refined;

@@ -111,6 +111,8 @@ pub struct RoomScale {
     pub poor: f64,
     /// Largest room that counts.
     pub widest: f64,
+    /// Whether a moved piece is only checked with the operations that it carries, which is several times faster.
+    pub is_rough: bool,
 }
 
 /// Estimates the room of a layout: the least room of its pieces.

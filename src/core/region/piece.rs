@@ -4,7 +4,7 @@ use super::outline::{Domain, Inside, TwoLattices};
 use super::{Body, Region, RoomEnd, RoomScale};
 use crate::cell::{Cell, Coordinate, Placement, Slot};
 use crate::geometry::PlanePoint;
-use crate::layout::{HeldLayout, HeldMemory, Moves};
+use crate::layout::{HeldLayout, HeldMemory, Moves, Uncarried};
 use crate::reach::Cost;
 use crate::units::{m_from_mm, rad_from_deg};
 use std::f64::consts::{PI, TAU};
@@ -141,11 +141,21 @@ impl<'a> Piece<'a> {
     }
 
     /// Judges the piece with some coordinates changed to `at`, m and rad.
-    fn judge(&self, at: &[(usize, f64)], memory: &mut HeldMemory) -> Result<f64, RoomEnd> {
+    fn judge(
+        &self,
+        at: &[(usize, f64)],
+        uncarried: Option<&Uncarried>,
+        memory: &mut HeldMemory,
+    ) -> Result<f64, RoomEnd> {
         let (cell, layout) = (&self.held.workcell().cell, self.held.layout());
         let own = self.own.values();
         let moves: Moves = at.iter().map(|(axis, value)| (self.slot(*axis), value - own[*axis])).collect();
-        self.held.judge(&cell.misplaced(layout, &moves), self.most, memory).map_err(RoomEnd::Held)
+        let layout = cell.misplaced(layout, &moves);
+        let judged = match uncarried {
+            Some(known) => self.held.judge_carried(&layout, self.most, known, memory),
+            None => self.held.judge(&layout, self.most, memory),
+        };
+        judged.map_err(RoomEnd::Held)
     }
 
     /// Returns the interval around the found value of one coordinate in which everything holds.
@@ -155,7 +165,8 @@ impl<'a> Piece<'a> {
             return Interval::point(at);
         };
         let step = if axis == 3 { rad_from_deg(SCAN_DEG) } else { m_from_mm(SCAN_MM) };
-        let judge = |value: f64, memory: &mut HeldMemory| self.judge(&[(axis, value)], memory).map(|_| ());
+        let judge =
+            |value: f64, memory: &mut HeldMemory| self.judge(&[(axis, value)], None, memory).map(|_| ());
         Interval::scanned(at, (range, end), step, judge)
     }
 
@@ -181,7 +192,8 @@ impl<'a> Piece<'a> {
         let mut judged = |radius: f64| {
             let failed = (0..DIRECTIONS).find_map(|k| {
                 let turn = heading + TAU * k as f64 / DIRECTIONS as f64;
-                self.in_plan((at.0 + radius * turn.cos(), at.1 + radius * turn.sin()), &mut memory).err()
+                self.in_plan((at.0 + radius * turn.cos(), at.1 + radius * turn.sin()), None, &mut memory)
+                    .err()
             });
             failed.map_or(Ok(()), Err)
         };
@@ -196,14 +208,20 @@ impl<'a> Piece<'a> {
         (0.0, ended.unwrap_or(RoomEnd::Range))
     }
 
-    fn in_plan(&self, at: PlanePoint, memory: &mut HeldMemory) -> Result<(), RoomEnd> {
+    /// Judges a point in plan; with `uncarried`, the result is an estimate.
+    fn in_plan(
+        &self,
+        at: PlanePoint,
+        uncarried: Option<&Uncarried>,
+        memory: &mut HeldMemory,
+    ) -> Result<(), RoomEnd> {
         for (axis, value) in [(0, at.0), (1, at.1)] {
             match domain(&self.held.workcell().cell, self.body, axis) {
                 Some(((min, max), end)) if !(min..=max).contains(&value) => return Err(end),
                 _ => {}
             }
         }
-        self.judge(&[(0, at.0), (1, at.1)], memory).map(|_| ())
+        self.judge(&[(0, at.0), (1, at.1)], uncarried, memory).map(|_| ())
     }
 }
 
@@ -212,6 +230,10 @@ impl Piece<'_> {
     ///
     /// Only the ends of the directions are judged, so the estimate may exceed the room.
     pub fn estimated_room(&self, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {
+        let uncarried = match (scale.is_rough, self.body) {
+            (true, Body::Equipment(k)) => self.held.uncarried(k, memory),
+            _ => None,
+        };
         let is_free = [0, 1].map(|axis| self.variable(axis).is_some());
         let headings: Vec<f64> = match is_free {
             [true, true] => (0..ESTIMATED).map(|k| TAU * k as f64 / ESTIMATED as f64).collect(),
@@ -223,7 +245,7 @@ impl Piece<'_> {
         for heading in headings {
             let mut holds = |radius: f64| {
                 let at = (self.own.x + radius * heading.cos(), self.own.y + radius * heading.sin());
-                self.in_plan(at, memory).is_ok()
+                self.in_plan(at, uncarried.as_ref(), memory).is_ok()
             };
             if holds(room) {
                 continue;
@@ -249,7 +271,7 @@ impl Inside for Piece<'_> {
     type Memory = HeldMemory;
 
     fn inside(&self, at: PlanePoint, memory: &mut HeldMemory) -> bool {
-        self.in_plan(at, memory).is_ok()
+        self.in_plan(at, None, memory).is_ok()
     }
 }
 

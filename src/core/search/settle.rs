@@ -25,12 +25,12 @@ use std::sync::atomic::Ordering;
 type IterationState = IterState<Vec<f64>, (), (), (), (), f64>;
 
 /// Number of evaluations of this phase, as a share of the budget of the search, and its limit.
-const SHARE: f64 = 0.2;
-const MAX_EVALUATIONS: u64 = 4000;
+const SHARE: f64 = 0.25;
+const MAX_EVALUATIONS: u64 = 5000;
 /// Runs of CMA-ES: first step as a share of the search range, and population as a multiple of the default.
-const RUNS: [(f64, u32); 3] = [(0.01, 2), (0.003, 2), (0.03, 2)];
+const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 /// Largest number of generations of a run.
-const GENERATIONS: u64 = 50;
+const GENERATIONS: u64 = 70;
 /// Steps of the polls, as shares of the search range.
 const POLLS: [f64; 4] = [0.004, 0.002, 0.001, 0.0005];
 /// Largest room that counts, m.
@@ -41,7 +41,7 @@ const FIRST_WIDEST: f64 = 0.02;
 const POOR: f64 = 0.3;
 /// Share of the most room at which a layout counts as equally roomy.
 const NEARLY: f64 = 0.98;
-/// Largest number of roomy layouts whose clearance is compared.
+/// Largest number of roomy layouts whose accurate rooms and clearances are compared.
 const COMPARED: usize = 32;
 /// Cost of a layout whose objective is too large; its room does not count.
 const BEYOND: f64 = 1.0;
@@ -128,18 +128,24 @@ impl RoomProblem<'_> {
 
     /// Returns the layout with the most clearance among those with nearly the most room.
     fn clearest(&self) -> Option<Layout> {
-        let state = locked(&self.state);
-        let mut roomy: Vec<&(f64, Vec<f64>)> =
-            state.rooms.iter().filter(|(room, _)| *room >= NEARLY * state.most).collect();
+        let mut roomy = locked(&self.state).rooms.clone();
         roomy.sort_by(|a, b| b.0.total_cmp(&a.0));
+        roomy.dedup_by(|a, b| self.space.layout(&a.1) == self.space.layout(&b.1));
         roomy.truncate(COMPARED);
-        let clearance = |(_, point): &&(f64, Vec<f64>)| {
-            let layout = self.space.layout(point);
+        let accurate = |(_, point): &(f64, Vec<f64>)| {
+            let scale = RoomScale { poor: 0.0, widest: WIDEST, is_rough: false };
+            let room = self.room(point, &scale, &mut Default::default()).unwrap_or(0.0);
+            (room, self.space.layout(point))
+        };
+        let rooms: Vec<(f64, Layout)> = roomy.par_iter().map(accurate).collect();
+        let most = rooms.iter().map(|(room, _)| *room).fold(0.0, f64::max);
+        let nearly = rooms.into_par_iter().filter(|(room, _)| *room >= NEARLY * most);
+        let clearance = |(_, layout): (f64, Layout)| {
             let goals = Goals::of(&[Goal::Clearance]).unwrap_or_default();
             let values = self.workcell.goals(&layout, &evaluate(self.workcell, &layout), &goals);
             (values.and_then(|values| values.first().copied()).unwrap_or(0.0), layout)
         };
-        let all: Vec<(f64, Layout)> = roomy.par_iter().map(clearance).collect();
+        let all: Vec<(f64, Layout)> = nearly.map(clearance).collect();
         let best = all.into_iter().reduce(|best, other| if other.0 > best.0 { other } else { best });
         best.map(|(_, layout)| layout)
     }
@@ -152,8 +158,11 @@ impl RoomProblem<'_> {
             return vec![f64::NEG_INFINITY; points.len()];
         }
         state.left -= points.len() as u64;
-        let scale =
-            RoomScale { poor: POOR * state.most, widest: (3.0 * state.most).clamp(FIRST_WIDEST, WIDEST) };
+        let scale = RoomScale {
+            poor: POOR * state.most,
+            widest: (3.0 * state.most).clamp(FIRST_WIDEST, WIDEST),
+            is_rough: true,
+        };
         let judge =
             |memory: &mut (Workspace, HeldMemory), point: &&Vec<f64>| self.room(point, &scale, memory);
         let rooms: Vec<Result<f64, f64>> = points.par_iter().map_init(Default::default, judge).collect();
