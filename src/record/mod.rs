@@ -74,6 +74,6 @@ pub use sweep::{
 };
 pub use verdict::{
     FactEntry, FactMood, REPORT_SCHEMA, RequirementState, RunnerUpEntry, RunnerUpKind, VerdictAnswer,
-    VerdictDocument, VerdictSpot, VerdictSubject,
+    VerdictDocument, VerdictPlacement, VerdictSpot, VerdictSubject,
 };
 pub use words::{caveats, objective_word, value_word};

@@ -1,6 +1,8 @@
 //! The verdict of a report: the document of `report --json`, and the top of the report page.
 
 use super::cell_yield::CellYieldEntry;
+use super::placement::PlacementEntry;
+use super::region::TurnEntry;
 use super::words::VALUE_WORDS;
 use crate::cell::{Objective, Unit};
 use crate::search::SearchEnd;
@@ -41,7 +43,13 @@ pub struct VerdictDocument {
     /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
+    /// Where everything stands; empty if the layout is not feasible.
+    #[serde(default)]
+    pub placements: Vec<VerdictPlacement>,
     pub operations: Vec<VerdictSpot>,
+    /// Rotation of all pieces together about the base axis; null if a piece cannot be turned.
+    #[serde(default)]
+    pub whole_cell: Option<TurnEntry>,
     /// Reasons why the answer is no.
     pub reasons: Vec<String>,
 }
@@ -113,6 +121,21 @@ pub struct RunnerUpEntry {
 pub enum RunnerUpKind {
     Layout,
     Node,
+}
+
+/// Placement of a piece of equipment, seen from the robot base, with its room.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VerdictPlacement {
+    pub equipment: String,
+    /// Placement in the frame of the robot base; that of the robot base itself is in the world frame.
+    pub at: PlacementEntry,
+    /// Largest distance by which the piece may be displaced in every direction in plan; null if it is not known.
+    pub room_mm: Option<f64>,
+    /// Largest angle by which the piece may be turned either way; null if it is not known.
+    pub room_deg: Option<f64>,
+    /// What ends the room; null if the room is not known.
+    pub ends_with: Option<String>,
 }
 
 /// Spot of an operation.

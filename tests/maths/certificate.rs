@@ -12,8 +12,9 @@ use sweetspot::assess::Assessment;
 use sweetspot::cell::{Cell, Slot};
 use sweetspot::error_map::Status;
 use sweetspot::layout::{Workcell, evaluate};
+use sweetspot::region::{Region, Regions};
 use sweetspot::search::{EvaluatedLayout, SearchSpace, Watch, search};
-use sweetspot::units::mm_from_m;
+use sweetspot::units::{deg_from_rad, mm_from_m};
 
 /// Certified and refused operations, and the largest ratio of a certified bound to the worst value found.
 #[derive(Default)]
@@ -173,7 +174,8 @@ fn the_best_layouts_to_build_withstand_random_misplacements() {
         ("track_cell.toml", 30),
     ];
     println!(
-        "| cell | layouts | ideal | to build | more | worst within the tolerances |\n|---|---|---|---|---|---|"
+        "| cell | layouts | ideal mm | to build mm | more | worst within the tolerances mm | room mm | room deg |\n\
+         |---|---|---|---|---|---|---|---|"
     );
     for (name, budget) in all {
         let [ideal, strict] = [shipped(name), buildable(name)].map(|cell| Workcell::new(cell).unwrap());
@@ -192,6 +194,13 @@ fn the_best_layouts_to_build_withstand_random_misplacements() {
             .map(|k| a.worst(k).map_or("-".into(), |worst| format!("{:.4}", mm_from_m(worst))))
             .collect();
         let more = 100.0 * (objective / least - 1.0);
-        println!("| {name} | {budget} | {least:.4} | {objective:.4} | {more:.2} % | {} |", worst.join(", "));
+        let regions = Regions::new(&strict, &a.layout).expect("a feasible layout has regions");
+        let least_of = |of: fn(&Region) -> Option<f64>| regions.pieces.iter().filter_map(of).reduce(f64::min);
+        let room = least_of(|r| r.room).map_or("-".into(), |room| format!("{:.1}", mm_from_m(room)));
+        let turn = least_of(|r| r.turn).map_or("-".into(), |turn| format!("{:.2}", deg_from_rad(turn)));
+        let worst = worst.join(", ");
+        println!(
+            "| {name} | {budget} | {least:.4} | {objective:.4} | {more:.2} % | {worst} | {room} | {turn} |"
+        );
     }
 }

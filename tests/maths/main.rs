@@ -31,6 +31,7 @@ mod moving;
 mod optimum;
 mod paper;
 mod parry;
+mod pedestal;
 mod peers;
 mod proof;
 mod ranking;

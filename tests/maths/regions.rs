@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Cell, Layout, Slot};
 use sweetspot::layout::{HeldLayout, HeldMemory, Workcell, evaluate};
-use sweetspot::region::{Body, Domain, Inside, Region, Regions, TwoLattices};
+use sweetspot::region::{Domain, Inside, MovableBody, Region, Regions, TwoLattices};
 use sweetspot::search::{SearchRecord, Watch, search};
 
 type Point = (f64, f64);
@@ -75,10 +75,10 @@ fn found(workcell: &Workcell, budget: u64, seed: u64) -> SearchRecord {
 }
 
 /// Returns the layout with a piece at a point in plan.
-fn placed_at(cell: &Cell, layout: &Layout, body: Body, (x, y): Point) -> Layout {
+fn placed_at(cell: &Cell, layout: &Layout, body: MovableBody, (x, y): Point) -> Layout {
     let (at, slot): (_, &dyn Fn(usize) -> Slot) = match body {
-        Body::Base => (layout.base, &Slot::Base),
-        Body::Equipment(k) => (layout.placements[k], &move |axis| Slot::Equipment(k, axis)),
+        MovableBody::Base => (layout.base, &Slot::Base),
+        MovableBody::Equipment(k) => (layout.placements[k], &move |axis| Slot::Equipment(k, axis)),
     };
     cell.misplaced(layout, &[(slot(0), x - at.x), (slot(1), y - at.y)])
 }
@@ -130,7 +130,9 @@ impl Tried {
             (low - 0.2, high + 0.2)
         };
         let (x, y) = (range(|p| p.0), range(|p| p.1));
-        let Body::Equipment(k) = region.body else { panic!("no shipped cell of this test moves its base") };
+        let MovableBody::Equipment(k) = region.body else {
+            panic!("no shipped cell of this test moves its base")
+        };
         let domain = [0, 1].map(|axis| workcell.cell.equipment[k].placement[axis].range());
         for _ in 0..1_000_000 {
             if self.inside >= self.count && self.outside >= self.count {
@@ -160,7 +162,7 @@ fn the_room_holds_all_round() {
     let most = held.objective * (1.0 + workcell.cell.search.indifference);
     let regions = Regions::new(&workcell, &best.layout).unwrap();
     for region in &regions.pieces {
-        let Body::Equipment(k) = region.body else { panic!() };
+        let MovableBody::Equipment(k) = region.body else { panic!() };
         let at = best.layout.placements[k];
         let (room, turn) = (region.room.unwrap(), region.turn.unwrap());
         assert!(room > 1e-3, "{room}");

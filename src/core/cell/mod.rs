@@ -14,6 +14,7 @@ mod goal;
 mod layout;
 mod misfit;
 mod model;
+mod pedestal;
 mod question;
 mod robot_model;
 mod sense;

@@ -97,6 +97,15 @@ pub struct Equipment {
     pub tolerance: PlacementTolerance,
 }
 
+/// Support of the robot base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BaseSupport {
+    /// The base stands on the floor or, above it, on a pedestal with this cross-section in the base frame, m.
+    Pedestal(Rectangle),
+    /// A wall or a gantry carries the base; the space below it is free.
+    Hung,
+}
+
 /// Keep-out box in the world, which no equipment may enter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeepOut {
@@ -203,6 +212,7 @@ pub struct Cell {
     pub base: [Coordinate; 4],
     /// Tolerance of the placement of the robot base.
     pub base_tolerance: PlacementTolerance,
+    pub base_support: BaseSupport,
     /// Index of the chosen error set in [`Robot::errors`].
     pub errors: usize,
     pub model: Model,

@@ -12,6 +12,8 @@ pub enum SolidRef {
     /// Index into [`Cell::equipment`], and index of the solid of that equipment.
     Equipment(usize, usize),
     Floor,
+    /// Pedestal of the robot base.
+    Pedestal,
     /// Wall on the edge of the fence with this index; the edge starts at the corner with the same index.
     Fence(usize),
 }
@@ -34,6 +36,7 @@ impl SolidRef {
                 format!("{} ({})", equipment.name, equipment.solids[s].name)
             }
             Self::Floor => "the floor".into(),
+            Self::Pedestal => "the pedestal".into(),
             Self::Fence(edge) => format!("wall {} of the fence", edge + 1),
         }
     }

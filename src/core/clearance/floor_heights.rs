@@ -49,6 +49,14 @@ pub(super) fn base_top(robot: &Robot) -> f64 {
     solids.map(|s| extent(&s.solid.shape).1.z).reduce(f64::max).unwrap_or(f64::INFINITY)
 }
 
+/// Returns the height of the lowest point of the robot base above the origin of its frame, m.
+///
+/// The height is minus infinity if the base has no solids.
+pub(super) fn base_bottom(robot: &Robot) -> f64 {
+    let solids = robot.solids.iter().filter(|s| s.link == 0);
+    solids.map(|s| extent(&s.solid.shape).0.z).reduce(f64::min).unwrap_or(f64::NEG_INFINITY)
+}
+
 /// Returns the vertical distance between two height ranges, m; negative if the ranges overlap.
 pub(super) fn rise(a: HeightRange, b: HeightRange) -> f64 {
     (a.0 - b.1).max(b.0 - a.1)

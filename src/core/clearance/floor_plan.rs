@@ -4,10 +4,12 @@
 //! lamp may hang over a table. The check in plan comes first, because it is cheap and usually decides.
 
 use super::fence;
-use super::floor_heights::{HeightRange, Heights, base_top, rise};
+use super::floor_heights::{HeightRange, Heights, base_bottom, base_top, rise};
 use super::floor_rectangle::{AxisDepth, PlacedRectangle, least_overlap, overlap_depth};
 use super::overlap::{Overlap, Party};
-use crate::cell::{Cell, Equipment, Fence, Layout, Placement, PlacementTolerance, Rectangle, Role};
+use crate::cell::{
+    BaseSupport, Cell, Equipment, Fence, Layout, Placement, PlacementTolerance, Rectangle, Role,
+};
 use crate::geometry::PlanePoint;
 
 /// Shortest way to separate two floor spaces in plan: move `a` along `direction` (unit) by `depth` (m).
@@ -111,6 +113,9 @@ pub struct FloorPlan {
     base: Rectangle,
     /// Height of the highest point of the robot base above the origin of its frame, m.
     base_top: f64,
+    /// Height of the lowest point of a hung base above the origin of its frame, m; None if the base, or its pedestal,
+    /// stands on the floor.
+    base_bottom: Option<f64>,
     /// Keep-out boxes with their heights in the world.
     pub(super) keep_out: Vec<(PlacedRectangle, HeightRange)>,
     clearance: f64,
@@ -135,6 +140,7 @@ impl FloorPlan {
             equipment: cell.equipment.iter().zip(cell.start().placements).map(stand).collect(),
             base: cell.robot.footprint,
             base_top: base_top(&cell.robot),
+            base_bottom: (cell.base_support == BaseSupport::Hung).then(|| base_bottom(&cell.robot)),
             on: cell.equipment.iter().map(|e| e.on).collect(),
             keep_out: cell
                 .keep_out
@@ -172,9 +178,10 @@ impl FloorPlan {
     /// Returns the vertical distance of a piece of equipment from the robot base, m; negative if their height
     /// ranges overlap.
     ///
-    /// The base occupies everything from its top down to the floor.
+    /// A base that is not hung occupies everything from its top down to the floor.
     pub(super) fn rise_from_base(&self, i: usize, at: &Placement, base: &Placement) -> f64 {
-        rise(self.equipment[i].heights.at(at.z), (f64::NEG_INFINITY, base.z + self.base_top))
+        let bottom = self.base_bottom.map_or(f64::NEG_INFINITY, |bottom| base.z + bottom);
+        rise(self.equipment[i].heights.at(at.z), (bottom, base.z + self.base_top))
     }
 
     /// Returns the vertical distance of a piece of equipment from the height range `heights`, m.

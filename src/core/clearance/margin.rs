@@ -4,6 +4,7 @@ use super::bounding_capsule::overlapping;
 use super::contact::Hit;
 use super::pairs::{Against, Load, Pair};
 use super::placed_solids::{LinkFrames, LinkPoses, PlacedSolids};
+use super::robot_solids::RobotSolid;
 use super::scene::Scene;
 use nalgebra::Vector3;
 
@@ -44,7 +45,8 @@ impl Scene {
         let load = Load::of(Some(operation));
         let is_safe = |pair: Pair, by: f64| self.is_apart(placed, frames, pair, by);
         let poses = LinkPoses { frames, base: placed.base.as_ref() };
-        for (k, link) in self.links.iter().enumerate().filter(|(_, link)| load.has(link)) {
+        let there = |link: &RobotSolid| load.has(link) && !link.is_pedestal();
+        for (k, link) in self.links.iter().enumerate().filter(|(_, link)| there(link)) {
             let (low, high) = poses.capsule(link).bounds();
             let own = motion.of_link(k);
             if link.frame > 0 {

@@ -93,7 +93,7 @@ impl Scene {
         placed: &'s PlacedSolids,
         load: Load,
     ) -> impl Iterator<Item = Pair> + 's {
-        let links = self.links.iter().enumerate().filter(move |(_, link)| load.has(link));
+        let links = self.links.iter().enumerate().filter(move |(_, l)| load.has(l) && !l.is_pedestal());
         links.flat_map(move |(k, link)| {
             let floor = (link.frame > 0).then_some(Pair { link: k, against: Against::Floor });
             let bodies = placed.bodies.iter().enumerate();

@@ -6,6 +6,7 @@ use super::contact::SolidRef;
 use super::convex_decomposition::{Remember, hulls};
 use crate::cell::{Cell, MAX_JOINTS, Shape, Solid};
 use crate::pose::Pose;
+use nalgebra::Vector3;
 use parry3d::bounding_volume::BoundingVolume;
 
 /// Distance, m, below which two solids count as touching.
@@ -35,7 +36,8 @@ pub(super) struct RobotSolid {
     reach: f64,
 }
 
-/// Returns all solids in [`crate::cell::Robot::solids`], then the solids of the part held in each operation.
+/// Returns all solids in [`crate::cell::Robot::solids`], then the solids of the part held in each operation, then the
+/// pedestal.
 pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     let mut links = Vec::new();
     for (k, s) in cell.robot.solids.iter().enumerate() {
@@ -52,7 +54,23 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
             links.push(RobotSolid { operation: Some(operation), may_touch, ..carried });
         }
     }
+    links.extend(pedestal(cell, remember));
     links
+}
+
+/// Returns the pedestal of the highest base; None if the base stands on the floor.
+///
+/// It stands in for the pedestal of every lower base, because nothing is below the floor. Its sides keep the clearance
+/// to the arm. Floor spaces check it against equipment.
+fn pedestal(cell: &Cell, remember: &mut Remember<'_>) -> Option<RobotSolid> {
+    let (section, height) = cell.highest_pedestal()?;
+    let (centre, size) = (section.centre, section.size);
+    let pose = Pose { translation: Vector3::new(centre.0, centre.1, -height / 2.0), ..Pose::IDENTITY };
+    let wider = 2.0 * cell.clearance;
+    let size = Vector3::new(size.0 + wider, size.1 + wider, height);
+    let solid = Solid { name: String::new(), shape: Shape::Box { pose, size } };
+    let carrier = CarriedSolid { id: SolidRef::Pedestal, frame: 0, mount: &Pose::IDENTITY, solid: &solid };
+    Some(link(&carrier, cell.clearance, remember))
 }
 
 /// Solid of the cell, and the frame that carries it.
@@ -98,6 +116,11 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
 }
 
 impl RobotSolid {
+    /// Returns whether this is the pedestal of the robot base.
+    pub(super) fn is_pedestal(&self) -> bool {
+        self.id == SolidRef::Pedestal
+    }
+
     /// Returns the pose, in the robot base frame, of the frame that carries the solid.
     ///
     /// A solid of the base is carried by the base frame, so its pose is the identity. Frame 0 of the chain

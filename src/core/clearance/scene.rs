@@ -97,7 +97,8 @@ impl Scene {
                 placed.bodies.extend(solids.at(e, at, self.floor));
             }
         }
-        let base = self.links.iter().filter(|l| l.frame == 0);
+        // Floor spaces check the pedestal against equipment.
+        let base = self.links.iter().filter(|l| l.frame == 0 && !l.is_pedestal());
         let poses = LinkPoses { frames: &[Pose::IDENTITY; MAX_JOINTS + 1], base: placed.base.as_ref() };
         let mut hits = base.filter_map(|l| self.first_hit(l, &poses.capsule(l), poses, &placed.bodies));
         placed.base_hit = hits.next().map(|(hit, _)| hit);

@@ -47,12 +47,14 @@ pub struct SelfCollisionPair {
 
 /// Returns every pair of robot solids that are present in the same operation.
 ///
-/// There are no pairs if self-collision is not checked.
+/// If self-collision is not checked, only pairs with the pedestal are returned.
 pub(super) fn find(cell: &Cell, links: &[RobotSolid]) -> Vec<SelfCollisionPair> {
-    if !cell.robot.self_collision.checked {
-        return Vec::new();
-    }
-    let meet = |a: &RobotSolid, b: &RobotSolid| a.operation.is_none() || a.operation == b.operation;
+    let is_checked = |a: &RobotSolid, b: &RobotSolid| {
+        cell.robot.self_collision.checked || [a.id, b.id].contains(&SolidRef::Pedestal)
+    };
+    let meet = |a: &RobotSolid, b: &RobotSolid| {
+        is_checked(a, b) && (a.operation.is_none() || b.operation.is_none() || a.operation == b.operation)
+    };
     let all = (0..links.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
     let mut pairs: Vec<_> = all
         .filter(|&(i, j)| meet(&links[i], &links[j]))

@@ -67,6 +67,7 @@ const WALL: f64 = 0.01;
 pub fn parts(a: &Assessment<'_>) -> Vec<DrawnPart> {
     let cell = a.cell;
     let mut parts = robot(cell);
+    parts.extend(pedestal(cell, a.layout.base.z));
     for (k, operation) in cell.operations.iter().enumerate() {
         parts.extend(operation.held.solids.iter().map(|solid| DrawnPart {
             name: solid.name.clone(),
@@ -114,6 +115,23 @@ fn robot(cell: &Cell) -> Vec<DrawnPart> {
         }));
     }
     parts
+}
+
+/// Returns the pedestal of a robot base at height `z` in the world.
+fn pedestal(cell: &Cell, z: f64) -> Option<DrawnPart> {
+    let (section, height) = cell.pedestal(z)?;
+    let (centre, size) = (section.centre, section.size);
+    let pose = Pose { translation: Vector3::new(centre.0, centre.1, -height / 2.0), ..Pose::IDENTITY };
+    let shape = Shape::Box { pose, size: Vector3::new(size.0, size.1, height) };
+    Some(DrawnPart {
+        name: "pedestal".into(),
+        owner: cell.robot.name.clone(),
+        kind: PartKind::Robot,
+        carrier: PartCarrier::Link(0),
+        equipment: None,
+        operation: None,
+        mesh: Mesh::of(&shape, 0.0),
+    })
 }
 
 /// Returns bars along the links of a chain, each with the index of the link frame that carries it.

@@ -1,7 +1,7 @@
 //! Regions in pictures: where each piece may stand.
 
 use crate::assess::Assessment;
-use crate::region::{Body, Region};
+use crate::region::{MovableBody, Region};
 use nalgebra::Vector3;
 
 /// Region of the frame origin of one piece, world frame.
@@ -20,8 +20,8 @@ pub struct DrawnRegion {
 pub fn regions(a: &Assessment<'_>) -> Vec<DrawnRegion> {
     let drawn = |region: &Region| {
         let z = match region.body {
-            Body::Base => a.layout.base.z,
-            Body::Equipment(k) => a.layout.placements[k].z,
+            MovableBody::Base => a.layout.base.z,
+            MovableBody::Equipment(k) => a.layout.placements[k].z,
         };
         let ring = |ring: &Vec<(f64, f64)>| ring.iter().map(|(x, y)| Vector3::new(*x, *y, z)).collect();
         DrawnRegion {

@@ -3,13 +3,22 @@
 use super::node_record::Status;
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
-use super::probe::PointSpot;
 use super::walk::OperationQuery;
 use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::cell::JointVector;
 use crate::reach::{Branch, Cost, Reach};
 use crate::robot::Posture;
 use nalgebra::Vector3;
+
+/// A point of the surface at which the operation can happen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointSpot {
+    /// Point in the frame of the equipment, m.
+    pub at: (f64, f64),
+    pub branch: u32,
+    /// Value to minimize, defined like [`Spot::value`].
+    pub value: f64,
+}
 
 /// Point and posture that are kept while the layout changes a little.
 #[derive(Debug, Clone, Copy, PartialEq)]

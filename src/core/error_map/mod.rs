@@ -39,11 +39,11 @@ mod workspace;
 
 pub use demand::Demand;
 pub use grid::Grid;
-pub use held::HeldPosture;
+pub use held::{HeldPosture, PointSpot};
 pub use mapper::Mapper;
 pub use node_record::{NodeRecord, OperationMap, PostureRecord, Status};
 pub use node_sign::NodeSign;
 pub use outcome::{Outcome, Spot, Unjudged};
 pub use placed_layout::PlacedLayout;
-pub use probe::{PointSpot, Probe};
+pub use probe::Probe;
 pub use workspace::MapperWorkspace;

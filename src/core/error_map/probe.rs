@@ -2,7 +2,7 @@
 //! nodes.
 
 use super::candidate::PostureCandidate;
-use super::held::HeldPosture;
+use super::held::{HeldPosture, PointSpot};
 use super::node_record::Status;
 use super::outcome::{Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
@@ -12,16 +12,6 @@ use crate::cell::JointVector;
 use crate::reach::Reach;
 use crate::reading::WorkContext;
 use nalgebra::Vector3;
-
-/// A point of the surface at which the operation can happen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointSpot {
-    /// Point in the frame of the equipment, m.
-    pub at: (f64, f64),
-    pub branch: u32,
-    /// Value to minimize, defined like [`Spot::value`].
-    pub value: f64,
-}
 
 /// One operation in one placed layout, ready to be judged point by point.
 pub struct Probe<'a> {

@@ -9,14 +9,17 @@
 //!
 //! | file | content |
 //! |---|---|
+//! | `effort` | how finely a region is resolved |
 //! | `outline` | outline of a region in plan |
 //! | `piece` | region of one piece |
 //! | `whole_cell` | rotation of all pieces about the base axis |
 
+mod effort;
 mod outline;
 mod piece;
 mod whole_cell;
 
+pub use effort::RegionEffort;
 pub use outline::{Domain, Inside, TwoLattices};
 pub use whole_cell::WholeTurn;
 
@@ -24,15 +27,15 @@ use crate::cell::{Cell, Coordinate, Layout};
 use crate::geometry::PlanePoint;
 use crate::layout::{Ending, HeldLayout, HeldMemory, Workcell};
 
-/// Body that the search places.
+/// MovableBody that the search places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Body {
+pub enum MovableBody {
     Base,
     /// Index of the equipment.
     Equipment(usize),
 }
 
-impl Body {
+impl MovableBody {
     /// Returns the name of the body in documents and pictures.
     pub fn name(self, cell: &Cell) -> &str {
         match self {
@@ -66,7 +69,7 @@ impl RoomEnd {
 /// Where one piece may stand, in the world frame, m and rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    pub body: Body,
+    pub body: MovableBody,
     /// Closed rings in plan; a point is inside if it lies in an odd number of them. A line of two points if the
     /// search moves the piece along one axis; empty if it moves the piece along neither.
     pub rings: Vec<Vec<PlanePoint>>,
@@ -100,7 +103,7 @@ impl Regions {
         let held = HeldLayout::new(workcell, layout)?;
         let most = held.objective * (1.0 + workcell.cell.search.indifference);
         let pieces = piece::movable(&workcell.cell).into_iter();
-        let pieces = pieces.map(|body| piece::Piece::new(&held, most, body).region()).collect();
+        let pieces = pieces.map(|body| piece::MovablePiece::new(&held, most, body).region()).collect();
         Some(Self { pieces, whole: whole_cell::turn(&held, most) })
     }
 }
@@ -121,7 +124,7 @@ pub struct RoomScale {
 pub fn estimated_room(held: &HeldLayout<'_>, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {
     let cell = &held.workcell().cell;
     let most = held.objective * (1.0 + cell.search.indifference);
-    let pieces = piece::movable(cell).into_iter().map(|body| piece::Piece::new(held, most, body));
+    let pieces = piece::movable(cell).into_iter().map(|body| piece::MovablePiece::new(held, most, body));
     let mut room = scale.widest;
     for piece in pieces {
         room = piece.estimated_room(&RoomScale { widest: room, ..*scale }, memory);

@@ -1,36 +1,20 @@
 //! Region of one piece: outline in plan, ranges of z and yaw, and room.
 
 use super::outline::{Domain, Inside, TwoLattices};
-use super::{Body, Region, RoomEnd, RoomScale};
+use super::{MovableBody, Region, RegionEffort, RoomEnd, RoomScale};
 use crate::cell::{Cell, Coordinate, Placement, Slot};
 use crate::geometry::PlanePoint;
 use crate::layout::{HeldLayout, HeldMemory, Moves, Uncarried};
-use crate::reach::Cost;
 use crate::units::{m_from_mm, rad_from_deg};
 use std::f64::consts::{PI, TAU};
 
-/// Spacing of the fine lattice, mm.
-const FINE_MM: f64 = 5.0;
-/// Spacing of the fine lattice for an arm whose inverse kinematics is numeric, mm.
-const FINE_NUMERIC_MM: f64 = 20.0;
-/// Least number of spacings of the coarse lattice along the longer side of the domain.
-const DIVISIONS: f64 = 150.0;
-/// Least number of these spacings for an arm whose inverse kinematics is numeric.
-const DIVISIONS_NUMERIC: f64 = 40.0;
-/// Step of a scan along z, mm, and of yaw, degrees.
-const SCAN_MM: f64 = 5.0;
-const SCAN_DEG: f64 = 0.5;
 /// Largest displacement and rotation that are examined for a layout without search variables, mm and degrees.
 const WINDOW_MM: f64 = 250.0;
 const WINDOW_DEG: f64 = 15.0;
 /// Number of bisection steps at the end of a scan.
 const BISECTIONS: usize = 8;
-/// Number of directions of an estimate of the room.
-const ESTIMATED: usize = 16;
 /// Relative accuracy of an estimate of the room.
 const ESTIMATE_SHARE: f64 = 0.02;
-/// Number of directions in which the room is checked.
-const DIRECTIONS: usize = 64;
 /// Least room that is looked for, and least distance beyond the room at which its end is looked for, m.
 const OVERSHOOT: f64 = 1e-4;
 /// Factor by which the room is reduced until all directions hold.
@@ -39,16 +23,16 @@ const SHRINK: f64 = 0.98;
 const BEYOND: f64 = 1.02;
 
 /// Returns the bodies that the search places or, if it places none, those with a placement tolerance.
-pub fn movable(cell: &Cell) -> Vec<Body> {
-    let bodies = [Body::Base].into_iter().chain((0..cell.equipment.len()).map(Body::Equipment));
+pub fn movable(cell: &Cell) -> Vec<MovableBody> {
+    let bodies = [MovableBody::Base].into_iter().chain((0..cell.equipment.len()).map(MovableBody::Equipment));
     bodies.filter(|body| (0..4).any(|axis| domain(cell, *body, axis).is_some())).collect()
 }
 
 /// Returns the interval in which a coordinate of a body may lie, and what ends it; None if it is fixed.
-fn domain(cell: &Cell, body: Body, axis: usize) -> Option<((f64, f64), RoomEnd)> {
+fn domain(cell: &Cell, body: MovableBody, axis: usize) -> Option<((f64, f64), RoomEnd)> {
     let (coordinates, tolerance) = match body {
-        Body::Base => (&cell.base, &cell.base_tolerance),
-        Body::Equipment(k) => (&cell.equipment[k].placement, &cell.equipment[k].tolerance),
+        MovableBody::Base => (&cell.base, &cell.base_tolerance),
+        MovableBody::Equipment(k) => (&cell.equipment[k].placement, &cell.equipment[k].tolerance),
     };
     match coordinates[axis] {
         Coordinate::Range { min, max, .. } => Some(((min, max), RoomEnd::Range)),
@@ -61,33 +45,33 @@ fn domain(cell: &Cell, body: Body, axis: usize) -> Option<((f64, f64), RoomEnd)>
 }
 
 /// One piece of a layout whose region is to be found.
-pub struct Piece<'a> {
+pub struct MovablePiece<'a> {
     held: &'a HeldLayout<'a>,
     /// Largest objective in the region.
     most: f64,
-    body: Body,
+    body: MovableBody,
     /// Placement in the frame that the cell file uses.
     own: Placement,
+    effort: RegionEffort,
 }
 
-impl<'a> Piece<'a> {
-    pub fn new(held: &'a HeldLayout<'a>, most: f64, body: Body) -> Self {
+impl<'a> MovablePiece<'a> {
+    pub fn new(held: &'a HeldLayout<'a>, most: f64, body: MovableBody) -> Self {
         let cell = &held.workcell().cell;
         let own = match body {
-            Body::Base => held.layout().base,
-            Body::Equipment(k) => cell.own_placement(held.layout(), k),
+            MovableBody::Base => held.layout().base,
+            MovableBody::Equipment(k) => cell.own_placement(held.layout(), k),
         };
-        Self { held, most, body, own }
+        Self { held, most, body, own, effort: RegionEffort::of(held.workcell()) }
     }
 
     /// Computes the region.
     pub fn region(&self) -> Region {
         let [z, yaw] = [2, 3].map(|axis| self.scan(axis));
         let turn = self.variable(3).map(|_| yaw.nearest(self.own.yaw));
-        let numeric = self.held.workcell().inverse().cost() == Cost::Numeric;
         let (rings, room) = match (self.variable(0), self.variable(1)) {
             (Some(x), Some(y)) => {
-                let rings = self.lattices(Domain { x, y }, numeric).trace(self);
+                let rings = self.lattices(Domain { x, y }).trace(self);
                 let room = self.room(&rings);
                 (rings, Some(room))
             }
@@ -115,14 +99,14 @@ impl<'a> Piece<'a> {
             room: room.map(|(room, _)| room),
             turn: turn.map(|(turn, _)| turn),
             ended,
-            rim: m_from_mm(if numeric { FINE_NUMERIC_MM } else { FINE_MM }),
+            rim: m_from_mm(self.effort.fine_mm),
         }
     }
 
     fn slot(&self, axis: usize) -> Slot {
         match self.body {
-            Body::Base => Slot::Base(axis),
-            Body::Equipment(k) => Slot::Equipment(k, axis),
+            MovableBody::Base => Slot::Base(axis),
+            MovableBody::Equipment(k) => Slot::Equipment(k, axis),
         }
     }
 
@@ -134,8 +118,8 @@ impl<'a> Piece<'a> {
     /// Returns the placement in the world of the frame that the cell file uses.
     fn carrier(&self) -> Placement {
         let under = match self.body {
-            Body::Base => None,
-            Body::Equipment(k) => self.held.workcell().cell.equipment[k].on,
+            MovableBody::Base => None,
+            MovableBody::Equipment(k) => self.held.workcell().cell.equipment[k].on,
         };
         under.map_or(Placement::from_values([0.0; 4]), |under| self.held.layout().placements[under])
     }
@@ -164,18 +148,17 @@ impl<'a> Piece<'a> {
         let Some((range, end)) = domain(&self.held.workcell().cell, self.body, axis) else {
             return Interval::point(at);
         };
-        let step = if axis == 3 { rad_from_deg(SCAN_DEG) } else { m_from_mm(SCAN_MM) };
+        let RegionEffort { scan_deg, fine_mm, .. } = self.effort;
+        let step = if axis == 3 { rad_from_deg(scan_deg) } else { m_from_mm(fine_mm) };
         let judge =
             |value: f64, memory: &mut HeldMemory| self.judge(&[(axis, value)], None, memory).map(|_| ());
         Interval::scanned(at, (range, end), step, judge)
     }
 
-    fn lattices(&self, domain: Domain, numeric: bool) -> TwoLattices {
-        let (fine, divisions) =
-            if numeric { (FINE_NUMERIC_MM, DIVISIONS_NUMERIC) } else { (FINE_MM, DIVISIONS) };
-        let step = m_from_mm(fine);
+    fn lattices(&self, domain: Domain) -> TwoLattices {
+        let step = m_from_mm(self.effort.fine_mm);
         let longer = (domain.x.1 - domain.x.0).max(domain.y.1 - domain.y.0);
-        let coarse = ((longer / divisions / step).floor() as i32).max(1);
+        let coarse = ((longer / self.effort.divisions / step).floor() as i32).max(1);
         TwoLattices { domain, origin: (self.own.x, self.own.y), step, coarse }
     }
 
@@ -190,8 +173,8 @@ impl<'a> Piece<'a> {
         let mut memory = HeldMemory::default();
         let heading = (nearest.1 - at.1).atan2(nearest.0 - at.0);
         let mut judged = |radius: f64| {
-            let failed = (0..DIRECTIONS).find_map(|k| {
-                let turn = heading + TAU * k as f64 / DIRECTIONS as f64;
+            let failed = (0..self.effort.directions).find_map(|k| {
+                let turn = heading + TAU * k as f64 / self.effort.directions as f64;
                 self.in_plan((at.0 + radius * turn.cos(), at.1 + radius * turn.sin()), None, &mut memory)
                     .err()
             });
@@ -225,18 +208,20 @@ impl<'a> Piece<'a> {
     }
 }
 
-impl Piece<'_> {
+impl MovablePiece<'_> {
     /// Estimates the room: the largest radius, up to the widest of `scale`, at which all of some directions hold.
     ///
     /// Only the ends of the directions are judged, so the estimate may exceed the room.
     pub fn estimated_room(&self, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {
         let uncarried = match (scale.is_rough, self.body) {
-            (true, Body::Equipment(k)) => self.held.uncarried(k, memory),
+            (true, MovableBody::Equipment(k)) => self.held.uncarried(k, memory),
             _ => None,
         };
         let is_free = [0, 1].map(|axis| self.variable(axis).is_some());
         let headings: Vec<f64> = match is_free {
-            [true, true] => (0..ESTIMATED).map(|k| TAU * k as f64 / ESTIMATED as f64).collect(),
+            [true, true] => {
+                (0..self.effort.estimated).map(|k| TAU * k as f64 / self.effort.estimated as f64).collect()
+            }
             [true, false] => vec![0.0, PI],
             [false, true] => vec![PI / 2.0, -PI / 2.0],
             [false, false] => Vec::new(),
@@ -267,7 +252,7 @@ impl Piece<'_> {
     }
 }
 
-impl Inside for Piece<'_> {
+impl Inside for MovablePiece<'_> {
     type Memory = HeldMemory;
 
     fn inside(&self, at: PlanePoint, memory: &mut HeldMemory) -> bool {

@@ -3,15 +3,13 @@
 //! The error of a robot that stands level is the same all round its first axis. So a layout that is turned as a whole
 //! about this axis keeps its errors, until a joint limit, an obstacle or the range of the search ends the rotation.
 
-use super::RoomEnd;
 use super::piece::Interval;
+use super::{RegionEffort, RoomEnd};
 use crate::cell::{Cell, Coordinate, Layout, Placement};
 use crate::layout::HeldLayout;
 use crate::units::rad_from_deg;
 use std::f64::consts::PI;
 
-/// Step of the scan of the angle, degrees.
-const SCAN_DEG: f64 = 0.5;
 /// Rounding error of a coordinate, m and rad.
 const ROUNDING: f64 = 1e-9;
 
@@ -41,11 +39,15 @@ pub fn turn(held: &HeldLayout<'_>, most: f64) -> Option<WholeTurn> {
         return None;
     }
     let pieces: Vec<usize> = (0..cell.equipment.len()).filter(|k| turns(carrier(*k))).collect();
-    let interval =
-        Interval::scanned(0.0, ((-PI, PI), RoomEnd::Window), rad_from_deg(SCAN_DEG), |angle, memory| {
+    let interval = Interval::scanned(
+        0.0,
+        ((-PI, PI), RoomEnd::Window),
+        rad_from_deg(RegionEffort::of(held.workcell()).scan_deg),
+        |angle, memory| {
             let turned = turned(cell, held.layout(), &pieces, angle).ok_or(RoomEnd::Range)?;
             held.judge(&turned, most, memory).map(|_| ()).map_err(RoomEnd::Held)
-        });
+        },
+    );
     let (_, ended) = interval.nearest(0.0);
     Some(WholeTurn { least: interval.low.0, most: interval.high.0, ended })
 }

@@ -13,7 +13,7 @@ use super::search_space::{NeighbourChange, SearchSpace};
 use super::workspace_pool::locked;
 use crate::cell::{Goal, Goals, Layout, SearchSettings};
 use crate::layout::{HeldLayout, HeldMemory, Workcell, Workspace, evaluate, evaluate_in};
-use crate::region::{RoomScale, can_move, estimated_room};
+use crate::region::{RegionEffort, RoomScale, can_move, estimated_room};
 use argmin::core::{CostFunction, Error, Executor, IterState};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -22,17 +22,16 @@ use std::borrow::Borrow;
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
 
-type IterationState = IterState<Vec<f64>, (), (), (), (), f64>;
+type SettleState = IterState<Vec<f64>, (), (), (), (), f64>;
 
-/// Number of evaluations of this phase, as a share of the budget of the search, and its limit.
+/// Largest number of evaluations of this phase, as a share of the budget of the search.
 const SHARE: f64 = 0.25;
-const MAX_EVALUATIONS: u64 = 5000;
 /// Runs of CMA-ES: first step as a share of the search range, and population as a multiple of the default.
 const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 /// Largest number of generations of a run.
 const GENERATIONS: u64 = 70;
 /// Steps of the polls, as shares of the search range.
-const POLLS: [f64; 4] = [0.004, 0.002, 0.001, 0.0005];
+const POLLS: [f64; 4] = [1.0 / 250.0, 1.0 / 500.0, 1.0 / 1000.0, 1.0 / 2000.0];
 /// Largest room that counts, m.
 const WIDEST: f64 = 0.25;
 /// Room that is looked for first, m; the room of the best layout so far decides later.
@@ -41,8 +40,6 @@ const FIRST_WIDEST: f64 = 0.02;
 const POOR: f64 = 0.3;
 /// Share of the most room at which a layout counts as equally roomy.
 const NEARLY: f64 = 0.98;
-/// Largest number of roomy layouts whose accurate rooms and clearances are compared.
-const COMPARED: usize = 32;
 /// Cost of a layout whose objective is too large; its room does not count.
 const BEYOND: f64 = 1.0;
 /// Cost of a layout that is not feasible or misses a limit.
@@ -78,7 +75,7 @@ pub fn settled(
     watch: &Watch<'_>,
     (best, least, bound): (&[f64], f64, Option<f64>),
 ) -> Option<Layout> {
-    if settings.ideal
+    if workcell.cell.search.ideal
         || settings.indifference <= 0.0
         || !settings.pareto.is_empty()
         || !can_move(&workcell.cell)
@@ -86,7 +83,7 @@ pub fn settled(
         return None;
     }
     let most = bound.unwrap_or(f64::INFINITY).min(least * (1.0 + settings.indifference)).max(least);
-    let left = ((settings.budget as f64 * SHARE) as u64).min(MAX_EVALUATIONS);
+    let left = ((settings.budget as f64 * SHARE) as u64).min(RegionEffort::of(workcell).evaluations);
     let state = Mutex::new(RoomState { left, rooms: Vec::new(), most: 0.0 });
     let problem = RoomProblem { workcell, space, watch, most, state };
     problem.costs(&[&best.to_vec()]);
@@ -94,7 +91,7 @@ pub fn settled(
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(u64::MAX - run as u64);
         let solver = CmaEs::new(problem.roomiest(best), sigma, scale, rng);
-        let executor = Executor::<_, _, IterationState>::new(&problem, solver).timer(false);
+        let executor = Executor::<_, _, SettleState>::new(&problem, solver).timer(false);
         let _ended = executor.configure(|state| state.max_iters(GENERATIONS)).run().map(drop);
     }
     problem.poll(best);
@@ -131,7 +128,7 @@ impl RoomProblem<'_> {
         let mut roomy = locked(&self.state).rooms.clone();
         roomy.sort_by(|a, b| b.0.total_cmp(&a.0));
         roomy.dedup_by(|a, b| self.space.layout(&a.1) == self.space.layout(&b.1));
-        roomy.truncate(COMPARED);
+        roomy.truncate(RegionEffort::of(self.workcell).compared);
         let accurate = |(_, point): &(f64, Vec<f64>)| {
             let scale = RoomScale { poor: 0.0, widest: WIDEST, is_rough: false };
             let room = self.room(point, &scale, &mut Default::default()).unwrap_or(0.0);

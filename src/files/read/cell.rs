@@ -1,7 +1,7 @@
 //! Reader of cell files: robot, equipment, obstacles, operations, search settings.
 
 use super::header::header;
-use super::{constraints, equipment, operation, placement, robot, sense};
+use super::{constraints, equipment, operation, placement, robot, sense, solid};
 use crate::cell::*;
 use crate::files::fault::{did_you_mean, listed, shown};
 use crate::files::keys::cell::{cell, search};
@@ -11,7 +11,7 @@ use crate::files::keys::key::Key;
 use crate::files::keys::robot::robot_in_cell;
 use crate::files::toml::document::Library;
 use crate::files::toml::reader::Table;
-use crate::files::toml::tree::Node;
+use crate::files::toml::tree::{Node, Value};
 use crate::files::toml::value::{is_name, text, word};
 
 /// Reads a whole cell. The result is valid only if no fault was recorded.
@@ -39,12 +39,13 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
         let transfer = constraints::read_transfer(t, built, margins);
         let fence = constraints::read_fence(t);
         let search = read_search(t);
-        let ((robot, base, base_tolerance), question) = (robot?, question?);
+        let ((robot, base, base_tolerance, base_support), question) = (robot?, question?);
         let mut cell = Cell {
             name: name?.unwrap_or_else(|| stem.to_string()),
             robot,
             base,
             base_tolerance,
+            base_support,
             errors: errors?,
             model: question.model,
             reading: question.reading.unwrap_or(Reading::Signed),
@@ -64,6 +65,10 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
             search: search?,
             assumed: Vec::new(),
         };
+        // The floor space of the base contains its pedestal.
+        if let Some((section, _)) = cell.highest_pedestal() {
+            cell.robot.footprint = cell.robot.footprint.joined(&section);
+        }
         let stated = stated_keys(t, &cell);
         cell = cell.assuming(&stated);
         refuse_nothing_to_withstand(t, &cell);
@@ -124,7 +129,7 @@ fn read_question(t: &mut Table) -> Option<Question> {
     })
 }
 
-type Based = (Robot, [Coordinate; 4], PlacementTolerance);
+type Based = (Robot, [Coordinate; 4], PlacementTolerance, BaseSupport);
 
 fn read_robot(t: &mut Table) -> Option<Based> {
     t.table(&cell::ROBOT, |t| {
@@ -132,8 +137,21 @@ fn read_robot(t: &mut Table) -> Option<Based> {
         let base = t.table_or(&robot_in_cell::BASE, origin, placement::read);
         let exact = PlacementTolerance::default();
         let tolerance = t.table_or(&robot_in_cell::BASE_TOLERANCE, exact, placement::read_tolerance);
-        Some((robot::read(t)?, base?, tolerance?))
+        let support = read_support(t);
+        let robot = robot::read(t)?;
+        let (base, support) = (base?, support?.unwrap_or(BaseSupport::Pedestal(robot.footprint)));
+        Some((robot, base, tolerance?, support))
     })
+}
+
+/// Reads `pedestal`: true or false, or its cross-section. None stands for a pedestal as large as the footprint.
+fn read_support(t: &mut Table) -> Option<Option<BaseSupport>> {
+    let key = robot_in_cell::PEDESTAL;
+    let Some(node) = t.get(&key) else { return Some(None) };
+    if let Value::Boolean(stands) = node.value {
+        return Some((!stands).then_some(BaseSupport::Hung));
+    }
+    t.table(&key, solid::read_rectangle).map(|section| Some(BaseSupport::Pedestal(section)))
 }
 
 /// Refuses a robust search of a cell in which no placement has a tolerance, or that asks for an ideal layout.

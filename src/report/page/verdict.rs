@@ -5,13 +5,15 @@ use super::quantities::{down, quantity, told, up};
 use super::runner_up::runner_up;
 use super::subject::Subject;
 use crate::assess::Assessment;
-use crate::cell::{Cell, Objective, Unit};
+use crate::cell::{Cell, Coordinate, Objective, Placement, Role, Unit};
 use crate::files::shown;
 use crate::proof::Covers;
 use crate::record::{
-    CellYieldEntry, FactEntry, FactMood, ProvenOperation, REPORT_SCHEMA, RequirementState, RunnerUpEntry,
-    SearchResult, VerdictAnswer, VerdictDocument, VerdictSpot, VerdictSubject, objective_word, value_word,
+    CellYieldEntry, FactEntry, FactMood, PlacementEntry, ProvenOperation, REPORT_SCHEMA, RegionEntry,
+    RequirementState, RunnerUpEntry, SearchResult, TurnEntry, VerdictAnswer, VerdictDocument,
+    VerdictPlacement, VerdictSpot, VerdictSubject, value_word,
 };
+use crate::region::MovableBody;
 use crate::report::text::yield_in_words;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
@@ -51,11 +53,13 @@ pub fn verdict(subject: &Subject<'_>) -> VerdictDocument {
         runner_up: runner_up(subject).filter(|_| is_found),
         facts: Vec::new(),
         cell_yield: CellYieldEntry::new(a).filter(|_| is_found),
+        placements: if is_found { placements(a) } else { Vec::new() },
         operations: if is_found { (0..a.maps.len()).map(|k| spot(a, k)).collect() } else { Vec::new() },
+        whole_cell: TurnEntry::new(a).filter(|_| is_found),
         reasons: reasons(subject, is_found),
     };
     verdict.facts = facts(&verdict, subject);
-    verdict.headline = headline(&verdict, cell);
+    verdict.headline = headline(&verdict, a);
     verdict
 }
 
@@ -68,32 +72,55 @@ fn reasons(subject: &Subject<'_>, is_found: bool) -> Vec<String> {
     }
 }
 
-fn headline(v: &VerdictDocument, cell: &Cell) -> String {
-    let Some(value) = v.objective_value else {
+fn headline(v: &VerdictDocument, a: &Assessment<'_>) -> String {
+    if v.objective_value.is_none() {
         return match v.of {
             VerdictSubject::Search => "No: the search has found no feasible layout".into(),
             VerdictSubject::Layout => "No: the layout as drawn is not feasible".into(),
         };
-    };
-    let (what, value) = (objective_word(cell), told(cell.unit(), value));
+    }
     let answer = match v.requirement {
         RequirementState::Met => "Yes, every requirement is met: ",
         RequirementState::Missed => "No, a requirement is missed: ",
         RequirementState::None => "",
     };
-    let said = match (v.of, v.gain_percent) {
-        (VerdictSubject::Search, Some(gain)) if gain > 0.05 => {
-            format!("the best layout found has {value} {what}, {gain:.1} % less than as drawn")
-        }
-        (VerdictSubject::Search, Some(_)) => {
-            format!("no layout was found that is clearly better than the layout as drawn: {value} {what}")
-        }
-        (VerdictSubject::Search, None) => {
-            format!("the best layout found has {value} {what}; the layout as drawn is not feasible")
-        }
-        (VerdictSubject::Layout, _) => format!("the layout as drawn has {value} {what}"),
+    let layout = match v.of {
+        VerdictSubject::Search => "the best layout found",
+        VerdictSubject::Layout => "the layout as drawn",
     };
-    capital(&(answer.to_string() + &said))
+    let works = match &a.certificate {
+        Some(certificate) if certificate.holds() => "works everywhere within the placement tolerances",
+        Some(_) => "is not certified to work within the placement tolerances",
+        None => "works exactly as drawn",
+    };
+    let errors = (0..a.maps.len()).filter_map(|k| {
+        let value = quantity(a.cell.unit(), a.maps[k].value?);
+        Some(format!("{} {value}", shown(&a.cell.operations[k].name)))
+    });
+    let errors: Vec<String> = errors.collect();
+    let word = value_word(a.cell);
+    capital(&format!("{answer}{layout} {works}; {word} of {}", errors.join(", ")))
+}
+
+/// Returns where the equipment stands, seen from the robot base, with the room of each piece.
+///
+/// The robot base comes first if the search places it.
+fn placements(a: &Assessment<'_>) -> Vec<VerdictPlacement> {
+    let regions = RegionEntry::all(a);
+    let entry = |equipment: &str, at: &Placement| {
+        let region = regions.iter().find(|region| region.equipment == equipment);
+        VerdictPlacement {
+            equipment: equipment.to_string(),
+            at: PlacementEntry::new(at),
+            room_mm: region.and_then(|r| r.room_mm),
+            room_deg: region.and_then(|r| r.room_deg),
+            ends_with: region.map(|r| plain(&r.ends_with)),
+        }
+    };
+    let base = a.cell.base.iter().any(Coordinate::is_free);
+    let base = base.then(|| entry(MovableBody::Base.name(a.cell), &a.layout.base));
+    let placed = a.cell.equipment.iter().zip(&a.layout.placements).filter(|(e, _)| e.role == Role::Equipment);
+    base.into_iter().chain(placed.map(|(e, at)| entry(&e.name, &at.seen_from(&a.layout.base)))).collect()
 }
 
 fn capital(text: &str) -> String {
@@ -104,16 +131,7 @@ fn capital(text: &str) -> String {
 fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     let (a, cell) = (subject.shown(), subject.cell());
     let mut facts = Vec::new();
-    if let Some(value) = v.objective_value {
-        let text = told(cell.unit(), value);
-        let note = format!("{}; {}", summed(cell), reading_in_words(cell));
-        facts.push(FactEntry {
-            label: "Error".into(),
-            value: Some(value),
-            text,
-            note,
-            mood: FactMood::Plain,
-        });
+    if v.objective_value.is_some() {
         facts.push(requirement(a));
         facts.extend(withstood(a));
         facts.extend(joint_yield(a));
@@ -134,7 +152,15 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
             mood: FactMood::Plain,
         });
     }
+    facts.extend(v.objective_value.map(|value| objective(cell, value)));
     facts
+}
+
+/// Returns the entry on the objective, which matters to the optimizer.
+fn objective(cell: &Cell, value: f64) -> FactEntry {
+    let text = told(cell.unit(), value);
+    let note = format!("what the optimizer minimizes: {}; {}", summed(cell), reading_in_words(cell));
+    FactEntry { label: "Objective".into(), value: Some(value), text, note, mood: FactMood::Plain }
 }
 
 /// Describes how the objective combines the operations.

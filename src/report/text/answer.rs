@@ -7,7 +7,8 @@ use super::{buildability, fixed};
 use crate::assess::Assessment;
 use crate::cell::{Coordinate, Placement, Role};
 use crate::files::shown;
-use crate::record::{RegionEntry, TurnEntry, value_word};
+use crate::record::{PlacementEntry, RegionEntry, TurnEntry, value_word};
+use crate::region::MovableBody;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 
@@ -77,18 +78,25 @@ fn room(a: &Assessment<'_>) -> String {
         return String::new();
     }
     let mut table = TextTable::new(1);
-    table.row(["room to place, spots kept", "mm", "deg", "z mm", "yaw deg"]);
+    table.row(["room to place, spots kept", "mm", "deg", "z mm from the base", "yaw deg from the base"]);
     let from_to = |[least, most]: [f64; 2]| match least == most {
         true => least.to_string(),
         false => format!("{least} to {most}"),
     };
     let figure = |value: Option<f64>| value.map_or("-".into(), |value| value.to_string());
+    // The regions are in the world frame.
+    let base = PlacementEntry::new(&a.layout.base);
+    let less = |range: [f64; 2], by: f64| range.map(|value| rounded(value - by, 2));
     for region in &regions {
         let RegionEntry { equipment, room_mm, room_deg, z_mm, yaw_deg, .. } = region;
-        let row = [shown(equipment), figure(*room_mm), figure(*room_deg), from_to(*z_mm), from_to(*yaw_deg)];
-        table.row(row);
+        let from_base = match equipment == MovableBody::Base.name(a.cell) {
+            true => [*z_mm, *yaw_deg],
+            false => [less(*z_mm, base.z_mm), less(*yaw_deg, base.yaw_deg)],
+        };
+        let [z, yaw] = from_base.map(from_to);
+        table.row([shown(equipment), figure(*room_mm), figure(*room_deg), z, yaw]);
     }
-    let mut out = format!("\n{}", table.render());
+    let mut out = table.render();
     for RegionEntry { equipment, ends_with, .. } in &regions {
         let _ = writeln!(out, "  beyond the room of {}: {}", shown(equipment), ends_with);
     }

@@ -245,7 +245,7 @@ fn progress_is_written_as_json_lines_without_a_terminal() {
     let found = shop.document("a/search.json");
     let share = found["feasible"].as_f64().unwrap() / 800.0;
     assert!((number(&last["feasible_share"]) - share).abs() < 1e-12, "{last}");
-    assert!((number(&last["best"]) - number(&found["objective_mm"])).abs() < 1e-6, "{last}");
+    assert!((number(&last["best"]) - number(&found["least_value"])).abs() < 1e-6, "{last}");
     assert_eq!(text(&last["unit"]), "mm");
     // The file rounds a bound down.
     let rounded = number(&last["bound"]) - number(&found["bound"]);

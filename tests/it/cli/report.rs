@@ -117,7 +117,7 @@ fn the_verdict_of_a_report_agrees_with_the_search() {
     let of = |label: &str| {
         facts.iter().find(|f| f.0 == label).unwrap_or_else(|| panic!("no {label}: {facts:?}")).1
     };
-    assert_eq!(of("Error"), number(&search["objective_value"]));
+    assert_eq!(of("Objective"), number(&search["objective_value"]));
     assert_eq!(of("Gain"), number(&search["gain_percent"]));
     assert_eq!(of("Proven gap"), number(&search["gap_percent"]));
     assert_eq!(of("Runner-up"), least);

@@ -1,0 +1,60 @@
+//! How finely regions are resolved: the dearer a judgement, the coarser the lattice.
+
+use crate::layout::Workcell;
+use crate::reach::Cost;
+
+/// Resolution of regions and rooms.
+#[derive(Debug, Clone, Copy)]
+pub struct RegionEffort {
+    /// Spacing of the fine lattice, and step of a scan along z, mm.
+    pub fine_mm: f64,
+    /// Least number of spacings of the coarse lattice along the longer side of the domain.
+    pub divisions: f64,
+    /// Step of a scan of the yaw, degrees.
+    pub scan_deg: f64,
+    /// Number of directions in which the room is checked.
+    pub directions: usize,
+    /// Number of directions of an estimate of the room.
+    pub estimated: usize,
+    /// Largest number of layouts that a search evaluates to find a roomy one.
+    pub evaluations: u64,
+    /// Largest number of roomy layouts that a search compares accurately.
+    pub compared: usize,
+}
+
+impl RegionEffort {
+    /// A judgement takes microseconds.
+    const LOW: Self = Self {
+        fine_mm: 5.0,
+        divisions: 150.0,
+        scan_deg: 0.5,
+        directions: 64,
+        estimated: 16,
+        evaluations: 5000,
+        compared: 32,
+    };
+    /// A judgement checks paths or all nodes, and takes milliseconds.
+    const PATHS: Self = Self {
+        fine_mm: 20.0,
+        divisions: 40.0,
+        scan_deg: 2.0,
+        directions: 16,
+        estimated: 8,
+        evaluations: 150,
+        compared: 4,
+    };
+    /// The inverse kinematics is numeric.
+    const NUMERIC: Self = Self { fine_mm: 40.0, divisions: 24.0, evaluations: 60, ..Self::PATHS };
+
+    /// Returns the resolution that suits a cell.
+    pub fn of(workcell: &Workcell) -> Self {
+        let cell = &workcell.cell;
+        let is_dear =
+            |o: &crate::cell::Operation| o.approach.max(o.retract) > 0.0 || o.over.needs_every_node();
+        match workcell.inverse().cost() {
+            Cost::Numeric => Self::NUMERIC,
+            _ if cell.transfer.is_some() || cell.operations.iter().any(is_dear) => Self::PATHS,
+            _ => Self::LOW,
+        }
+    }
+}
