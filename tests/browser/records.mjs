@@ -43,7 +43,8 @@ async function readAnswers() {
       check(response.ok, `the server answers to ${name}`);
       records.push([`Answers["${name}"]`, await response.json()]);
     };
-    for (const name of ["state", "now", "reach", "drawing", "pulse"]) await ask(name);
+    for (const name of ["state", "now", "reach", "room", "drawing", "pulse"]) await ask(name);
+    for (const refined of [false, true]) await ask("standing", { equipment: 0, refined });
     const numbers = { equipment: { worktable: { x_mm: 290 } } };
     await ask("layout", numbers);
     for (const name of ["try", "try-drawing"]) await ask(name, numbers);

@@ -102,7 +102,7 @@ fn keys_at(schema: &Value, path: &[&str]) -> BTreeSet<String> {
 fn a_part_has_the_same_keys_in_its_file_as_in_a_cell() {
     let cell = schema(FileKind::Cell);
     let parts: [(_, &[&str], &[&str]); 3] = [
-        (FileKind::Robot, &["properties", "robot"], &["base", "base_tolerance"]),
+        (FileKind::Robot, &["properties", "robot"], &["base", "base_tolerance", "pedestal"]),
         (FileKind::Tool, &["properties", "robot", "properties", "tool"], &[]),
         (FileKind::Equipment, &["properties", "equipment", "additionalProperties"], &[]),
     ];

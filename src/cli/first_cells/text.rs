@@ -46,10 +46,13 @@ clearance_mm = 10
 
     fn robot_part(&self) -> String {
         let Self { robot, pedestal, .. } = self;
-        let under = if *pedestal > 0 { ", on a pedestal that is not modelled" } else { "" };
+        let under = match *pedestal > 0 {
+            true => "\n# Above the floor it stands on a pedestal; pedestal = false is for a wall or a gantry.",
+            false => "",
+        };
         format!(
-            r#"# The robot, and the placement of its base{under}. Keys here override those of its file: your own tool,
-# for example, is tool = {{ position_mm = [0, 0, 120], axis = [0, 0, 1] }}.
+            r#"# The robot, and the placement of its base. Keys here override those of its file: your own tool,
+# for example, is tool = {{ position_mm = [0, 0, 120], axis = [0, 0, 1] }}.{under}
 [robot]
 from = "robots/{robot}.toml"
 base = {{ x_mm = 0, y_mm = 0, z_mm = {pedestal}, yaw_deg = 0 }}

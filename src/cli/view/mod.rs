@@ -26,11 +26,13 @@ use crate::assess::Assessment;
 use crate::cell::{Layout, Model, Reading};
 use crate::drawing::{Detail, Drawing};
 use crate::layout::{Workcell, evaluate, separated};
+use crate::record::{RegionEntry, TurnEntry};
+use crate::region::standing;
 use crate::report::json;
 use crate::units::{mm_from_m, rounded};
 use job::SearchThread;
 use question::{EvaluationSettings, Workcells};
-use requests::{QuestionBody, SearchBody};
+use requests::{QuestionBody, SearchBody, StandingBody};
 use serde_json::{Map, Value, json};
 use session::Session;
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -170,6 +172,25 @@ impl LiveView {
         let outline = |o: &Vec<(f64, f64)>| o.iter().map(|(x, y)| [mm(*x), mm(*y)]).collect::<Vec<_>>();
         let of = |k: usize| a.reachable(k).iter().map(outline).collect::<Vec<_>>();
         Ok(json!({ "outlines": (0..a.maps.len()).map(of).collect::<Vec<_>>() }))
+    }
+
+    /// Returns the room of every piece in the current layout, and how far the whole cell may be turned.
+    fn room(&self) -> Result<Value, String> {
+        let (workcell, layout) = self.shown()?;
+        let a = assessed(&workcell, layout, false).with_regions();
+        Ok(json!({ "regions": RegionEntry::all(&a), "whole_cell": TurnEntry::new(&a) }))
+    }
+
+    /// Returns where a piece may stand in plan while the rest of the current layout stays, mm.
+    fn standing(&self, asked: &StandingBody) -> Result<Value, String> {
+        let (workcell, layout) = self.shown()?;
+        if asked.equipment >= workcell.cell.equipment.len() {
+            return Err(format!("there is no equipment {}", asked.equipment));
+        }
+        let rings = standing(&workcell, &layout, asked.equipment, asked.refined);
+        let mm = |v: f64| rounded(mm_from_m(v), 1);
+        let outline = |ring: &Vec<(f64, f64)>| ring.iter().map(|(x, y)| [mm(*x), mm(*y)]).collect::<Vec<_>>();
+        Ok(json!({ "outline": rings.iter().map(outline).collect::<Vec<_>>() }))
     }
 
     /// Returns the workcell with the current evaluation settings, and the current layout.

@@ -24,6 +24,17 @@ pub struct QuestionBody {
     pub reading: String,
 }
 
+/// Body of the request for where a piece of equipment may stand.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StandingBody {
+    /// Index of the equipment.
+    pub equipment: usize,
+    /// Whether a finer outline is wanted, which takes longer.
+    #[serde(default)]
+    pub refined: bool,
+}
+
 /// Body of the request to save the layout as a cell file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

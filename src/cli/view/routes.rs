@@ -27,6 +27,7 @@ fn got(view: &LiveView, inside: &str) -> HttpResponse {
         "state" => view.state(),
         "now" => view.now(),
         "reach" => view.reach(),
+        "room" => view.room(),
         "drawing" => view.drawing(),
         "pulse" => Ok(view.pulse()),
         _ => return HttpResponse::refused(StatusCode::NOT_FOUND, "not found"),
@@ -54,6 +55,7 @@ fn bad(why: &str) -> HttpResponse {
 fn posted(view: &LiveView, inside: &str, asked: Map<String, Value>) -> HttpResponse {
     let done = match inside {
         "try" | "try-drawing" => return said(view.attempt(&asked, inside != "try")),
+        "standing" => return said(typed(asked).and_then(|asked| view.standing(&asked))),
         "save" => return typed(asked).map_or_else(|why| bad(&why), |asked| save(view, &asked)),
         "layout" => view.change(&asked),
         "search" => typed(asked).and_then(|asked| view.search(&asked)),

@@ -46,6 +46,11 @@ impl RegionEffort {
     /// The inverse kinematics is numeric.
     const NUMERIC: Self = Self { fine_mm: 40.0, divisions: 24.0, evaluations: 60, ..Self::PATHS };
 
+    /// Returns whether a judgement takes milliseconds.
+    pub fn is_dear(&self) -> bool {
+        self.fine_mm > Self::LOW.fine_mm
+    }
+
     /// Returns the resolution that suits a cell.
     pub fn of(workcell: &Workcell) -> Self {
         let cell = &workcell.cell;

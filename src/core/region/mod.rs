@@ -12,15 +12,18 @@
 //! | `effort` | how finely a region is resolved |
 //! | `outline` | outline of a region in plan |
 //! | `piece` | region of one piece |
+//! | `standing` | where a piece may stand while someone moves it |
 //! | `whole_cell` | rotation of all pieces about the base axis |
 
 mod effort;
 mod outline;
 mod piece;
+mod standing;
 mod whole_cell;
 
 pub use effort::RegionEffort;
 pub use outline::{Domain, Inside, TwoLattices};
+pub use standing::standing;
 pub use whole_cell::WholeTurn;
 
 use crate::cell::{Cell, Coordinate, Layout};

@@ -53,6 +53,8 @@ pub struct MovablePiece<'a> {
     /// Placement in the frame that the cell file uses.
     own: Placement,
     effort: RegionEffort,
+    /// Values of the operations that the piece does not carry, if a cheap estimate with them comes first.
+    uncarried: Option<Uncarried>,
 }
 
 impl<'a> MovablePiece<'a> {
@@ -62,7 +64,12 @@ impl<'a> MovablePiece<'a> {
             MovableBody::Base => held.layout().base,
             MovableBody::Equipment(k) => cell.own_placement(held.layout(), k),
         };
-        Self { held, most, body, own, effort: RegionEffort::of(held.workcell()) }
+        let effort = RegionEffort::of(held.workcell());
+        let uncarried = match body {
+            MovableBody::Equipment(k) if effort.is_dear() => held.uncarried(k, &mut HeldMemory::default()),
+            _ => None,
+        };
+        Self { held, most, body, own, effort, uncarried }
     }
 
     /// Computes the region.
@@ -135,11 +142,15 @@ impl<'a> MovablePiece<'a> {
         let own = self.own.values();
         let moves: Moves = at.iter().map(|(axis, value)| (self.slot(*axis), value - own[*axis])).collect();
         let layout = cell.misplaced(layout, &moves);
-        let judged = match uncarried {
-            Some(known) => self.held.judge_carried(&layout, self.most, known, memory),
-            None => self.held.judge(&layout, self.most, memory),
-        };
-        judged.map_err(RoomEnd::Held)
+        let estimated =
+            |known, memory: &mut HeldMemory| self.held.judge_carried(&layout, self.most, known, memory);
+        if let Some(known) = uncarried {
+            return estimated(known, memory).map_err(RoomEnd::Held);
+        }
+        if let Some(known) = &self.uncarried {
+            estimated(known, memory).map_err(RoomEnd::Held)?;
+        }
+        self.held.judge(&layout, self.most, memory).map_err(RoomEnd::Held)
     }
 
     /// Returns the interval around the found value of one coordinate in which everything holds.

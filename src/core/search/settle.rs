@@ -30,8 +30,10 @@ const SHARE: f64 = 0.25;
 const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 /// Largest number of generations of a run.
 const GENERATIONS: u64 = 70;
-/// Steps of the polls, as shares of the search range.
-const POLLS: [f64; 4] = [1.0 / 250.0, 1.0 / 500.0, 1.0 / 1000.0, 1.0 / 2000.0];
+/// First step of the polls, as a share of the search range, and the number of polled steps; each is half the one
+/// before.
+const POLL: f64 = 1.0 / 256.0;
+const POLLS: i32 = 4;
 /// Largest room that counts, m.
 const WIDEST: f64 = 0.25;
 /// Room that is looked for first, m; the room of the best layout so far decides later.
@@ -111,7 +113,8 @@ impl RoomProblem<'_> {
 
     /// Polls the neighbours of the point with the most room until none has more.
     fn poll(&self, otherwise: &[f64]) {
-        for step in POLLS {
+        for halvings in 0..POLLS {
+            let step = POLL / f64::from(1 << halvings);
             loop {
                 let before = locked(&self.state).most;
                 let beside = self.space.neighbours(&self.roomiest(otherwise), NeighbourChange::Range(step));

@@ -9,7 +9,9 @@ use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate, Layout, PLAIN, Placement, Rectangle, Role, Slot};
 use crate::drawing::{ErrorView, lenses};
 use crate::error_map::OperationMap;
-use crate::record::{ByName, StatusCounts, coordinate_name, nine_digits as length, objective_word};
+use crate::record::{
+    ByName, StatusCounts, coordinate_name, near_limits, nine_digits as length, objective_word,
+};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -119,6 +121,7 @@ pub fn answer(a: &Assessment<'_>) -> Value {
     value(&AnswerRecord {
         feasible: a.evaluation.objective.is_some(),
         met: a.meets_requirements(),
+        certified: a.certificate.as_ref().map(|certificate| certificate.holds()),
         objective: a.objective().map(length),
         unit: cell.unit(),
         word: objective_word(cell),
@@ -140,6 +143,9 @@ fn operation<'a>(a: &Assessment<'a>, map: &OperationMap) -> AnswerOperation<'a> 
     let operation = &cell.operations[map.operation];
     let requirement = a.requirement(map.operation);
     let value = |v: f64| length(cell.unit().from_si(v));
+    let near = a.spot(map.operation).map_or(Vec::new(), |(_, p)| near_limits(cell, &p.joints));
+    let near = cell.robot.joints.iter().zip(near).filter(|(_, near)| *near);
+    let near = near.map(|(joint, _)| joint.name.as_str()).collect();
     AnswerOperation {
         name: &operation.name,
         equipment: operation.equipment,
@@ -147,6 +153,8 @@ fn operation<'a>(a: &Assessment<'a>, map: &OperationMap) -> AnswerOperation<'a> 
         value: map.value.map(value),
         limit: requirement.map(|r| value(r.limit)),
         margin: requirement.map(|r| value(r.margin)),
+        worst: a.worst(map.operation).map(value),
+        near_limits: near,
         counts: StatusCounts::new(map),
         best: map.best_node().map(|n| [n.i, n.j]),
         nodes: nodes(cell, map),

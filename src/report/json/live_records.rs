@@ -72,6 +72,8 @@ pub struct AnswerRecord<'a> {
     pub feasible: bool,
     /// Whether every limit is met.
     pub met: bool,
+    /// Whether the layout works at every misplacement within the tolerances; None if that is not demanded.
+    pub certified: Option<bool>,
     pub objective: Option<f64>,
     pub unit: Unit,
     /// Name of the objective, such as "p95".
@@ -91,6 +93,10 @@ pub struct AnswerOperation<'a> {
     pub value: Option<f64>,
     pub limit: Option<f64>,
     pub margin: Option<f64>,
+    /// Upper bound of the value within the placement tolerances; None if it is not certified or not known.
+    pub worst: Option<f64>,
+    /// Names of the joints that are near a limit at the spot.
+    pub near_limits: Vec<&'a str>,
     pub counts: StatusCounts,
     pub best: Option<[usize; 2]>,
     pub nodes: AnswerNodes,

@@ -14,6 +14,7 @@ class Page {
       /** @type {boolean} */ isSettled,
     ) => this.move(index, world, isSettled);
     this.plan = new Plan(/** @type {SVGSVGElement} */ (/** @type {Element} */ (byId("plan"))), cell, onMove);
+    this.plan.onGrip = (index) => this.showStanding(index);
     this.form = new Form(byId("form"), cell.form, (numbers, row) => this.change("layout", numbers, row));
     /** @type {View3d | null} */
     this.view3d = null;
@@ -142,7 +143,11 @@ class Page {
     // The map comes first: without a graphics card the 3-D view delays everything after it.
     afterPaint(() => this.refreshView3d());
     clearTimeout(this.pauseTimer);
-    this.pauseTimer = setTimeout(() => this.refreshReach(), PAUSE);
+    showRoom(null);
+    this.pauseTimer = setTimeout(async () => {
+      await this.refreshReach();
+      await this.refreshRoom();
+    }, PAUSE);
   }
 
   /**
@@ -172,6 +177,36 @@ class Page {
       if (revision === this.now.revision && !this.view3d.held) this.view3d.replace(written);
     } catch (error) {
       showFault(messageOf(error));
+    }
+  }
+
+  async refreshRoom() {
+    const { revision } = this.now;
+    try {
+      const room = await ask("room");
+      if (revision === this.now.revision) showRoom(room);
+    } catch (error) {
+      showFault(messageOf(error));
+    }
+  }
+
+  /**
+   * Shows where a gripped piece may stand: coarsely at once, and finely while it is still held.
+   * @param {number} index
+   */
+  async showStanding(index) {
+    const { held } = this.plan;
+    for (const refined of [false, true]) {
+      try {
+        const { outline } = await ask("standing", { equipment: index, refined });
+        if (this.plan.held !== held) return;
+        this.plan.showStanding(outline);
+      } catch (error) {
+        showFault(messageOf(error));
+        return;
+      }
+      await this.plan.stillness();
+      if (this.plan.held !== held) return;
     }
   }
 

@@ -38,6 +38,9 @@ const KEY_STEPS = {
   "}": [0, 0, -1],
 };
 
+/** Time without a movement of the pointer after which a dragged piece counts as still, ms. */
+const STILL = 200;
+
 class Plan {
   /**
    * @param {SVGSVGElement} element
@@ -52,11 +55,23 @@ class Plan {
     this.answer = cell.now.answer;
     /** @type {Drag | null} */
     this.held = null;
-    const [floor, stands, reaches, nodes, handles] = ["floor", "stands", "reaches", "nodes", "hands"].map(
-      (name) => svg("g", { class: name }),
-    );
-    this.layers = { stands, reaches, handles };
-    element.append(floor, stands, reaches, nodes, handles);
+    /**
+     * Called when a piece is gripped to be moved.
+     * @type {(index: number) => void}
+     */
+    this.onGrip = () => {};
+    /** Time of the last movement of the pointer during a drag, ms. */
+    this.movedAt = 0;
+    const [floor, standing, stands, reaches, nodes, handles] = [
+      "floor",
+      "standing",
+      "stands",
+      "reaches",
+      "nodes",
+      "hands",
+    ].map((name) => svg("g", { class: name }));
+    this.layers = { standing, stands, reaches, handles };
+    element.append(floor, standing, stands, reaches, nodes, handles);
     this.frame = new PlanFrame(element, floor, cell);
     this.map = new PlanMap(nodes);
     this.pieces = cell.equipment.map((equipment, k) => this.makePiece(equipment, k));
@@ -126,6 +141,7 @@ class Plan {
     this.held = { index, turns, from, start: this.placeOf(event), now: from, pointer: event.pointerId };
     this.element.setPointerCapture(event.pointerId);
     this.pieces[index].group.classList.add("held");
+    if (!turns) this.onGrip(index);
   }
 
   /** @param {PointerEvent} event */
@@ -134,6 +150,7 @@ class Plan {
       showHover(this.map.describe(this.answer, this.placeOf(event), this.frame.unit));
       return;
     }
+    this.movedAt = performance.now();
     const { index, turns, from, start } = this.held;
     const [x, y] = this.placeOf(event);
     const now = from.slice();
@@ -156,6 +173,7 @@ class Plan {
     const { index, from, now } = this.held;
     this.held = null;
     this.pieces[index].group.classList.remove("held");
+    this.layers.standing.replaceChildren();
     if (event.type === "pointercancel") this.show(index, from);
     else if (now.some((value, k) => value !== from[k])) this.onMove(index, now, true);
   }
@@ -258,6 +276,22 @@ class Plan {
     const [knobX, knobY] = placementFrom([x, edge + 26 * unit, 0, 0], at);
     setAttributes(handle.knob, { cx: knobX, cy: -knobY, r: 8 * unit });
     setAttributes(handle.arm, { x1: footX, y1: -footY, x2: knobX, y2: -knobY });
+  }
+
+  /**
+   * Shows where the origin of the held piece may stand.
+   * @param {number[][][]} rings
+   */
+  showStanding(rings) {
+    const ring = (/** @type {number[][]} */ points) => `M${points.map(([x, y]) => `${x} ${-y}`).join("L")}Z`;
+    this.layers.standing.replaceChildren(svg("path", { d: rings.map(ring).join("") }));
+  }
+
+  /** Waits until the pointer has been still for a while, or until the drag has ended. */
+  async stillness() {
+    while (this.held && performance.now() - this.movedAt < STILL) {
+      await new Promise((done) => setTimeout(done, STILL / 4));
+    }
   }
 
   /**

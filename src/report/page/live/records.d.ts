@@ -83,6 +83,10 @@ interface OperationAnswer {
   value: number | null;
   limit: number | null;
   margin: number | null;
+  /** Upper bound of the value within the placement tolerances. */
+  worst: number | null;
+  /** Names of the joints that are near a limit at the spot. */
+  near_limits: string[];
   /** Number of nodes by status. */
   counts: Record<string, number>;
   best: number[] | null;
@@ -93,6 +97,8 @@ interface OperationAnswer {
 interface AnswerRecord {
   feasible: boolean;
   met: boolean;
+  /** Whether the layout works at every misplacement within the tolerances; null if that is not demanded. */
+  certified: boolean | null;
   objective: number | null;
   unit: string;
   word: string;
@@ -163,11 +169,36 @@ interface ReachRecord {
   outlines: number[][][][];
 }
 
+/** Where one piece may stand, and its room. */
+interface RegionRecord {
+  equipment: string;
+  outline_mm: number[][][];
+  rim_mm: number;
+  z_mm: number[];
+  yaw_deg: number[];
+  room_mm: number | null;
+  room_deg: number | null;
+  ends_with: string;
+}
+
+/** Room of every piece; empty if the layout is not feasible or misses a limit. */
+interface RoomRecord {
+  regions: RegionRecord[];
+  whole_cell: { turn_deg: number[]; ends_with: string } | null;
+}
+
+/** Where the origin of a piece may stand, as closed rings. */
+interface StandingRecord {
+  outline: number[][][];
+}
+
 /** Answers of the server by request. */
 interface Answers {
   state: CellRecord;
   now: StepRecord;
   reach: ReachRecord;
+  room: RoomRecord;
+  standing: StandingRecord;
   drawing: DrawingDocument;
   pulse: PulseRecord;
   try: TryRecord;

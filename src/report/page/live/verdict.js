@@ -12,7 +12,7 @@ function showVerdict(answer, step) {
   byId("unit").textContent = answer.unit;
   byId("word").textContent = `${answer.word} in ${senses}`;
   const chip = byId("chip");
-  chip.className = answer.feasible && answer.met ? "good" : "bad";
+  chip.className = answer.feasible && answer.met && answer.certified !== false ? "good" : "bad";
   chip.textContent = verdictWords(answer);
   byId("reasons").replaceChildren(...answer.reasons.map((reason) => make("li", {}, reason)));
   showOperations(answer);
@@ -23,9 +23,10 @@ function showVerdict(answer, step) {
  * Says whether a layout is feasible and meets its requirements.
  * @param {AnswerRecord} answer
  */
-function verdictWords({ feasible, met, operations }) {
+function verdictWords({ feasible, met, certified, operations }) {
   if (!feasible) return "✗ not feasible";
   if (!met) return "✗ requirement missed";
+  if (certified === false) return "✗ not certified within the placement tolerances";
   return hasLimit(operations) ? "✓ requirement met" : "✓ feasible";
 }
 
@@ -42,14 +43,45 @@ const hasLimit = (operations) => operations.some(({ limit }) => limit !== null);
 function showOperations({ operations, unit }) {
   const cells = (/** @type {"td" | "th"} */ tag, /** @type {string[]} */ texts) =>
     make("tr", {}, ...texts.map((text) => make(tag, {}, text)));
-  const head = cells("th", ["operation", "at the spot", hasLimit(operations) ? "limit" : "", "usable nodes"]);
+  const isBounded = operations.some(({ worst }) => worst !== null);
+  const head = cells("th", [
+    "operation",
+    "at the spot",
+    isBounded ? "misplaced at most" : "",
+    hasLimit(operations) ? "limit" : "",
+    "joints near a limit",
+    "usable nodes",
+  ]);
   const rows = operations.map((operation) => {
-    const { name, value, counts } = operation;
+    const { name, value, worst, counts, near_limits: near } = operation;
     const nodes = Object.values(counts).reduce((sum, count) => sum + count, 0);
     const error = value === null ? "no spot" : `${errorFigure(value)} ${unit}`;
-    return cells("td", [name, error, limitWords(operation), `${counts.ok} of ${nodes}`]);
+    const most = worst === null ? "" : errorFigure(worst);
+    const joints = near.join(", ") || "none";
+    return cells("td", [name, error, most, limitWords(operation), joints, `${counts.ok} of ${nodes}`]);
   });
   byId("operations").replaceChildren(head, ...rows);
+}
+
+/**
+ * Shows how far each piece may be displaced and turned, and what ends its room.
+ * @param {RoomRecord | null} room `null` while the room is not known
+ */
+function showRoom(room) {
+  if (!room || room.regions.length === 0) {
+    byId("room").replaceChildren(room ? "No room to place: the layout does not hold." : "");
+    return;
+  }
+  const cells = (/** @type {"td" | "th"} */ tag, /** @type {string[]} */ texts) =>
+    make("tr", {}, ...texts.map((text) => make(tag, {}, text)));
+  const figure = (/** @type {number | null} */ value) => (value === null ? "–" : shortNumber(value, 2));
+  const rows = room.regions.map(({ equipment, room_mm: mm, room_deg: deg, ends_with: end }) =>
+    cells("td", [equipment, figure(mm), figure(deg), end]),
+  );
+  const table = make("table", {}, cells("th", ["room to place", "± mm", "± deg", "ends where"]), ...rows);
+  const turn = room.whole_cell;
+  const whole = turn && `The whole cell may be turned by ${turn.turn_deg[0]} to ${turn.turn_deg[1]} deg.`;
+  byId("room").replaceChildren(table, ...(whole ? [make("p", {}, whole)] : []));
 }
 
 /**
