@@ -215,7 +215,7 @@ impl SearchResult {
             least_value: record.least.map(|least| in_unit(cell.unit(), least)),
             regions: RegionEntry::all(best),
             whole_cell: TurnEntry::new(best),
-            reasons: best.reasons(),
+            reasons: [best.reasons(), best.ending_tolerances()].concat(),
             goals: best.goals().map(|values| GoalsEntry::new(cell, &values)),
             layout: placements(cell, &best.layout),
             base: PlacementEntry::new(&best.layout.base),

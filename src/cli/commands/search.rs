@@ -214,6 +214,12 @@ fn answer(
         format!("{}\n\n", report::text::headline(cell)),
         of_best(report::text::answer),
         format!("\n{said}\n"),
+        shown
+            .map(Assessment::ending_tolerances)
+            .unwrap_or_default()
+            .iter()
+            .map(|why| format!("  {why}\n"))
+            .collect(),
         report::text::proven(workcell, gap, &proof),
         report::text::front(cell, record),
         format!("\n{}\n", report::text::side_by_side(comparison)),

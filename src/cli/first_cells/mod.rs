@@ -156,7 +156,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
                 "placeholder",
             ],
             700,
-            stand("bench", (0, 305, 665), 0, 500).ranging(600, 800),
+            stand("bench", (15, 315, 680), 0, 500).ranging(600, 800),
             stand("feeder", (0, -220, 700), 0, 600),
         )
     },

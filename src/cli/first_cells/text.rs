@@ -47,7 +47,9 @@ clearance_mm = 10
     fn robot_part(&self) -> String {
         let Self { robot, pedestal, .. } = self;
         let under = match *pedestal > 0 {
-            true => "\n# Above the floor it stands on a pedestal; pedestal = false is for a wall or a gantry.",
+            true => {
+                "\n# Above the floor it stands on a pedestal; pedestal = false is for a wall or a gantry."
+            }
             false => "",
         };
         format!(

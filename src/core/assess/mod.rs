@@ -7,6 +7,7 @@
 
 mod budget;
 mod distribution;
+mod ending_tolerance;
 mod envelope_study;
 mod explain;
 mod feasibility;
@@ -29,6 +30,8 @@ pub use posture_context::{NoPosture, NodeChoice, PostureContext};
 pub use readings::{ReadingChoice, ReadingRow, Readings};
 pub use sampled_spots::SAMPLES;
 use sampled_spots::{SampledSpots, take_over};
+
+use ending_tolerance::ending_tolerances;
 
 use crate::cell::{Cell, Goals, Layout, Operation, Reading, Role, Unit};
 
@@ -241,6 +244,15 @@ impl<'a> Assessment<'a> {
     /// Returns whether every operation that has a limit and a spot keeps this limit.
     pub fn meets_requirements(&self) -> bool {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
+    }
+
+    /// Returns which placement tolerances end the layout, in words; empty if it is feasible, or not feasible even as
+    /// drawn.
+    pub fn ending_tolerances(&self) -> Vec<String> {
+        if self.evaluation.objective.is_some() || self.evaluation.misfit.is_some() {
+            return Vec::new();
+        }
+        ending_tolerances(self.workcell, &self.layout)
     }
 
     /// Returns why the layout is infeasible, in words; empty if it is feasible.

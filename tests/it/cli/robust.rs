@@ -96,3 +96,19 @@ fn the_refined_spot_is_in_every_report() {
     assert!((given[0] - number(&refined["value"])).abs() < 1e-9);
     assert!(shop.text("mapped/map.svg").contains(" refined: "));
 }
+
+/// A search without a layout within the tolerances names the tolerance that ends it, and how much of it would hold.
+#[test]
+fn a_search_names_the_tolerance_that_leaves_no_layout() {
+    let shop = Sandbox::new();
+    let wide = "from = \"hitachi_cell.toml\"\n[equipment.worktable]\nplacement_tolerance = { x_mm = 300 }\n";
+    shop.write("cells/wide.toml", wide);
+    let ran = shop.run(&["search", "cells/wide.toml", "--budget", "600", "--out", "found"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.out);
+    let line =
+        ran.out.lines().find(|l| l.contains("with less placement tolerance: x_mm of worktable at most "));
+    let line = line.unwrap_or_else(|| panic!("{}", ran.out));
+    assert!(line.ends_with("instead of 300"), "{line}");
+    let reasons = shop.document("found/search.json")["reasons"].to_string();
+    assert!(reasons.contains("x_mm of worktable at most "), "{reasons}");
+}

@@ -1,0 +1,88 @@
+//! Which placement tolerance ends a layout: without it, or with less of it, the layout would hold.
+
+use crate::cell::{Cell, Layout, Slot};
+use crate::layout::{Workcell, evaluate};
+use crate::safe_text::shown;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+
+/// Number of bisection steps for the largest tolerance that holds.
+const BISECTIONS: usize = 8;
+/// Names of the keys of a tolerance.
+const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
+
+/// Returns, in words, which placement tolerances end an infeasible layout, and which values would hold.
+///
+/// Each tolerance is reduced alone; if none suffices, those of each piece are reduced together, and finally all of
+/// them. The list is empty if the layout does not hold even as drawn.
+pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
+    if !workcell.certifies() || evaluate(workcell, layout).is_accepted() {
+        return Vec::new();
+    }
+    let cell = &workcell.cell;
+    let bodies: Vec<Vec<Slot>> =
+        cell.placement_tolerances().iter().map(|body| body.iter().map(|(slot, _)| *slot).collect()).collect();
+    let alone = bodies.concat().into_iter().map(|slot| vec![slot]);
+    let alone: Vec<String> = alone.filter_map(|slots| reduced(cell, layout, &slots)).collect();
+    if !alone.is_empty() {
+        return alone;
+    }
+    let together: Vec<String> = bodies.iter().filter_map(|slots| reduced(cell, layout, slots)).collect();
+    if !together.is_empty() {
+        return together;
+    }
+    reduced(cell, layout, &bodies.concat()).into_iter().collect()
+}
+
+/// Describes how much of some tolerances holds; None if the layout does not hold without them either.
+fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {
+    let holds = |share: f64| {
+        let mut less = cell.clone();
+        slots.iter().for_each(|slot| *tolerance(&mut less, *slot) *= share);
+        Workcell::new(less).is_ok_and(|workcell| evaluate(&workcell, layout).is_accepted())
+    };
+    if !holds(0.0) {
+        return None;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = (low + high) / 2.0;
+        match holds(middle) {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    let named = |slot: &Slot| {
+        let value = *tolerance(&mut cell.clone(), *slot);
+        let in_file = |si: f64| rounded(if slot.is_angle() { deg_from_rad(si) } else { mm_from_m(si) }, 3);
+        let key = KEYS[axis(*slot)];
+        format!(
+            "{key} of {} at most {} instead of {}",
+            owner(cell, *slot),
+            in_file(low * value),
+            in_file(value)
+        )
+    };
+    let names: Vec<String> = slots.iter().map(named).collect();
+    Some(format!("it would hold with less placement tolerance: {}", names.join(", ")))
+}
+
+/// Returns the half width of a tolerance. The slot must be one of [`Cell::placement_tolerances`].
+fn tolerance(cell: &mut Cell, slot: Slot) -> &mut f64 {
+    match slot {
+        Slot::Equipment(k, axis) => &mut cell.equipment[k].tolerance.0[axis],
+        Slot::Base(axis) | Slot::Attitude(_, axis) => &mut cell.base_tolerance.0[axis],
+    }
+}
+
+fn axis(slot: Slot) -> usize {
+    match slot {
+        Slot::Base(axis) | Slot::Equipment(_, axis) | Slot::Attitude(_, axis) => axis,
+    }
+}
+
+fn owner(cell: &Cell, slot: Slot) -> String {
+    match slot {
+        Slot::Equipment(k, _) => shown(&cell.equipment[k].name),
+        _ => "the robot base".into(),
+    }
+}
