@@ -57,9 +57,27 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })
 }
 
+/// Largest number of nodes whose certificate is tried.
+const MAX_CERTIFIED: usize = 32;
+
 /// Returns the usable node with the least value, other than the spot and the points touched to teach a frame.
+///
+/// If the layout is certified, the node is certified, too. At most [`MAX_CERTIFIED`] nodes are tried.
 fn second<'m>(a: &'m Assessment<'_>, k: usize) -> Option<Posed<'m>> {
     let map = &a.maps[k];
-    let others = map.usable().filter(|(at, _, p)| Some(*at) != map.best && !p.touched);
-    others.map(|(_, node, posture)| (node, posture)).min_by(|a, b| a.1.value.total_cmp(&b.1.value))
+    let mut others: Vec<_> = map.usable().filter(|(at, _, p)| Some(*at) != map.best && !p.touched).collect();
+    others.sort_by(|a, b| a.2.value.total_cmp(&b.2.value));
+    let mut maps = a.maps.clone();
+    let mut is_certified = |at: usize| {
+        maps[k].best = Some(at);
+        let certificate = a.workcell.certificate(&a.layout, &maps);
+        matches!(certificate.operations[k], Some(Ok(_)))
+    };
+    let mut tried = others.into_iter().take(match a.certificate {
+        Some(_) => MAX_CERTIFIED,
+        None => 1,
+    });
+    tried
+        .find(|(at, ..)| a.certificate.is_none() || is_certified(*at))
+        .map(|(_, node, posture)| (node, posture))
 }
