@@ -21,6 +21,9 @@ pub struct PointSpot {
 }
 
 /// Point and posture that are kept while the layout changes a little.
+///
+/// Closed-form inverse kinematics finds the posture again by its branch index. Numeric inverse kinematics takes the
+/// usable posture whose joint coordinates are nearest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Point in the frame of the equipment, m.
@@ -102,8 +105,8 @@ impl OperationQuery<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Finds the held posture of an operation in this layout, and its value, by the rules of
-    /// [`OperationQuery::held`]; `spots` holds the spots of the earlier operations.
+    /// Finds the held posture of an operation in this layout, and its value, by the rules of [`HeldPosture`]; `spots`
+    /// holds the spots of the earlier operations.
     ///
     /// If `is_free`, the posture must be free of collisions and allowed by the motion rules, too.
     ///

@@ -80,8 +80,8 @@ impl<'a> Probe<'a> {
 
     /// Computes the operation's value ([`Spot::value`]) in the layout of this probe, at the point of `held`.
     ///
-    /// The rules of [`OperationQuery::held`] apply, and the posture must be free of collisions and allowed by the
-    /// motion rules.
+    /// The posture is found by the rules of [`HeldPosture`]. It must be free of collisions and allowed by the motion
+    /// rules.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
