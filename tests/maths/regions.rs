@@ -229,3 +229,17 @@ fn a_piece_with_one_free_coordinate_has_a_line() {
     assert!((table.room.unwrap() - (right - 1.261).min(1.261 - left)).abs() < 1e-12);
     assert!(conveyor.rings.is_empty() && conveyor.room.is_none() && conveyor.turn.unwrap() > 0.0);
 }
+
+/// A range of kilometres, or of thousands of turns, is scanned in a bounded number of steps.
+#[test]
+fn wide_ranges_take_a_bounded_number_of_steps() {
+    let text = "from = \"hitachi_cell.toml\"\n\
+                [equipment.worktable.placement]\nx_mm = { min = -9000000, max = 9000000, start = 1261 }\ny_mm = -120\n\
+                z_mm = 722\nyaw_deg = { min = -9000000, max = 9000000, start = 0.2 }\n\
+                [equipment.conveyor.placement]\nx_mm = 362\ny_mm = { min = -2000, max = 2000, start = 1516 }\n\
+                yaw_deg = 52\n";
+    let workcell = Workcell::new(from_text_to_build(text).unwrap().cell).unwrap();
+    let regions = Regions::new(&workcell, &workcell.cell.start()).unwrap();
+    let [table, conveyor] = &regions.pieces[..] else { panic!("{regions:?}") };
+    assert!(table.room.is_some() && table.turn.is_some() && conveyor.room.is_some(), "{regions:?}");
+}

@@ -211,7 +211,7 @@ fn answer(
     let shown = comparison.columns.last();
     let of_best = |text: fn(&Assessment<'_>) -> String| shown.map(text).unwrap_or_default();
     [
-        format!("{}\n\n", report::text::headline(cell)),
+        format!("{}\n", report::text::headline(cell)),
         of_best(report::text::answer),
         format!("\n{said}\n"),
         shown

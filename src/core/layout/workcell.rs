@@ -95,7 +95,7 @@ impl Workcell {
     /// Returns every pair of robot solids that are present in the same operation. Each pair states whether a
     /// contact is allowed, and why.
     ///
-    /// The list is empty if self-collision is not checked.
+    /// If self-collision is not checked, the list has only pairs with the pedestal.
     pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
         self.mapper.scene().self_collision_pairs()
     }

@@ -11,6 +11,9 @@ use std::f64::consts::{PI, TAU};
 /// Largest displacement and rotation that are examined for a layout without search variables, mm and degrees.
 const WINDOW_MM: f64 = 250.0;
 const WINDOW_DEG: f64 = 15.0;
+/// Largest number of steps of a scan, and of the fine lattice along the longer side of the domain; a wider range has
+/// wider steps.
+const MAX_STEPS: f64 = 10_000.0;
 /// Number of bisection steps at the end of a scan.
 const BISECTIONS: usize = 8;
 /// Relative accuracy of an estimate of the room.
@@ -76,9 +79,12 @@ impl<'a> MovablePiece<'a> {
     pub fn region(&self) -> Region {
         let [z, yaw] = [2, 3].map(|axis| self.scan(axis));
         let turn = self.variable(3).map(|_| yaw.nearest(self.own.yaw));
+        let mut rim = m_from_mm(self.effort.fine_mm);
         let (rings, room) = match (self.variable(0), self.variable(1)) {
             (Some(x), Some(y)) => {
-                let rings = self.lattices(Domain { x, y }).trace(self);
+                let lattices = self.lattices(Domain { x, y });
+                rim = lattices.step;
+                let rings = lattices.trace(self);
                 let room = self.room(&rings);
                 (rings, Some(room))
             }
@@ -106,7 +112,7 @@ impl<'a> MovablePiece<'a> {
             room: room.map(|(room, _)| room),
             turn: turn.map(|(turn, _)| turn),
             ended,
-            rim: m_from_mm(self.effort.fine_mm),
+            rim,
         }
     }
 
@@ -167,8 +173,8 @@ impl<'a> MovablePiece<'a> {
     }
 
     fn lattices(&self, domain: Domain) -> TwoLattices {
-        let step = m_from_mm(self.effort.fine_mm);
         let longer = (domain.x.1 - domain.x.0).max(domain.y.1 - domain.y.0);
+        let step = m_from_mm(self.effort.fine_mm).max(longer / MAX_STEPS);
         let coarse = ((longer / self.effort.divisions / step).floor() as i32).max(1);
         TwoLattices { domain, origin: (self.own.x, self.own.y), step, coarse }
     }
@@ -290,6 +296,7 @@ impl Interval {
         mut judge: impl FnMut(f64, &mut HeldMemory) -> Result<(), RoomEnd>,
     ) -> Self {
         let mut memory = HeldMemory::default();
+        let step = step.max((range.1 - range.0) / MAX_STEPS);
         let mut side = |limit: f64| {
             let steps = ((limit - at).abs() / step).ceil() as usize;
             let value = |k: usize| if k == steps { limit } else { at + step.copysign(limit - at) * k as f64 };

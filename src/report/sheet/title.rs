@@ -25,6 +25,11 @@ fn short(name: &str) -> String {
     escaped(&if cut.len() < name.len() { cut + "..." } else { cut })
 }
 
+/// Rounds a value down to a multiple of `1 / scale`.
+fn down(value: f64, scale: f64) -> f64 {
+    (value * scale).floor() / scale
+}
+
 fn mm(m: f64) -> f64 {
     rounded(mm_from_m(m), 1)
 }
@@ -79,8 +84,9 @@ pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
     }
     row(words(["room to place (filled: where the frame may be)", "", "", "", "mm", "deg"]), "600");
     for region in &drawing.regions {
-        let room = region.room.map_or("-".into(), |room| mm(room).to_string());
-        let turn = region.turn.map_or("-".into(), |turn| rounded(deg_from_rad(turn), 2).to_string());
+        // A room that is rounded up would not hold.
+        let room = region.room.map_or("-".into(), |room| format!("{:.1}", down(mm_from_m(room), 10.0)));
+        let turn = region.turn.map_or("-".into(), |turn| format!("{:.2}", down(deg_from_rad(turn), 100.0)));
         row([short(&region.name), String::new(), String::new(), String::new(), room, turn], "400");
     }
 }

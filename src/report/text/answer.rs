@@ -19,7 +19,7 @@ pub fn answer(a: &Assessment<'_>) -> String {
     if a.evaluation.objective.is_none() {
         return String::new();
     }
-    let mut out = format!("{}\n{}\n", placements(a), operations(a));
+    let mut out = format!("\n{}\n{}\n", placements(a), operations(a));
     out.push_str(&super::yield_lines(a));
     out.push_str(&room(a));
     out
