@@ -26,6 +26,8 @@ mod view;
 mod written_layout;
 
 pub use checkpoint::evaluations_of_checkpoint;
+#[doc(hidden)] // open for tests/maths
+pub use first_cells::texts as first_cell_texts;
 pub use json_text::unsealed;
 #[cfg(feature = "view")]
 pub use view::requested_layout;

@@ -16,6 +16,10 @@ pub struct RefinedEntry {
     pub joints_deg: Vec<f64>,
     /// Value of the operation at the refined spot, in the unit of the objective.
     pub value: f64,
+    /// Certified upper bound of the value over all misplacements inside the placement tolerances, in the unit of
+    /// the objective; absent if the layout need not withstand misplacements, or if no bound is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_value: Option<f64>,
     /// Value of the operation at the best node, in the unit of the objective.
     pub node_value: f64,
     pub node_on_surface_mm: [f64; 2],
@@ -33,6 +37,7 @@ impl RefinedEntry {
             on_surface_mm: on_surface(refined.at),
             joints_deg: joints(a.cell, &refined.joints),
             value: in_unit(unit, refined.value),
+            worst_value: refined.most.map(|most| in_unit(unit, most)),
             node_value: in_unit(unit, refined.node_value),
             node_on_surface_mm: on_surface(refined.node_at),
             gain_percent: percent(refined.gain()),

@@ -194,3 +194,9 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
 pub fn find(name: &str) -> Option<&'static Sketch> {
     SKETCHES.iter().find(|s| s.name == name || s.robot == name)
 }
+
+/// Returns name and text of every first cell.
+#[doc(hidden)] // open for tests/maths
+pub fn texts() -> impl Iterator<Item = (&'static str, String)> {
+    SKETCHES.iter().map(|sketch| (sketch.name, sketch.text()))
+}

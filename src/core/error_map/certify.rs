@@ -32,7 +32,7 @@ impl OperationQuery<'_> {
     ///
     /// # Errors
     /// Returns the reason if the posture is not certified. The limit of the operation is not checked.
-    fn certify(
+    pub(super) fn certify(
         &self,
         target: &Vector3<f64>,
         branch: u32,
@@ -78,7 +78,7 @@ impl OperationQuery<'_> {
     ) -> Result<Nominal, NotCertified> {
         let arm = &self.placed.mapper.arm;
         let target = *target;
-        let found = arm.inverse.branch_at(&target, &self.attitudes, branch).ok_or(NotCertified::NoTask)?;
+        let found = self.branch_at(&target, branch).ok_or(NotCertified::NoTask)?;
         let (posture, joints) = (found.posture, found.joints);
         let frames = arm.chain.frames(&posture);
         let task = arm.inverse.tool_task(&self.attitudes, &frames).ok_or(NotCertified::NoTask)?;

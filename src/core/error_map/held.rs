@@ -6,32 +6,57 @@ use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
 use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::cell::JointVector;
-use crate::reach::{Branch, Cost, Reach};
+use crate::reach::{Branch, CONTINUED, Cost, Inverse, PoseMiss, Reach, ToolAttitudes};
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
-/// A point of the surface at which the operation can happen.
+/// A point of the surface at which the operation can happen, with the posture there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSpot {
-    /// Point in the frame of the equipment, m.
-    pub at: (f64, f64),
-    pub branch: u32,
+    pub posture: HeldPosture,
     /// Value to minimize, defined like [`Spot::value`].
     pub value: f64,
 }
 
 /// Point and posture that are kept while the layout changes a little.
 ///
-/// Closed-form inverse kinematics finds the posture again by its branch index. Numeric inverse kinematics takes the
-/// usable posture whose joint coordinates are nearest.
+/// Closed-form inverse kinematics finds the posture again by its branch index. Numeric inverse kinematics continues
+/// it: the arm moves on from these joint coordinates, and the tool rotates with the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Point in the frame of the equipment, m.
     pub at: (f64, f64),
     pub branch: u32,
-    /// Joint coordinates. They identify the posture of an arm whose branch indices change from target to
-    /// target.
     pub joints: JointVector,
+    /// Azimuth in the base frame, rad, from which the attitude of this posture is measured.
+    pub heading: f64,
+}
+
+impl HeldPosture {
+    /// Returns this posture, to be kept at another point of the surface.
+    #[must_use]
+    pub fn at_point(&self, at: (f64, f64)) -> Self {
+        Self { at, ..*self }
+    }
+
+    /// Returns the branch index of this posture in another layout or at another point.
+    pub fn branch_elsewhere(&self, inverse: &Inverse) -> u32 {
+        if inverse.cost() == Cost::Numeric { CONTINUED } else { self.branch }
+    }
+
+    /// Continues this posture to a target, base frame, m.
+    ///
+    /// # Errors
+    /// Returns how far the arm stays from the target if it cannot follow.
+    pub(super) fn continued(
+        &self,
+        inverse: &Inverse,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+    ) -> Result<Branch, PoseMiss> {
+        let turn = inverse.heading(target, attitudes) - self.heading;
+        inverse.continued(&self.joints, turn, target, attitudes)
+    }
 }
 
 impl OperationQuery<'_> {
@@ -40,56 +65,57 @@ impl OperationQuery<'_> {
         self.setup.grid.point(&self.at, at)
     }
 
-    /// Finds the branch of a held posture in this layout, and the operation's value ([`Spot::value`]) there.
-    /// Collisions and motion rules are not checked.
-    ///
-    /// `held` may come from a slightly different layout. The point keeps its coordinates in the frame of the
-    /// equipment, and the joint coordinates are computed anew.
-    ///
-    /// Closed-form inverse kinematics gives the posture with the branch index of `held`.
-    ///
-    /// Numeric inverse kinematics does not keep branch indices from target to target. In this case, the
-    /// function takes the usable posture whose joint coordinates are nearest to those of `held`.
-    ///
-    /// # Errors
-    /// Returns the status of the point if no branch within the joint limits holds the posture.
-    pub fn held(&self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<PointSpot, Status> {
-        let target = self.target(held.at);
-        let inverse = &self.placed.mapper.arm.inverse;
-        let is_numeric = inverse.cost() == Cost::Numeric;
-        let found = match is_numeric {
-            true => self.branch_near(held).map(|b| (b.posture, b.index)),
-            false => inverse.usable(&target, &self.attitudes, held.branch).map(|p| (p, held.branch)),
-        };
-        let Some((posture, branch)) = found else {
-            return Err(self.why_unreached(&target, |b| is_numeric || b.index == held.branch));
-        };
-        Ok(PointSpot { at: held.at, branch, value: self.value(&posture, memory)? })
+    /// Returns a posture that this operation can keep; None if the branch does not exist at the point.
+    pub fn hold(&self, at: (f64, f64), branch: u32) -> Option<HeldPosture> {
+        let target = self.target(at);
+        let joints = self.branch_at(&target, branch)?.joints;
+        let heading = self.placed.mapper.arm.inverse.heading(&target, &self.attitudes);
+        Some(HeldPosture { at, branch, joints, heading })
     }
 
-    /// Returns the spot like [`Self::held`]; its posture must be free of collisions and allowed by the motion rules.
+    /// Computes the operation's value ([`Spot::value`]) in a held posture. Collisions and motion rules are not checked.
+    ///
+    /// `held` may come from a slightly different layout. The point keeps its coordinates in the frame of the
+    /// equipment, and the joint coordinates are computed anew by the rules of [`HeldPosture`].
+    ///
+    /// # Errors
+    /// Returns the status of the point if no posture within the joint limits continues the held one.
+    pub fn held(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<f64, Status> {
+        self.kept = Some(*held);
+        let target = self.target(held.at);
+        let inverse = &self.placed.mapper.arm.inverse;
+        if inverse.cost() == Cost::Numeric {
+            return match held.continued(inverse, &target, &self.attitudes) {
+                Ok(found) => self.value(&found.posture, memory),
+                Err(PoseMiss { position, angle }) => Err(Status::NotConverged { position, angle }),
+            };
+        }
+        match inverse.usable(&target, &self.attitudes, held.branch) {
+            Some(posture) => self.value(&posture, memory),
+            None => Err(self.why_unreached(&target, |b| b.index == held.branch)),
+        }
+    }
+
+    /// Computes the value like [`Self::held`]; the posture must be free of collisions and allowed by the motion rules.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
-    pub fn holding(&self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<PointSpot, Status> {
-        let found = self.held(held, memory)?;
-        let trouble = self.refusal_status(&self.target(found.at), found.branch, memory);
-        trouble.map_or(Ok(found), Err)
+    pub fn holding(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<f64, Status> {
+        let value = self.held(held, memory)?;
+        let branch = held.branch_elsewhere(&self.placed.mapper.arm.inverse);
+        self.refusal_status(&self.target(held.at), branch, memory).map_or(Ok(value), Err)
     }
 
     /// Finds the branch of a held posture.
     ///
-    /// The branch may exceed a joint limit, unless the inverse kinematics is numeric. In that case, the
-    /// usable branch nearest to `held` is taken.
-    pub fn branch_near(&self, held: &HeldPosture) -> Option<Branch> {
-        let inverse = &self.placed.mapper.arm.inverse;
-        let Reach::Branches(all) = inverse.branches(&self.target(held.at), &self.attitudes) else {
-            return None;
-        };
-        match inverse.cost() {
-            Cost::Numeric => nearest(&all, &held.joints).copied(),
-            _ => all.into_iter().find(|b| b.index == held.branch),
+    /// The branch may exceed a joint limit, unless the inverse kinematics is numeric.
+    pub fn branch_beyond_limits(&self, held: &HeldPosture) -> Option<Branch> {
+        let (target, inverse) = (self.target(held.at), &self.placed.mapper.arm.inverse);
+        if inverse.cost() == Cost::Numeric {
+            return held.continued(inverse, &target, &self.attitudes).ok();
         }
+        let Reach::Branches(all) = inverse.branches(&target, &self.attitudes) else { return None };
+        all.into_iter().find(|b| b.index == held.branch)
     }
 
     /// Computes the operation's value in a posture, and places the frames of the posture in `memory`.
@@ -105,8 +131,13 @@ impl OperationQuery<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Finds the held posture of an operation in this layout, and its value, by the rules of [`HeldPosture`]; `spots`
-    /// holds the spots of the earlier operations.
+    /// Returns a posture that an operation can keep; None if the branch does not exist at the point.
+    pub fn hold(&self, operation: usize, at: (f64, f64), branch: u32) -> Option<HeldPosture> {
+        OperationQuery::new(self, operation, &[]).hold(at, branch)
+    }
+
+    /// Computes the value of an operation in this layout in a held posture; `spots` holds the spots of the earlier
+    /// operations.
     ///
     /// If `is_free`, the posture must be free of collisions and allowed by the motion rules, too.
     ///
@@ -119,18 +150,12 @@ impl PlacedLayout<'_> {
         held: &HeldPosture,
         is_free: bool,
         workspace: &mut MapperWorkspace,
-    ) -> Result<PointSpot, Status> {
+    ) -> Result<f64, Status> {
         let attitudes = std::mem::take(&mut workspace.attitudes);
-        let query = OperationQuery::reusing(self, &self.surface(operation), spots, attitudes);
+        let mut query = OperationQuery::reusing(self, &self.surface(operation), spots, attitudes);
         let memory = workspace.of(self.mapper, operation).postures;
         let found = if is_free { query.holding(held, memory) } else { query.held(held, memory) };
         workspace.attitudes = query.attitudes;
         found
     }
-}
-
-/// Returns the usable branch whose largest joint difference from `joints` is least.
-fn nearest<'b>(branches: &'b [Branch], joints: &JointVector) -> Option<&'b Branch> {
-    let off = |b: &Branch| b.joints.iter().zip(joints).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    branches.iter().filter(|b| b.is_usable()).min_by(|a, b| off(a).total_cmp(&off(b)))
 }

@@ -1,15 +1,17 @@
 //! Robot, solids, errors and operations of a cell, prepared for any layout.
 
 use super::grid::Grid;
+use super::held::HeldPosture;
 use super::operation_setup::OperationSetup;
 use super::simd::Ranker;
 use crate::cell::{Cell, Coordinate, JointVector, Operation};
 use crate::clearance::Scene;
 use crate::motion::Guard;
-use crate::reach::{Cost, Inverse, Shell};
+use crate::reach::{Branch, CONTINUED, Cost, Inverse, Shell, ToolAttitudes};
 use crate::reading::ErrorEvaluator;
 use crate::robot::{Chain, Frames};
 use crate::safe_text::shown;
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// Robot, solids, errors and operations of a cell, prepared for any layout.
@@ -69,6 +71,21 @@ impl Mapper {
     /// Computes the link frames at joint coordinates.
     pub fn frames(&self, joints: &JointVector) -> Frames {
         self.arm.chain.frames(&self.arm.chain.posture(joints))
+    }
+
+    /// Returns a branch at a target; the index [`CONTINUED`] means the posture `kept`, continued to the target.
+    pub(super) fn branch_at(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        branch: u32,
+        kept: Option<&HeldPosture>,
+    ) -> Option<Branch> {
+        let inverse = &self.arm.inverse;
+        match kept.filter(|_| branch == CONTINUED) {
+            Some(held) => held.continued(inverse, target, attitudes).ok(),
+            None => inverse.branch_at(target, attitudes, branch),
+        }
     }
 
     /// Returns the error evaluator of an operation.

@@ -1,6 +1,7 @@
 //! One layout with its solids posed: the context in which postures are judged.
 
 use super::demand::Demand;
+use super::held::HeldPosture;
 use super::mapper::Mapper;
 use super::outcome::Spot;
 use crate::cell::{Attitude, JointVector, Layout, Placement};
@@ -18,6 +19,8 @@ pub struct PlacedLayout<'a> {
     pub(super) solids: PlacedSolids,
     /// Demand that every posture must meet at all misplacements; None if only the layout as drawn counts.
     pub(super) demand: Option<Demand<'a>>,
+    /// Posture that each operation keeps, for spots with the branch index [`crate::reach::CONTINUED`].
+    pub(super) kept: &'a [Option<HeldPosture>],
 }
 
 /// Surface of one operation in one layout, described in the robot base frame.
@@ -39,13 +42,22 @@ impl<'a> PlacedLayout<'a> {
     /// Poses the solids of a layout, reusing the memory of another layout's solids.
     pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: PlacedSolids) -> Self {
         mapper.scene.place(layout, &mut solids);
-        Self { mapper, layout, solids, demand: None }
+        Self { mapper, layout, solids, demand: None, kept: &[] }
     }
 
     /// Returns this layout with a demand: only certified postures are used.
     #[must_use]
     pub fn demanding(self, demand: Option<Demand<'a>>) -> Self {
         Self { demand, ..self }
+    }
+
+    /// Returns this layout with the postures that its operations keep.
+    ///
+    /// Spots with the branch index [`crate::reach::CONTINUED`] have these postures, continued to the targets in this
+    /// layout.
+    #[must_use]
+    pub fn keeping(self, kept: &'a [Option<HeldPosture>]) -> Self {
+        Self { kept, ..self }
     }
 
     /// Returns the demand that every posture must meet at all misplacements.
@@ -75,7 +87,8 @@ impl<'a> PlacedLayout<'a> {
     pub fn operation_posture(&self, operation: usize, spot: &Spot) -> Option<OperationPosture> {
         let surface = self.surface(operation);
         let (target, attitudes) = (self.target(&surface, spot.node), self.attitudes(&surface));
-        let joints = self.mapper.arm.inverse.branch_at(&target, &attitudes, spot.branch)?.joints;
+        let kept = self.kept_posture(operation);
+        let joints = self.mapper.branch_at(&target, &attitudes, spot.branch, kept.as_ref())?.joints;
         Some(OperationPosture { operation, joints })
     }
 
@@ -85,6 +98,11 @@ impl<'a> PlacedLayout<'a> {
     pub fn distance_at_work(&self, operation: usize, joints: &JointVector, max: f64) -> f64 {
         let (frames, equipment) = (self.mapper.frames(joints), self.mapper.setups[operation].equipment);
         self.mapper.scene.distance_at_work(&self.solids, &frames.links, operation, equipment, max).distance
+    }
+
+    /// Returns the posture that an operation keeps.
+    pub(super) fn kept_posture(&self, operation: usize) -> Option<HeldPosture> {
+        self.kept.get(operation).copied().flatten()
     }
 
     /// Prepares the attitudes of an operation for its surface.

@@ -2,6 +2,7 @@
 //! nodes.
 
 use super::candidate::PostureCandidate;
+use super::demand::Demand;
 use super::held::{HeldPosture, PointSpot};
 use super::node_record::Status;
 use super::outcome::{Spot, Unjudged};
@@ -9,7 +10,8 @@ use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
 use super::workspace::PostureMemory;
 use crate::cell::JointVector;
-use crate::reach::Reach;
+use crate::certificate::{NoValueBound, NotCertified, ValueBound};
+use crate::reach::Inverse;
 use crate::reading::WorkContext;
 use nalgebra::Vector3;
 
@@ -72,7 +74,8 @@ impl<'a> Probe<'a> {
         let found = query.first_free(memory, |_| next.next());
         match found.free {
             Some(PostureCandidate { spot: Spot { branch, value, .. }, .. }) => {
-                Ok(PointSpot { at, branch, value })
+                let posture = query.hold(at, branch).ok_or(Status::OutOfReach { by: 0.0 })?;
+                Ok(PointSpot { posture, value })
             }
             None => Err(query.why_none(&target, &found, memory)),
         }
@@ -86,23 +89,46 @@ impl<'a> Probe<'a> {
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
     pub fn holding(&mut self, held: &HeldPosture) -> Result<f64, Status> {
-        self.query.holding(held, &mut self.memory).map(|spot| spot.value)
+        self.query.holding(held, &mut self.memory)
     }
 
     /// Computes the operation's value ([`Spot::value`]) in a held posture, even if this posture collides.
     ///
     /// The posture may also exceed a joint limit if the inverse kinematics is in closed form.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
-        let branch = self.query.branch_near(held)?;
+        let branch = self.query.branch_beyond_limits(held)?;
         self.query.value(&branch.posture, &mut self.memory).ok()
     }
 
-    /// Computes the joint coordinates of a branch at a point of the surface.
-    pub fn joints(&self, at: (f64, f64), branch: u32) -> Option<JointVector> {
-        let inverse = &self.query.placed.mapper.arm.inverse;
-        let Reach::Branches(all) = inverse.branches(&self.target(at), &self.query.attitudes) else {
-            return None;
-        };
-        all.iter().find(|b| b.index == branch).map(|b| b.joints)
+    /// Returns a posture that the operation can keep; None if the branch does not exist at the point.
+    pub fn hold(&self, at: (f64, f64), branch: u32) -> Option<HeldPosture> {
+        self.query.hold(at, branch)
+    }
+
+    /// Certifies a held posture if the layout demands it. Returns an upper bound of its value over all misplacements,
+    /// if `value` asks for one and one is known.
+    ///
+    /// # Errors
+    /// Returns the reason if the posture is not certified.
+    pub fn certificate(
+        &mut self,
+        held: &HeldPosture,
+        value: Option<&Result<ValueBound, NoValueBound>>,
+    ) -> Result<Option<f64>, NotCertified> {
+        let Some(demand) = self.query.placed.demand else { return Ok(None) };
+        self.query.kept = Some(*held);
+        let (target, branch) = (self.target(held.at), held.branch_elsewhere(self.inverse()));
+        self.query.certify(&target, branch, &Demand { value, ..demand }, &mut self.memory)
+    }
+
+    /// Computes the joint coordinates of a held posture in the layout of this probe, at the point of `held`.
+    pub fn joints(&mut self, held: &HeldPosture) -> Option<JointVector> {
+        self.query.kept = Some(*held);
+        let branch = held.branch_elsewhere(self.inverse());
+        Some(self.query.branch_at(&self.target(held.at), branch)?.joints)
+    }
+
+    fn inverse(&self) -> &Inverse {
+        &self.query.placed.mapper.arm.inverse
     }
 }

@@ -7,6 +7,7 @@
 //! and probe all use these functions, so they apply the same rules.
 
 use super::candidate::PostureCandidate;
+use super::held::HeldPosture;
 use super::node_record::Status;
 use super::operation_setup::OperationSetup;
 use super::outcome::{Outcome, Spot, Unjudged};
@@ -41,6 +42,8 @@ pub struct OperationQuery<'a> {
     /// Data, other than the posture, from which the errors are computed; or the reason why they cannot be
     /// computed.
     pub context: Result<WorkContext, Unjudged>,
+    /// Posture that candidates with the branch index [`crate::reach::CONTINUED`] continue.
+    pub kept: Option<HeldPosture>,
 }
 
 /// Visitor that receives the postures of a walk.
@@ -120,7 +123,8 @@ impl<'a> OperationQuery<'a> {
         let (mapper, operation, at) = (placed.mapper, surface.operation, surface.at);
         mapper.arm.inverse.set_attitudes(&mut attitudes, surface.attitude, at.yaw);
         let context = placed.work_context(operation, spots);
-        Self { placed, setup: &mapper.setups[operation], operation, at, attitudes, context }
+        let kept = placed.kept_posture(operation);
+        Self { placed, setup: &mapper.setups[operation], operation, at, attitudes, context, kept }
     }
 
     /// Visits every node, in the order of the grid.
@@ -202,11 +206,16 @@ impl<'a> OperationQuery<'a> {
         })
     }
 
+    /// Returns a branch at a target.
+    pub fn branch_at(&self, target: &Vector3<f64>, branch: u32) -> Option<Branch> {
+        self.placed.mapper.branch_at(target, &self.attitudes, branch, self.kept.as_ref())
+    }
+
     /// Returns why the motion rules refuse a collision-free posture; None if they allow it.
     fn refusal(&self, target: &Vector3<f64>, branch: u32) -> Option<PostureRefusal> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
-        let joints = mapper.arm.inverse.branch_at(target, &self.attitudes, branch)?.joints;
+        let joints = self.branch_at(target, branch)?.joints;
         guard.admits(&mapper.scene, solids, self.operation, &joints).err()
     }
 

@@ -3,6 +3,7 @@
 use super::outcome::{Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
 use super::teaching::work_frame;
+use crate::reach::CONTINUED;
 use crate::reading::WorkContext;
 
 impl PlacedLayout<'_> {
@@ -19,7 +20,11 @@ impl PlacedLayout<'_> {
         let spot = spots.get(pick).copied().flatten().ok_or(Unjudged::NoPick)?;
         let (arm, surface) = (&self.mapper.arm, self.surface(pick));
         let (target, attitudes) = (self.target(&surface, spot.node), self.attitudes(&surface));
-        let posture = arm.inverse.posture(&target, &attitudes, spot.branch).ok_or(Unjudged::NoPick)?;
+        let posture = match self.kept_posture(pick).filter(|_| spot.branch == CONTINUED) {
+            Some(held) => held.continued(&arm.inverse, &target, &attitudes).ok().map(|found| found.posture),
+            None => arm.inverse.posture(&target, &attitudes, spot.branch),
+        };
+        let posture = posture.ok_or(Unjudged::NoPick)?;
         let frame_of_pick = work_frame(self, &setup.evaluator, &surface)?;
         let reference = setup.evaluator.pick_reference(frame_of_pick, arm.chain.frames(&posture));
         Ok(WorkContext { site, reference: Some(Box::new(reference)) })

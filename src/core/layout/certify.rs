@@ -74,13 +74,14 @@ impl Workcell {
     }
 
     /// Returns the postures of an operation at its spot, or at all of its nodes if it happens at every node.
-    pub(super) fn held_nodes(&self, map: &OperationMap) -> Vec<HeldPosture> {
+    pub(super) fn held_nodes(&self, layout: &Layout, map: &OperationMap) -> Vec<HeldPosture> {
+        let placed = self.placed(layout);
         let all = self.cell.operations[map.operation].over.needs_every_node();
         let nodes = map.nodes.iter().enumerate().filter(|(k, _)| all || map.best == Some(*k));
         let held = nodes.filter_map(|(k, node)| {
             let posture = node.posture.as_ref()?;
             let at = self.mapper.grid(map.operation).local(k);
-            Some(HeldPosture { at, branch: posture.branch, joints: posture.joints })
+            placed.hold(map.operation, at, posture.branch)
         });
         held.collect()
     }

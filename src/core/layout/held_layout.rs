@@ -12,7 +12,7 @@ use crate::cell::{Cell, Layout};
 use crate::certificate::{Misplacements, NotCertified};
 use crate::clearance::{Overlap, PlacedSolids};
 use crate::error_map::{
-    Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, PointSpot, Probe, Spot, Status,
+    Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot, Status,
 };
 use crate::motion::Blocked;
 use crate::safe_text::shown;
@@ -72,6 +72,8 @@ pub struct HeldLayout<'a> {
     pub objective: f64,
     /// Spot of each operation.
     spots: Vec<HeldSpot>,
+    /// Posture of each operation that has a spot.
+    kept: Vec<Option<HeldPosture>>,
 }
 
 /// Spot and value of one operation.
@@ -118,11 +120,15 @@ impl<'a> HeldLayout<'a> {
             }
             let Spot { node, branch, .. } = (*spot)?;
             let at = workcell.mapper.grid(k).local(node);
-            let joints = Probe::new(&placed, k, &all).ok()?.joints(at, branch)?;
-            Some(HeldSpot::Spot { node, posture: HeldPosture { at, branch, joints } })
+            Some(HeldSpot::Spot { node, posture: placed.hold(k, at, branch)? })
         };
         let spots = all.iter().enumerate().map(held).collect::<Option<Vec<_>>>()?;
-        Some(Self { workcell, layout, objective, spots })
+        let posture = |spot: &HeldSpot| match spot {
+            HeldSpot::Spot { posture, .. } => Some(*posture),
+            HeldSpot::EveryNode => None,
+        };
+        let kept = spots.iter().map(posture).collect();
+        Some(Self { workcell, layout, objective, spots, kept })
     }
 
     /// Returns the workcell of the layout.
@@ -206,6 +212,7 @@ impl<'a> HeldLayout<'a> {
         });
         let placed =
             PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
+        let placed = placed.keeping(&self.kept);
         let judgement = Judgement { held: self, placed: &placed, most, known };
         let found = judgement.values(&mut memory.choice, &mut memory.bounds);
         memory.solids = placed.into_solids();
@@ -251,7 +258,8 @@ impl Judgement<'_, '_> {
                 (Some(known), _) => known,
                 (None, HeldSpot::Spot { node, posture }) => {
                     let found = self.placed.held(k, &spots, posture, false, bounds);
-                    let PointSpot { branch, value, .. } = found.map_err(|s| Ending::Posture(k, s))?;
+                    let value = found.map_err(|status| Ending::Posture(k, status))?;
+                    let branch = posture.branch_elsewhere(self.held.workcell.inverse());
                     OperationValue { spot: Spot { node: *node, branch, value }, value, worst: value }
                 }
                 (None, HeldSpot::EveryNode) => match self.query(k, &spots).choose(choice) {

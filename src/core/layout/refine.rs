@@ -4,7 +4,8 @@
 //! successive polls without a gain, the distance is halved. The distance starts at half the spacing of the
 //! nodes and ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions
 //! rotate by the golden angle from poll to poll, so that they meet an edge of the usable area at many angles.
-//! Only gains are accepted, so the refined spot is never worse than the best node.
+//! Only gains are accepted, so the refined spot is never worse than the best node. If the layout must work at
+//! every misplacement inside the placement tolerances, only certified spots are accepted.
 //!
 //! The branch of the posture stays the same during a search. At the end point every branch is judged, as at a
 //! node. If another branch is better there, a search with that branch follows. Only one operation is refined
@@ -13,6 +14,7 @@
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
+use crate::certificate::Misplacements;
 use crate::error_map::{HeldPosture, OperationMap, PointSpot, Probe, Status};
 use nalgebra::Vector3;
 
@@ -50,6 +52,9 @@ pub struct Refined {
     pub branch: u32,
     pub joints: JointVector,
     pub value: f64,
+    /// Upper bound of the value over all misplacements inside the placement tolerances; None if the layout need
+    /// not withstand misplacements, or if no bound is known.
+    pub most: Option<f64>,
     /// Value of the best node, never less than `value`.
     pub node_value: f64,
 }
@@ -71,7 +76,10 @@ impl Workcell {
         if self.cell.misfit(layout).is_some() {
             return vec![None; maps.len()];
         }
-        let placed = self.placed(layout);
+        let mut misplacements = Misplacements::default();
+        misplacements.set(&self.cell, layout, self.cell.robot.reach());
+        let demand = self.certifies().then(|| self.demand(&misplacements));
+        let placed = self.placed(layout).demanding(demand);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
         let refine = |map: &OperationMap| {
             let operation = &self.cell.operations[map.operation];
@@ -98,33 +106,27 @@ impl Workcell {
         // Teaching the frame removes most of the error at and near the touched points. The value at such a
         // point is not representative of the surface.
         let apart = probe.distance_from_touched(node_at).min(spacing.0.min(spacing.1)) - LEAST_STEP;
-        let mut best = PointSpot { at: node_at, branch: node.branch, value: node.value };
+        let mut best = PointSpot { posture: probe.hold(node_at, node.branch)?, value: node.value };
         for start in starts(map) {
             let at = self.mapper.grid(map.operation).local(start);
             let Ok(mut from) = probe.best(at) else { continue };
             let step = spacing.0.max(spacing.1) / 2.0;
             for _ in 0..MAX_POSTURES {
-                let Some(joints) = probe.joints(from.at, from.branch) else { break };
-                let branch = from.branch;
-                let found = descend(from, area, step, |at| {
-                    let is_apart = probe.distance_from_touched(at) >= apart;
-                    let value = is_apart
-                        .then(|| probe.holding(&HeldPosture { at, branch, joints }).ok())
-                        .flatten()?;
-                    Some(PointSpot { at, branch, value })
-                });
+                let found = descend(from, area, step, &mut probe, apart);
                 if found.value < best.value {
                     best = found;
                 }
-                match probe.best(found.at) {
+                match probe.best(found.posture.at) {
                     Ok(other) if other.value < found.value * (1.0 - LEAST_GAIN) => from = other,
                     _ => break,
                 }
             }
         }
-        let PointSpot { at, branch, value } = best;
-        let (position, joints) = (probe.position(at), probe.joints(at, branch)?);
-        Some(Refined { at, node_at, position, branch, joints, value, node_value: node.value })
+        let PointSpot { posture, value } = best;
+        let HeldPosture { at, branch, .. } = posture;
+        let (position, joints) = (probe.position(at), probe.joints(&posture)?);
+        let most = probe.certificate(&posture, Some(&self.value_bounds[map.operation])).ok().flatten();
+        Some(Refined { at, node_at, position, branch, joints, value, most, node_value: node.value })
     }
 }
 
@@ -147,12 +149,16 @@ fn starts(map: &OperationMap) -> Vec<usize> {
     starts
 }
 
-/// Runs one compass search on the points that `judge` accepts.
+/// Runs one compass search on the points at which the posture of `from` can be held and is certified.
+///
+/// A certificate is expensive, so only points that improve the value are certified. Points nearer than `apart` (m) to
+/// a touched point do not count.
 fn descend(
     from: PointSpot,
     area: &Rectangle,
     mut step: f64,
-    mut judge: impl FnMut((f64, f64)) -> Option<PointSpot>,
+    probe: &mut Probe<'_>,
+    apart: f64,
 ) -> PointSpot {
     let inside = |v: f64, centre: f64, size: f64| v.clamp(centre - size / 2.0, centre + size / 2.0);
     let (mut best, mut failures) = (from, 0);
@@ -160,15 +166,20 @@ fn descend(
         if step < LEAST_STEP {
             break;
         }
+        let gained = |value: f64| value < best.value - LEAST_GAIN * best.value.abs();
         let candidates = (0..DIRECTIONS).filter_map(|k| {
             let turn = std::f64::consts::TAU * k as f64 / DIRECTIONS as f64;
             let (sin, cos) = (GOLDEN_ANGLE * poll as f64 + turn).sin_cos();
-            let x = inside(best.at.0 + step * cos, area.centre.0, area.size.0);
-            let y = inside(best.at.1 + step * sin, area.centre.1, area.size.1);
-            judge((x, y))
+            let x = inside(best.posture.at.0 + step * cos, area.centre.0, area.size.0);
+            let y = inside(best.posture.at.1 + step * sin, area.centre.1, area.size.1);
+            let posture = from.posture.at_point((x, y));
+            let is_apart = probe.distance_from_touched(posture.at) >= apart;
+            let value = is_apart.then(|| probe.holding(&posture).ok()).flatten()?;
+            Some(PointSpot { posture, value }).filter(|_| gained(value))
         });
-        let least = candidates.min_by(|a, b| a.value.total_cmp(&b.value));
-        match least.filter(|c| c.value < best.value - LEAST_GAIN * best.value.abs()) {
+        let mut better: Vec<PointSpot> = candidates.collect();
+        better.sort_by(|a, b| a.value.total_cmp(&b.value));
+        match better.into_iter().find(|c| probe.certificate(&c.posture, None).is_ok()) {
             Some(better) => (best, failures) = (better, 0),
             None if failures + 1 < MAX_FAILURES => failures += 1,
             None => (step, failures) = (step / 2.0, 0),

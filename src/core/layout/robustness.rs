@@ -174,7 +174,7 @@ impl Workcell {
         spots: &[Option<Spot>],
     ) -> HeldOperation<'a> {
         let limit = self.cell.operations[map.operation].limit.filter(|_| self.cell.unit() != Unit::Share);
-        let (held, spots) = (self.held_nodes(map), spots.to_vec());
+        let (held, spots) = (self.held_nodes(layout, map), spots.to_vec());
         HeldOperation { workcell: self, layout, operation: map.operation, held, spots, limit }
     }
 }

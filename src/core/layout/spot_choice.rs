@@ -16,7 +16,6 @@ use crate::certificate::NotCertified;
 use crate::error_map::{
     Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Probe, Spot, Status, Unjudged,
 };
-use crate::reach::Cost;
 
 /// Greatest number of nodes that a robust search judges for one operation.
 const MAX_NODES: usize = 16;
@@ -176,9 +175,9 @@ impl<'a, 'm> Judge<'a, 'm> {
         let worst = match bound {
             Some(bound) => Ok(bound),
             None => {
-                let held =
-                    at.iter().filter_map(|spot| held_posture(workcell, placed, operation, spots, spot));
-                Corners::new(self.query).worst(drawn, &held.collect::<Vec<_>>())
+                let grid = workcell.mapper.grid(operation);
+                let held = |spot: &Spot| placed.hold(operation, grid.local(spot.node), spot.branch);
+                Corners::new(self.query).worst(drawn, &at.iter().filter_map(held).collect::<Vec<_>>())
             }
         };
         match worst {
@@ -186,24 +185,6 @@ impl<'a, 'm> Judge<'a, 'm> {
             Err(loss) => SpotValue::Lost(loss),
         }
     }
-}
-
-/// Returns the posture that the operation keeps at a spot while bodies are misplaced.
-///
-/// The joint coordinates are set only if the inverse kinematics is numeric.
-fn held_posture(
-    workcell: &Workcell,
-    placed: &PlacedLayout<'_>,
-    operation: usize,
-    spots: &[Option<Spot>],
-    spot: &Spot,
-) -> Option<HeldPosture> {
-    let at = workcell.mapper.grid(operation).local(spot.node);
-    let joints = match workcell.inverse().cost() {
-        Cost::Numeric => Probe::new(placed, operation, spots).ok()?.joints(at, spot.branch)?,
-        _ => Default::default(),
-    };
-    Some(HeldPosture { at, branch: spot.branch, joints })
 }
 
 /// Corners of the box of placement tolerances, at which an operation is evaluated.

@@ -84,6 +84,11 @@ impl AttitudeSet {
         }
     }
 
+    /// Returns the azimuth in the base frame, rad, with which the attitudes rotate.
+    pub(super) fn heading(&self, target: &Vector3<f64>) -> f64 {
+        if self.radial { target.y.atan2(target.x) } else { self.zero }
+    }
+
     /// Returns the number of rotation matrices that belong to one azimuth.
     pub(super) fn columns_per_azimuth(&self) -> usize {
         let tilts = self.elevations.len() + if self.tilts_sideways { 2 } else { 0 };

@@ -41,7 +41,8 @@ pub use envelope::{Envelope, EnvelopeExtent, EnvelopeSection, Fineness, Outline,
 pub use inverse::Inverse;
 pub use limit_cones::LimitCone;
 pub use limits::LimitViolation;
-pub use numeric::{AttitudeGoal, Numeric, Shortfall, TcpGoal, jacobian};
+pub use numeric_branches::CONTINUED;
+pub use numeric::{AttitudeGoal, Numeric, PoseMiss, Shortfall, TcpGoal, jacobian};
 #[doc(hidden)] // open for tests/maths
 pub use numeric::{least_turn, rotation_vector};
 pub use planar_geometry::PlanarGeometry;

@@ -4,12 +4,17 @@
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
-use super::numeric::{AttitudeGoal, Shortfall, TcpGoal};
+use super::numeric::{AttitudeGoal, PoseMiss, Shortfall, TcpGoal};
 use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
+use super::tool_task::best_held;
 use crate::cell::JointVector;
+use crate::pose::exact_sin_cos;
 use crate::robot::Posture;
 use nalgebra::{Matrix3, Vector3};
+
+/// Branch index of a posture that continues another one.
+pub const CONTINUED: u32 = u32::MAX;
 
 impl Inverse {
     /// Calls `found` with every branch of the numeric solver; returns the [`Gap`] of the target.
@@ -61,6 +66,53 @@ impl Inverse {
         }
     }
 
+    /// Returns the azimuth in the base frame, rad, with which the allowed attitudes rotate at a target.
+    pub fn heading(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
+        attitudes.set.heading(target)
+    }
+
+    /// Continues the posture `from` of an arm with numeric inverse kinematics to another target.
+    ///
+    /// The tool rotates by `turn` (rad) about the vertical and otherwise keeps its orientation. Of seven joints, one
+    /// stays where it is, as in [`Self::tool_task`]. An arm with fewer than six joints keeps an allowed attitude.
+    ///
+    /// # Errors
+    /// Returns how far the arm stays from the target if it cannot follow.
+    pub fn continued(
+        &self,
+        from: &JointVector,
+        turn: f64,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+    ) -> Result<Branch, PoseMiss> {
+        let ChainSolver::Numeric(numeric) = &self.solver else { return Err(PoseMiss::UNTRIED) };
+        let frames = self.chain.frames(&self.chain.posture(from));
+        let (goals, held) = match self.chain.axes() {
+            0..6 => (self.goals(target, attitudes), None),
+            axes => {
+                let rotation = exact_turn(turn) * frames.tcp.rotation;
+                let goal = TcpGoal { position: *target, attitude: AttitudeGoal::Rotation(rotation) };
+                (vec![goal], (axes == 7).then(|| best_held(&self.chain, &frames)))
+            }
+        };
+        let (mut best, mut missed) = (None, PoseMiss::UNTRIED);
+        for goal in &goals {
+            match numeric.following(goal, from, held) {
+                Ok(joints) => {
+                    let off = joints.iter().zip(from).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                    if best.is_none_or(|(least, _)| off < least) {
+                        best = Some((off, joints));
+                    }
+                }
+                Err(miss) if miss.position + miss.angle < missed.position + missed.angle => missed = miss,
+                Err(_) => {}
+            }
+        }
+        let (_, joints) = best.ok_or(missed)?;
+        let posture = self.chain.posture(&joints);
+        Ok(Branch { index: CONTINUED, joints, posture, violation: None, off: 0.0 })
+    }
+
     fn numeric(&self, goal: &TcpGoal, joints: &mut Vec<JointVector>) -> Shortfall {
         joints.clear();
         match &self.solver {
@@ -89,6 +141,12 @@ impl Inverse {
         };
         columns.map(|columns| goal(held(columns))).collect()
     }
+}
+
+/// Returns the matrix of a rotation by `angle` (rad) about z.
+fn exact_turn(angle: f64) -> Matrix3<f64> {
+    let (sin, cos) = exact_sin_cos(angle);
+    Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
 }
 
 /// Returns whether `a` is nearer to a solution than `b`.

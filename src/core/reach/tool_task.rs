@@ -103,7 +103,7 @@ fn pitch(frames: &Frames) -> [f64; MAX_JOINTS] {
 /// Returns the joint of a seven-axis arm whose removal leaves the best conditioned six-axis arm.
 ///
 /// It is the joint with the largest share in the self-motion of the arm.
-fn best_held(chain: &Chain, frames: &Frames) -> usize {
+pub(super) fn best_held(chain: &Chain, frames: &Frames) -> usize {
     let columns = jacobian(chain, frames);
     let volume = |held: usize| {
         let mut kept = Matrix6::zeros();

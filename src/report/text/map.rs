@@ -95,8 +95,11 @@ fn refined_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     let [x, y, z] = [refined.position.x, refined.position.y, refined.position.z].map(mm1);
     let (u, v) = (mm1(refined.at.0), mm1(refined.at.1));
     let (value, word, gain) = (unit.from_si(refined.value), unit.word(), percent1(refined.gain()));
+    let worst = refined.most.map_or(String::new(), |most| {
+        format!(", at most {:.6} {word} within the placement tolerances,", unit.from_si(most))
+    });
     Some(format!(
-        "refined between the nodes: {value:.6} {word} ({gain} less) at x {x} y {y} z {z} mm, on the surface x {u} y {v} mm"
+        "refined between the nodes: {value:.6} {word} ({gain} less){worst} at x {x} y {y} z {z} mm, on the surface x {u} y {v} mm"
     ))
 }
 

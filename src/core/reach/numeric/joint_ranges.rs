@@ -62,6 +62,15 @@ impl JointRanges {
         Self(chain.links.iter().enumerate().map(range).collect())
     }
 
+    /// Returns these ranges with the joint `held` fixed at its coordinate in `q`.
+    pub fn holding(&self, held: Option<usize>, q: &JointVector) -> Self {
+        let mut ranges = self.0.clone();
+        if let Some((range, q)) = held.and_then(|k| Some((ranges.get_mut(k)?, q.get(k)?))) {
+            *range = JointRange { lo: *q, hi: *q, turns: false, ..*range };
+        }
+        Self(ranges)
+    }
+
     /// Returns the range of every joint.
     pub fn ranges(&self) -> &[JointRange] {
         &self.0

@@ -23,7 +23,7 @@ mod step;
 
 pub use goal::{AttitudeGoal, TcpGoal, least_turn, rotation_vector};
 pub use jacobian::jacobian;
-pub use shortfall::Shortfall;
+pub use shortfall::{PoseMiss, Shortfall};
 
 use crate::cell::{JointKind, JointVector};
 use crate::robot::{Chain, Frames};
@@ -109,6 +109,32 @@ impl Numeric {
             let rest = self.descend_to_rest(&goal, &start, self.scale, &mut frames);
             rest.miss.is_reached().then_some(rest.q)
         })
+    }
+
+    /// Returns the solution that a descent from `start` leads to. The joint with the index `held` stays where it is.
+    ///
+    /// # Errors
+    /// Returns how far the descent stays from the goal if it leads to no solution.
+    pub fn following(
+        &self,
+        goal: &TcpGoal,
+        start: &JointVector,
+        held: Option<usize>,
+    ) -> Result<JointVector, PoseMiss> {
+        let goal = goal.checked().ok_or(PoseMiss::UNTRIED)?;
+        let (chain, joints) = (self.chain.clone(), self.joints.holding(held, start));
+        let solver = Self { chain, joints, scale: self.scale, starts: Starts::default() };
+        let (start, mut frames) = (solver.joints.kept(start), Frames::default());
+        if let Some(found) = solver.descend_fast(&goal, &start, &mut frames) {
+            return Ok(found);
+        }
+        let rest = solver.descend_to_rest(&goal, &start, self.scale, &mut frames);
+        match rest.miss.is_reached() {
+            true => Ok(rest.q),
+            false => {
+                Err(PoseMiss { position: rest.miss.position.norm(), angle: rest.miss.rotation.norm() })
+            }
+        }
     }
 
     /// Solves by full descents for a goal that every fast descent has missed.

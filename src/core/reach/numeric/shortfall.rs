@@ -37,6 +37,20 @@ pub enum Shortfall {
     NotConverged { position: f64, angle: f64 },
 }
 
+/// Errors of the best attempt to reach a goal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseMiss {
+    /// Position error, m.
+    pub position: f64,
+    /// Orientation error, rad.
+    pub angle: f64,
+}
+
+impl PoseMiss {
+    /// Nothing was tried.
+    pub const UNTRIED: Self = Self { position: f64::INFINITY, angle: f64::INFINITY };
+}
+
 impl Numeric {
     /// Returns the distance, m, by which a goal is out of reach in any attitude. The goal must be a result of
     /// [`TcpGoal::checked`].

@@ -18,7 +18,7 @@ struct Start {
 }
 
 /// All start postures of a chain.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Starts {
     all: Vec<Start>,
     tool_axis: Vector3<f64>,
