@@ -221,6 +221,30 @@ async function testPlan(page) {
   check((await textOf(page, "#change")).includes("worktable x"), "an arrow key moves the chosen equipment");
 }
 
+/**
+ * Tests that the plan shows where a gripped piece may stand: coarsely at once, finely while it is still.
+ * @param {Page} page
+ */
+async function testStanding(page) {
+  const outline = () => page.locator("#plan .standing path").first().getAttribute("d");
+  const { x, y } = await pieceOf(page, "worktable");
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 6, y, { steps: 2 });
+  await page.waitForSelector("#plan .standing path", { state: "attached" });
+  const coarse = await outline();
+  await page.waitForFunction(
+    (d) => document.querySelector("#plan .standing path")?.getAttribute("d") !== d,
+    coarse,
+  );
+  const fine = await outline();
+  check((fine?.length ?? 0) > 20, `the plan shows where the held piece may stand: ${fine?.slice(0, 40)}`);
+  await takePicture(page, "standing");
+  await page.mouse.move(x, y);
+  await page.mouse.up();
+  check((await page.locator("#plan .standing path").count()) === 0, "the outline goes with the grip");
+}
+
 /** @param {Page} page */
 async function testQuestions(page) {
   await step(page, () => page.click("#reset"));
@@ -317,6 +341,7 @@ async function testSession() {
   await testTyping(page);
   await testPlan(page);
   await testQuestions(page);
+  await testStanding(page);
   check((await error(page)) === start, "the page is back at the start");
   await testView3d(page);
   await testSaving(page);

@@ -1,0 +1,99 @@
+//! Cost of one layout of every shipped cell, on one thread: `cargo bench --bench cells [-- NAME ...]`.
+//!
+//! Half of the layouts are random in the search ranges. The others are plausible: they lie within 300 mm and 20 deg
+//! of the best layout of a short search. "Ideal" layouts must work as drawn; the layouts "to build" must withstand
+//! the placement tolerances, too. Prints medians as a table.
+
+#![allow(clippy::expect_used, clippy::print_stdout)] // a benchmark without cells has nothing to measure
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+use sweetspot::cell::Layout;
+use sweetspot::files::{self, Setting};
+use sweetspot::layout::{Workcell, Workspace, evaluate_in};
+use sweetspot::search::{SearchSpace, Watch, search};
+
+/// Number of layouts of each kind.
+const LAYOUTS: usize = 60;
+/// Number of times that all layouts are evaluated; the median counts.
+const ROUNDS: usize = 5;
+/// Number of evaluations of the search for the plausible layouts.
+const BUDGET: u64 = 200;
+const CELLS: [&str; 12] = [
+    "hitachi_cell",
+    "ur_cell",
+    "scara_cell",
+    "palletizer_cell",
+    "five_axis_cell",
+    "drilling_cell",
+    "wrist_cell",
+    "track_cell",
+    "panda_cell",
+    "offset_wrist_cell",
+    "hitachi_paper",
+    "hitachi_urdf",
+];
+
+fn workcell(name: &str, is_ideal: bool) -> Workcell {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cells");
+    let ideal = Setting::new("search.ideal", "true");
+    let settings = if is_ideal { vec![ideal] } else { Vec::new() };
+    let read = &mut |path: &str| std::fs::read(folder.join(path)).map_err(|e| e.to_string());
+    let loaded = files::load_with(&format!("{name}.toml"), &settings, read).expect("a shipped cell");
+    Workcell::new(loaded.cell).expect("a workcell")
+}
+
+/// Returns random and plausible layouts of a cell.
+fn layouts(workcell: &Workcell) -> [Vec<Layout>; 2] {
+    let space = SearchSpace::new(&workcell.cell);
+    let mut rng = ChaCha8Rng::seed_from_u64(20_261_122);
+    let random = (0..LAYOUTS)
+        .map(|_| space.layout(&(0..space.dimensions()).map(|_| rng.random()).collect::<Vec<f64>>()))
+        .collect();
+    let mut settings = workcell.cell.search;
+    settings.budget = BUDGET;
+    let best = search(workcell, &settings, &Watch { progress: &|_| (), stop: &AtomicBool::new(false) }).best;
+    let plausible = (0..LAYOUTS).map(|_| {
+        let mut near = best.layout.clone();
+        for at in &mut near.placements {
+            let mut by = |most: f64| rng.random_range(-most..most);
+            (at.x, at.y, at.yaw) = (at.x + by(0.3), at.y + by(0.3), at.yaw + by(0.35));
+        }
+        space.layout(&space.point(&near))
+    });
+    [random, plausible.collect()]
+}
+
+/// Returns the median cost of a layout, us.
+fn cost(workcell: &Workcell, layouts: &[Layout]) -> f64 {
+    let mut workspace = Workspace::default();
+    let mut round = || {
+        let began = Instant::now();
+        for layout in layouts {
+            black_box(evaluate_in(workcell, layout, &mut workspace));
+        }
+        began.elapsed().as_secs_f64() * 1e6 / layouts.len() as f64
+    };
+    round();
+    let mut rounds: Vec<f64> = (0..ROUNDS).map(|_| round()).collect();
+    rounds.sort_by(f64::total_cmp);
+    rounds[ROUNDS / 2]
+}
+
+fn main() {
+    let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    println!("| cell | ideal, random us | plausible us | to build, random us | plausible us |");
+    println!("|---|---|---|---|---|");
+    for name in CELLS.iter().filter(|name| asked.is_empty() || asked.iter().any(|a| name.contains(a.as_str()))) {
+        let costs = [true, false].map(|is_ideal| {
+            let workcell = workcell(name, is_ideal);
+            layouts(&workcell).map(|layouts| cost(&workcell, &layouts))
+        });
+        let [[a, b], [c, d]] = costs.map(|all| all.map(|us| format!("{us:.1}")));
+        println!("| {name} | {a} | {b} | {c} | {d} |");
+    }
+}
