@@ -88,7 +88,9 @@ fn main() {
     let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     println!("| cell | ideal, random us | plausible us | to build, random us | plausible us |");
     println!("|---|---|---|---|---|");
-    for name in CELLS.iter().filter(|name| asked.is_empty() || asked.iter().any(|a| name.contains(a.as_str()))) {
+    for name in
+        CELLS.iter().filter(|name| asked.is_empty() || asked.iter().any(|a| name.contains(a.as_str())))
+    {
         let costs = [true, false].map(|is_ideal| {
             let workcell = workcell(name, is_ideal);
             layouts(&workcell).map(|layouts| cost(&workcell, &layouts))

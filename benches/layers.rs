@@ -52,7 +52,7 @@ fn layouts(cell: &Cell) -> Vec<Layout> {
 }
 
 fn node(c: &mut Criterion) {
-    let cell = shipped("hitachi_cell.toml");
+    let cell = shipped("hitachi_ideal.toml");
     let chain = Chain::new(&cell.robot);
     let ErrorSet::Signed(signed) = cell.error_set() else { unreachable!("a signed sample") };
     let errors = Perturbation::new(&chain, signed);
@@ -90,7 +90,7 @@ fn node(c: &mut Criterion) {
 /// worst case and the covariance of the linear model. Further benchmarks compute the nonlinear worst-case and
 /// statistical figures of one posture.
 fn readings(c: &mut Criterion) {
-    let mut cell = shipped("hitachi_cell.toml");
+    let mut cell = shipped("hitachi_ideal.toml");
     cell.model = Model::Linear;
     cell.operations[0].sense = Sense::plain("xyz").expect("a plain sense");
     let chain = Chain::new(&cell.robot);
@@ -151,7 +151,7 @@ fn map(c: &mut Criterion) {
 }
 
 fn collision(c: &mut Criterion) {
-    let mut cell = shipped("hitachi_cell.toml");
+    let mut cell = shipped("hitachi_ideal.toml");
     let chain = Chain::new(&cell.robot);
     for (what, itself) in [("work C", false), ("work C and the robot against itself", true)] {
         cell.robot.self_collision.checked = itself;
@@ -179,7 +179,7 @@ fn collision(c: &mut Criterion) {
 /// the ranking of nodes, so that every node is judged.
 fn evaluate(c: &mut Criterion) {
     let ready = |collision: bool, times: usize| {
-        let mut cell = shipped("hitachi_cell.toml");
+        let mut cell = shipped("hitachi_ideal.toml");
         cell.collision = collision;
         // Grids of 99 and 63 nodes, or of ten times as many.
         let grids = if times == 1 { [(10, 8), (20, 2)] } else { [(32, 29), (69, 8)] };
@@ -210,7 +210,7 @@ fn evaluate(c: &mut Criterion) {
 
 /// Measures `evaluate` on the plausible layouts with one thread and with two, in parts of at least 50 layouts.
 fn threads(c: &mut Criterion) {
-    let workcell = Workcell::new(shipped("hitachi_cell.toml")).expect("the cell");
+    let workcell = Workcell::new(shipped("hitachi_ideal.toml")).expect("the cell");
     let layouts = &layouts(&workcell.cell)[1000..];
     for count in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
@@ -224,7 +224,7 @@ fn threads(c: &mut Criterion) {
 
 /// Measures the work per layout before any node: placing the solids, and checking the floor spaces for overlaps.
 fn layout(c: &mut Criterion) {
-    let cell = shipped("hitachi_cell.toml");
+    let cell = shipped("hitachi_ideal.toml");
     let layouts = layouts(&cell);
     let (scene, plan) = (Scene::new(&cell), FloorPlan::new(&cell));
     let (mut placed, mut found) = (PlacedSolids::default(), Vec::new());

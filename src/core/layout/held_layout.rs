@@ -11,9 +11,7 @@ use super::workcell::Workcell;
 use crate::cell::{Cell, Layout};
 use crate::certificate::{Misplacements, NotCertified};
 use crate::clearance::{Overlap, PlacedSolids};
-use crate::error_map::{
-    Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot, Status,
-};
+use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot, Status};
 use crate::motion::Blocked;
 use crate::safe_text::shown;
 

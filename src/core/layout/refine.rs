@@ -153,13 +153,7 @@ fn starts(map: &OperationMap) -> Vec<usize> {
 ///
 /// A certificate is expensive, so only points that improve the value are certified. Points nearer than `apart` (m) to
 /// a touched point do not count.
-fn descend(
-    from: PointSpot,
-    area: &Rectangle,
-    mut step: f64,
-    probe: &mut Probe<'_>,
-    apart: f64,
-) -> PointSpot {
+fn descend(from: PointSpot, area: &Rectangle, mut step: f64, probe: &mut Probe<'_>, apart: f64) -> PointSpot {
     let inside = |v: f64, centre: f64, size: f64| v.clamp(centre - size / 2.0, centre + size / 2.0);
     let (mut best, mut failures) = (from, 0);
     for poll in 0..MAX_POLLS {

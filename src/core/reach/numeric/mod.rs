@@ -131,9 +131,7 @@ impl Numeric {
         let rest = solver.descend_to_rest(&goal, &start, self.scale, &mut frames);
         match rest.miss.is_reached() {
             true => Ok(rest.q),
-            false => {
-                Err(PoseMiss { position: rest.miss.position.norm(), angle: rest.miss.rotation.norm() })
-            }
+            false => Err(PoseMiss { position: rest.miss.position.norm(), angle: rest.miss.rotation.norm() }),
         }
     }
 
