@@ -1,7 +1,7 @@
 //! Robot, solids, errors and operations of a cell, prepared for any layout.
 
 use super::grid::Grid;
-use super::held::HeldPosture;
+use super::held_posture::HeldPosture;
 use super::operation_setup::OperationSetup;
 use super::simd::Ranker;
 use crate::cell::{Cell, Coordinate, JointVector, Operation};

@@ -21,6 +21,7 @@ mod every_node;
 mod free_spots;
 mod grid;
 mod held;
+mod held_posture;
 mod least_error;
 mod map;
 mod mapper;
@@ -39,7 +40,7 @@ mod workspace;
 
 pub use demand::Demand;
 pub use grid::Grid;
-pub use held::{HeldPosture, PointSpot};
+pub use held_posture::{HeldPosture, PointSpot};
 pub use mapper::Mapper;
 pub use node_record::{NodeRecord, OperationMap, PostureRecord, Status};
 pub use node_sign::NodeSign;

@@ -1,7 +1,7 @@
 //! One layout with its solids posed: the context in which postures are judged.
 
 use super::demand::Demand;
-use super::held::HeldPosture;
+use super::held_posture::HeldPosture;
 use super::mapper::Mapper;
 use super::outcome::Spot;
 use crate::cell::{Attitude, JointVector, Layout, Placement};

@@ -3,7 +3,7 @@
 
 use super::candidate::PostureCandidate;
 use super::demand::Demand;
-use super::held::{HeldPosture, PointSpot};
+use super::held_posture::{HeldPosture, PointSpot};
 use super::node_record::Status;
 use super::outcome::{Spot, Unjudged};
 use super::placed_layout::PlacedLayout;

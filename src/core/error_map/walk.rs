@@ -7,7 +7,7 @@
 //! and probe all use these functions, so they apply the same rules.
 
 use super::candidate::PostureCandidate;
-use super::held::HeldPosture;
+use super::held_posture::HeldPosture;
 use super::node_record::Status;
 use super::operation_setup::OperationSetup;
 use super::outcome::{Outcome, Spot, Unjudged};

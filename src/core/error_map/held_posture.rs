@@ -1,0 +1,54 @@
+//! Posture that an operation keeps while the layout changes.
+
+use crate::cell::JointVector;
+use crate::reach::{Branch, CONTINUED, Cost, Inverse, PoseMiss, ToolAttitudes};
+use nalgebra::Vector3;
+
+/// A point of the surface at which the operation can happen, with the posture there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointSpot {
+    pub posture: HeldPosture,
+    /// Value to minimize, defined like [`Spot::value`].
+    pub value: f64,
+}
+
+/// Point and posture that are kept while the layout changes a little.
+///
+/// Closed-form inverse kinematics finds the posture again by its branch index. Numeric inverse kinematics continues
+/// it: the arm moves on from these joint coordinates, and the tool rotates with the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldPosture {
+    /// Point in the frame of the equipment, m.
+    pub at: (f64, f64),
+    pub branch: u32,
+    pub joints: JointVector,
+    /// Azimuth in the base frame, rad, from which the attitude of this posture is measured.
+    pub heading: f64,
+}
+
+impl HeldPosture {
+    /// Returns this posture, to be kept at another point of the surface.
+    #[must_use]
+    pub fn at_point(&self, at: (f64, f64)) -> Self {
+        Self { at, ..*self }
+    }
+
+    /// Returns the branch index of this posture in another layout or at another point.
+    pub fn branch_elsewhere(&self, inverse: &Inverse) -> u32 {
+        if inverse.cost() == Cost::Numeric { CONTINUED } else { self.branch }
+    }
+
+    /// Continues this posture to a target, base frame, m.
+    ///
+    /// # Errors
+    /// Returns how far the arm stays from the target if it cannot follow.
+    pub(super) fn continued(
+        &self,
+        inverse: &Inverse,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+    ) -> Result<Branch, PoseMiss> {
+        let turn = inverse.heading(target, attitudes) - self.heading;
+        inverse.continued(&self.joints, turn, target, attitudes)
+    }
+}
