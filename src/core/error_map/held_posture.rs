@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSpot {
     pub posture: HeldPosture,
-    /// Value to minimize, defined like [`Spot::value`].
+    /// Value to minimize, defined like [`crate::error_map::Spot::value`].
     pub value: f64,
 }
 
