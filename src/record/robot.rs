@@ -2,7 +2,7 @@
 
 use super::explanation::JointKindWord;
 use super::numbers::{degrees, joint_coordinate, millimetres, nine_digits, position_mm};
-use crate::assess::{Reachable, RobotDataSheet};
+use crate::assess::{Reachable, RobotDataSheet, SheetEnvelope};
 use crate::cell::{ErrorSet, Joint, JointKind, Robot, Unit};
 use crate::reach::{EnvelopeSection, Size};
 use crate::units::{mm_from_m, rounded};
@@ -83,7 +83,8 @@ pub struct RobotSheetDocument {
     /// Names of the solids of the links.
     pub solids: Vec<String>,
     pub errors: Vec<ErrorSetEntry>,
-    pub envelope: EnvelopeSize,
+    /// Null for a redundant arm and for numeric inverse kinematics; `sweetspot envelope` computes it.
+    pub envelope: Option<EnvelopeSize>,
 }
 
 /// Joint of a robot with its Denavit-Hartenberg row.
@@ -150,7 +151,8 @@ pub struct SizeEntry {
     pub radius_mm: Option<[f64; 2]>,
     /// Least and greatest height above the origin of the base; null if nothing is reached.
     pub height_mm: Option<[f64; 2]>,
-    /// Bound of the error of `radius_mm` and `height_mm`, equal to the distance between the sample points.
+    /// Bound of the error of `radius_mm` and `height_mm`. Parts of the envelope that are narrower than the distance
+    /// between the sample points may be missed.
     pub extent_within_mm: Option<f64>,
 }
 
@@ -195,11 +197,17 @@ impl RobotSheetDocument {
             home_position_mm: position_mm(&sheet.pose.translation),
             solids: robot.solids.iter().map(|s| s.solid.name.clone()).collect(),
             errors: robot.errors.iter().map(error_set).collect(),
-            envelope: EnvelopeSize {
-                bend_deg: degrees(sheet.elevation),
-                step_mm: millimetres(sheet.step),
-                size: SizeEntry::new(&sheet.size),
-            },
+            envelope: sheet.envelope.as_ref().map(EnvelopeSize::new),
+        }
+    }
+}
+
+impl EnvelopeSize {
+    fn new(envelope: &SheetEnvelope) -> Self {
+        Self {
+            bend_deg: degrees(envelope.elevation),
+            step_mm: millimetres(envelope.step),
+            size: SizeEntry::new(&envelope.size),
         }
     }
 }

@@ -42,9 +42,7 @@ pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
         return print_file(&a.robot, &a.packages);
     }
     let robot = read(&a.robot, &a.packages)?.robot;
-    let bar = output::points_bar();
-    let sheet = RobotDataSheet::new(&robot, &|count, of| output::advance(&bar, count, of));
-    bar.finish_and_clear();
+    let sheet = RobotDataSheet::new(&robot);
     if a.json {
         json_text::print(&RobotSheetDocument::new(&sheet))?;
     } else {

@@ -135,29 +135,39 @@ pub struct RobotDataSheet<'a> {
     pub family: &'static str,
     /// Pose of the TCP at the home position.
     pub pose: Pose,
-    /// Elevation of the tool axis at which the envelope is computed, rad.
+    /// None for a redundant arm and for numeric inverse kinematics, because the envelope then takes many seconds.
+    pub envelope: Option<SheetEnvelope>,
+}
+
+/// Working envelope on the data sheet of a robot.
+pub struct SheetEnvelope {
+    /// Elevation of the tool axis, rad: the fixed elevation of the arm if it has one, otherwise straight down.
     pub elevation: f64,
     pub size: Size,
+    /// Distance between sampled points, m.
     pub step: f64,
 }
 
 impl<'a> RobotDataSheet<'a> {
     /// Computes the data sheet of a robot.
-    ///
-    /// If the construction of the arm fixes the elevation of the tool, the envelope is computed at this
-    /// elevation. Otherwise the envelope is computed for a tool that points down.
-    pub fn new(robot: &'a Robot, progress: &(dyn Fn(u64, u64) + Sync)) -> Self {
+    pub fn new(robot: &'a Robot) -> Self {
         let chain = Chain::new(robot);
         let inverse = Inverse::new(&chain);
+        let envelope = match inverse.cost() {
+            Cost::Low | Cost::Middle => Some(SheetEnvelope::new(robot, &inverse)),
+            Cost::High | Cost::Numeric => None,
+        };
+        let pose = chain.forward(&chain.posture(&robot.home));
+        Self { robot, family: inverse.family(), pose, envelope }
+    }
+}
+
+impl SheetEnvelope {
+    fn new(robot: &Robot, inverse: &Inverse) -> Self {
         let elevation = inverse.fixed_elevation().unwrap_or(-std::f64::consts::FRAC_PI_2);
         let attitude = Attitude::elevation(elevation);
-        let envelope = Envelope::new(&inverse, &attitude, 0.0);
-        let step = step_of(robot, &inverse);
-        let work = envelope.work(0, &[], true, step);
-        let told = |count: u64| progress(count, work);
-        let size =
-            envelope.size(&Fineness { step, tolerance: tolerance_of(&inverse, step), on_progress: &told });
-        let pose = chain.forward(&chain.posture(&robot.home));
-        Self { robot, family: inverse.family(), pose, elevation, size, step }
+        let step = step_of(robot, inverse);
+        let fine = Fineness { step, tolerance: tolerance_of(inverse, step), on_progress: &|_| () };
+        Self { elevation, size: Envelope::new(inverse, &attitude, 0.0).size(&fine), step }
     }
 }

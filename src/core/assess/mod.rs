@@ -20,7 +20,7 @@ mod sampled_spots;
 
 pub use budget::{BudgetReport, Tighter};
 pub use distribution::ErrorDistribution;
-pub use envelope_study::{EnvelopeQuery, Reachable, RobotDataSheet, step_of, tolerance_of};
+pub use envelope_study::{EnvelopeQuery, Reachable, RobotDataSheet, SheetEnvelope, step_of, tolerance_of};
 pub use explain::{DhRow, Explanation, ParameterEffect, SenseRow};
 pub use feasibility::Feasibility;
 pub use operation_difference::{NodePair, OperationDifference};

@@ -56,8 +56,15 @@ pub fn robot(sheet: &RobotDataSheet<'_>) -> String {
         triple(&sheet.pose.translation.map(mm_from_m)),
     );
     let _ = writeln!(out, "reach       at most {} mm from the base axis", fixed(mm_from_m(robot.reach()), 0));
-    let tilt = fixed(deg_from_rad(sheet.elevation), 1);
-    let _ = writeln!(out, "envelope    with the tool at {tilt} deg: {}", size(&sheet.size));
+    if let Some(envelope) = &sheet.envelope {
+        let tilt = fixed(deg_from_rad(envelope.elevation), 1);
+        let _ = writeln!(out, "envelope    with the tool at {tilt} deg: {}", size(&envelope.size));
+    } else {
+        let _ = writeln!(
+            out,
+            "envelope    `sweetspot envelope` computes it, which takes some seconds for this arm"
+        );
+    }
     let _ = writeln!(out, "solids      {}", solids(robot));
     for set in &robot.errors {
         let _ = writeln!(out, "errors      {}, {}", shown(set.name()), kind_of(set));

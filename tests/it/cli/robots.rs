@@ -74,6 +74,19 @@ fn a_library_robot_is_printed_with_its_numbers() {
     }
 }
 
+#[test]
+fn the_sheet_of_an_arm_without_closed_form_names_the_envelope_command() {
+    let shop = Sandbox::new();
+    for robot in ["franka_panda", "fanuc_crx10ia"] {
+        assert!(field(&shop.json(&["robot", robot]), "envelope").is_null());
+        assert!(shop.done(&["robot", robot]).out.contains("`sweetspot envelope`"));
+    }
+    let size = &shop.json(&["robot", "ur10e"])["envelope"]["size"];
+    // The wrist centre moves on a torus about the base axis; this is far inside the reach of 1595 mm.
+    let radius = numbers(field(size, "radius_mm"));
+    assert!(number(field(size, "extent_within_mm")) == 0.1 && radius[1] < 1595.0, "{size}");
+}
+
 /// The file marks its rows as modified: they begin with the common normal.
 #[test]
 fn modified_dh_rows_are_printed_as_they_are_written() {

@@ -3,11 +3,13 @@
 //! A point belongs to the envelope if [`Inverse::reaches`] returns true for it. Collisions are ignored. All
 //! points are in the base frame of the robot, m.
 
+mod extent;
 mod outline;
 mod size;
 
+pub use extent::EnvelopeExtent;
 pub use outline::{EnvelopeSection, Outline};
-pub use size::{EnvelopeExtent, Size};
+pub use size::Size;
 
 use crate::cell::{Attitude, JointKind, MAX_JOINTS};
 use crate::pose::exact_sin_cos;

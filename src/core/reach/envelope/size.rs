@@ -1,8 +1,8 @@
 //! Volume and extent of a working envelope, by line integrals.
 
-use super::outline::Outline;
+use super::extent::{EnvelopeExtent, RefinementEffort, SampledEnvelope};
 use super::{Envelope, Fineness};
-use crate::reach::{Inverse, Reach};
+use crate::reach::{Cost, Inverse, Reach};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -23,32 +23,6 @@ pub struct Size {
     pub symmetric: bool,
     /// Extent of the envelope; None if no point is reachable.
     pub extent: Option<EnvelopeExtent>,
-}
-
-/// Extent of an envelope about the base axis, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EnvelopeExtent {
-    /// Least and greatest distance from the base axis.
-    pub radius: (f64, f64),
-    /// Least and greatest height of the envelope.
-    pub height: (f64, f64),
-    /// Height at which the distance from the base axis is greatest.
-    pub widest: f64,
-    /// Bound of the error of every length of the extent, m: the distance between sampled points.
-    pub within: f64,
-}
-
-impl EnvelopeExtent {
-    fn of(points: impl Iterator<Item = (f64, f64)>, within: f64) -> Option<Self> {
-        let mut extent: Option<Self> = None;
-        for (r, z) in points {
-            let e = extent.get_or_insert(Self { radius: (r, r), height: (z, z), widest: z, within });
-            e.widest = if r > e.radius.1 { z } else { e.widest };
-            e.radius = (e.radius.0.min(r), e.radius.1.max(r));
-            e.height = (e.height.0.min(z), e.height.1.max(z));
-        }
-        extent
-    }
 }
 
 /// Returns whether joint 1 has a range of at least one turn.
@@ -108,12 +82,24 @@ impl Envelope<'_> {
         let turned = self
             .upright(0.0, fine.step)
             .region(fine.tolerance, fine.on_progress, |[r, z]| angle(r.abs(), z) > 0.0);
-        // An outline with points on both sides of the axis crosses the axis.
-        let on = |o: &Outline, side: f64| o.points.iter().any(|p| p[0] * side > 0.0);
-        let crosses = turned.outlines.iter().any(|o| on(o, 1.0) && on(o, -1.0));
-        let mut extent = EnvelopeExtent::of(turned.points().map(|[r, z]| (r.abs(), z)), fine.step);
-        extent.iter_mut().filter(|_| crosses).for_each(|e| e.radius.0 = 0.0);
-        Size { volume, error: (volume - coarse).abs(), symmetric: true, extent }
+        let points: Vec<[f64; 2]> = turned.points().collect();
+        let sampled = SampledEnvelope {
+            points: &points,
+            step: fine.step,
+            radius_and_height: |[r, z]| (r.abs(), *z),
+            contains: &|[r, z]| angle(r.abs(), *z) > 0.0,
+            effort: self.effort(),
+        };
+        Size { volume, error: (volume - coarse).abs(), symmetric: true, extent: sampled.extent() }
+    }
+
+    /// Returns the effort to refine the extent.
+    fn effort(&self) -> RefinementEffort {
+        match self.inverse.cost() {
+            Cost::Low | Cost::Middle => RefinementEffort { starts: 4, failures: 8 },
+            Cost::High => RefinementEffort { starts: 2, failures: 6 },
+            Cost::Numeric => RefinementEffort { starts: 1, failures: 4 },
+        }
     }
 
     /// Returns the total angle (rad) about the base axis over which the circle through `target` is reachable.
@@ -129,28 +115,33 @@ impl Envelope<'_> {
     }
 
     fn counted_size(&self, fine: &Fineness<'_>) -> Size {
-        let [(volume, extent), (coarse, _)] = [1.0, 2.0].map(|factor| {
+        let [(volume, points), (coarse, _)] = [1.0, 2.0].map(|factor| {
             let step = factor * fine.step;
             let heights = self.upright(0.0, step).line(1);
             let told = |z: &f64| {
                 (fine.on_progress)(self.level(*z, step).count());
                 self.layer(*z, step, fine.tolerance)
             };
-            let layers: Vec<(f64, Vec<(f64, f64)>)> = heights.par_iter().map(told).collect();
+            let layers: Vec<(f64, Vec<[f64; 3]>)> = heights.par_iter().map(told).collect();
             let areas: Vec<f64> = layers.iter().map(|(area, _)| *area).collect();
             let area = |z: f64| self.layer(z, step, fine.tolerance).0;
             let jump = jump_between_lines(&areas);
             let samples = Samples { line: &heights, values: &areas, tolerance: fine.tolerance, jump };
             let volume = integral(samples, area, |z| z);
-            (volume, EnvelopeExtent::of(layers.into_iter().flat_map(|(_, seen)| seen), step))
+            (volume, layers.into_iter().flat_map(|(_, seen)| seen).collect::<Vec<_>>())
         });
-        Size { volume, error: (volume - coarse).abs(), symmetric: false, extent }
+        let sampled = SampledEnvelope {
+            points: &points,
+            step: fine.step,
+            radius_and_height: |[x, y, z]| (x.hypot(*y), *z),
+            contains: &|p| self.contains(&Vector3::from(*p)),
+            effort: self.effort(),
+        };
+        Size { volume, error: (volume - coarse).abs(), symmetric: false, extent: sampled.extent() }
     }
 
     /// Returns the area (m^2) of the envelope at height `z` (m), and the lattice points inside the envelope.
-    ///
-    /// Each point is given as (distance from the base axis, height), m.
-    fn layer(&self, z: f64, step: f64, tolerance: f64) -> (f64, Vec<(f64, f64)>) {
+    fn layer(&self, z: f64, step: f64, tolerance: f64) -> (f64, Vec<[f64; 3]>) {
         let lattice = self.level(z, step);
         let (xs, ys) = (lattice.line(0), lattice.line(1));
         let held = |x: f64, y: f64| f64::from(u8::from(self.contains(&Vector3::new(x, y, z))));
@@ -162,7 +153,7 @@ impl Envelope<'_> {
         for y in &ys {
             let values = row(*y);
             let there = xs.iter().zip(&values).filter(|(_, value)| **value > 0.0);
-            seen.extend(there.map(|(x, _)| (x.hypot(*y), z)));
+            seen.extend(there.map(|(x, _)| [*x, *y, z]));
             widths.push(width(*y, &values));
         }
         let samples = Samples { line: &ys, values: &widths, tolerance, jump: jump_between_lines(&widths) };

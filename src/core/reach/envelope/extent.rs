@@ -1,0 +1,130 @@
+//! Extent of a working envelope: least and greatest distance from the base axis, least and greatest height.
+//!
+//! The lattice of the envelope gives first points. From the best of them, compass searches over the reachable
+//! points find each of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The polled
+//! directions rotate by the golden angle, so that they also fit into a sharp tip of the envelope. The polling distance
+//! doubles after a gain.
+
+use crate::low_discrepancy::halton;
+use rayon::prelude::*;
+
+/// Largest error of a refined length, m.
+const ACCURACY: f64 = 1e-4;
+/// Least polling distance, m.
+const LEAST_STEP: f64 = ACCURACY / 10.0;
+/// Number of directions of one poll.
+const DIRECTIONS: usize = 8;
+/// Greatest number of polls of one search; about a hundred are usual.
+const MAX_POLLS: usize = 1000;
+/// The golden angle, rad.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+/// Extent of an envelope about the base axis, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnvelopeExtent {
+    /// Least and greatest distance from the base axis.
+    pub radius: (f64, f64),
+    /// Least and greatest height of the envelope.
+    pub height: (f64, f64),
+    /// Height at which the distance from the base axis is greatest; it is known to the distance between sampled
+    /// points, because the envelope is often round there.
+    pub widest: f64,
+    /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance between
+    /// sampled points may be missed.
+    pub within: f64,
+}
+
+/// Effort of a refinement.
+#[derive(Clone, Copy)]
+pub(super) struct RefinementEffort {
+    /// Number of sampled points from which searches start.
+    pub starts: usize,
+    /// Number of polls without a gain after which the polling distance is halved.
+    pub failures: usize,
+}
+
+/// Points of an envelope, by which its extent is refined; N coordinates describe a point, m.
+pub(super) struct SampledEnvelope<'a, const N: usize> {
+    /// Sampled points in the envelope, or on its boundary.
+    pub points: &'a [[f64; N]],
+    /// Distance between sampled points, m.
+    pub step: f64,
+    /// Distance from the base axis, and height, of a point.
+    pub radius_and_height: fn(&[f64; N]) -> (f64, f64),
+    /// Whether the envelope contains a point.
+    pub contains: &'a (dyn Fn(&[f64; N]) -> bool + Sync),
+    pub effort: RefinementEffort,
+}
+
+impl<const N: usize> SampledEnvelope<'_, N> {
+    /// Returns the refined extent; None without a sampled point.
+    pub fn extent(&self) -> Option<EnvelopeExtent> {
+        let of = self.radius_and_height;
+        let goals: [&(dyn Fn(&[f64; N]) -> f64 + Sync); 4] =
+            [&|p| -of(p).0, &|p| of(p).0, &|p| -of(p).1, &|p| of(p).1];
+        let found: Vec<[f64; N]> = goals.par_iter().map(|goal| self.farthest(goal)).collect::<Option<_>>()?;
+        let [inner, outer, low, high] = [0, 1, 2, 3].map(|k| of(&found[k]));
+        // An envelope that comes so near to the base axis crosses it, as far as the accuracy tells.
+        let least = if inner.0 < ACCURACY { 0.0 } else { inner.0 };
+        Some(EnvelopeExtent {
+            radius: (least, outer.0),
+            height: (low.1, high.1),
+            widest: outer.1,
+            within: ACCURACY,
+        })
+    }
+
+    /// Returns the point of the envelope with the greatest `goal` that the searches find.
+    fn farthest(&self, goal: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Option<[f64; N]> {
+        let mut sorted: Vec<&[f64; N]> = self.points.iter().collect();
+        sorted.sort_by(|a, b| goal(b).total_cmp(&goal(a)));
+        let mut starts: Vec<[f64; N]> = Vec::new();
+        for point in sorted {
+            if starts.iter().all(|start| distance(start, point) > 2.0 * self.step) {
+                starts.push(*point);
+            }
+            if starts.len() == self.effort.starts {
+                break;
+            }
+        }
+        let ends = starts.into_iter().map(|start| self.climbed(start, goal));
+        ends.reduce(|best, other| if goal(&other) > goal(&best) { other } else { best })
+    }
+
+    /// Runs one compass search for a greater `goal`.
+    fn climbed(&self, start: [f64; N], goal: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> [f64; N] {
+        // A point on the sampled boundary may lie just outside the envelope; then any reachable point beside it counts.
+        let mut best = start;
+        let mut most = if (self.contains)(&start) { goal(&start) } else { f64::NEG_INFINITY };
+        let (mut step, mut failures) = (self.step / 2.0, 0);
+        for poll in 0..MAX_POLLS {
+            if step < LEAST_STEP {
+                break;
+            }
+            let polled = (poll * DIRECTIONS..(poll + 1) * DIRECTIONS).map(|k| {
+                let towards = direction::<N>(k);
+                std::array::from_fn(|i| best[i] + step * towards[i])
+            });
+            let better = polled.filter(|p| goal(p) > most && (self.contains)(p));
+            match better.max_by(|a, b| goal(a).total_cmp(&goal(b))) {
+                Some(point) => (best, most, failures, step) = (point, goal(&point), 0, 2.0 * step),
+                None if failures + 1 < self.effort.failures => failures += 1,
+                None => (step, failures) = (step / 2.0, 0),
+            }
+        }
+        if most > f64::NEG_INFINITY { best } else { start }
+    }
+}
+
+/// Returns unit vector `k` of a sequence that covers all directions of the plane or of space evenly.
+fn direction<const N: usize>(k: usize) -> [f64; N] {
+    let (sin, cos) = (GOLDEN_ANGLE * k as f64).sin_cos();
+    let height =
+        if N > 2 { halton(k as u64 + 1).into_iter().next().map_or(0.0, |u| 2.0 * u - 1.0) } else { 0.0 };
+    let across = (1.0 - height * height).sqrt();
+    std::array::from_fn(|i| [cos * across, sin * across, height].get(i).copied().unwrap_or(0.0))
+}
+
+fn distance<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
