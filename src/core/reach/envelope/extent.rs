@@ -56,12 +56,14 @@ pub(super) struct SampledEnvelope<'a, const N: usize> {
     pub effort: RefinementEffort,
 }
 
+/// Length that is greatest at the point sought.
+type SoughtLength<'a, const N: usize> = dyn Fn(&[f64; N]) -> f64 + Sync + 'a;
+
 impl<const N: usize> SampledEnvelope<'_, N> {
     /// Returns the refined extent; None without a sampled point.
     pub fn extent(&self) -> Option<EnvelopeExtent> {
         let of = self.radius_and_height;
-        let goals: [&(dyn Fn(&[f64; N]) -> f64 + Sync); 4] =
-            [&|p| -of(p).0, &|p| of(p).0, &|p| -of(p).1, &|p| of(p).1];
+        let goals: [&SoughtLength<'_, N>; 4] = [&|p| -of(p).0, &|p| of(p).0, &|p| -of(p).1, &|p| of(p).1];
         let found: Vec<[f64; N]> = goals.par_iter().map(|goal| self.farthest(goal)).collect::<Option<_>>()?;
         let [inner, outer, low, high] = [0, 1, 2, 3].map(|k| of(&found[k]));
         // An envelope that comes so near to the base axis crosses it, as far as the accuracy tells.
@@ -75,7 +77,7 @@ impl<const N: usize> SampledEnvelope<'_, N> {
     }
 
     /// Returns the point of the envelope with the greatest `goal` that the searches find.
-    fn farthest(&self, goal: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> Option<[f64; N]> {
+    fn farthest(&self, goal: &SoughtLength<'_, N>) -> Option<[f64; N]> {
         let mut sorted: Vec<&[f64; N]> = self.points.iter().collect();
         sorted.sort_by(|a, b| goal(b).total_cmp(&goal(a)));
         let mut starts: Vec<[f64; N]> = Vec::new();
@@ -92,7 +94,7 @@ impl<const N: usize> SampledEnvelope<'_, N> {
     }
 
     /// Runs one compass search for a greater `goal`.
-    fn climbed(&self, start: [f64; N], goal: &(dyn Fn(&[f64; N]) -> f64 + Sync)) -> [f64; N] {
+    fn climbed(&self, start: [f64; N], goal: &SoughtLength<'_, N>) -> [f64; N] {
         // A point on the sampled boundary may lie just outside the envelope; then any reachable point beside it counts.
         let mut best = start;
         let mut most = if (self.contains)(&start) { goal(&start) } else { f64::NEG_INFINITY };
@@ -119,8 +121,7 @@ impl<const N: usize> SampledEnvelope<'_, N> {
 /// Returns unit vector `k` of a sequence that covers all directions of the plane or of space evenly.
 fn direction<const N: usize>(k: usize) -> [f64; N] {
     let (sin, cos) = (GOLDEN_ANGLE * k as f64).sin_cos();
-    let height =
-        if N > 2 { halton(k as u64 + 1).into_iter().next().map_or(0.0, |u| 2.0 * u - 1.0) } else { 0.0 };
+    let height = if N > 2 { halton(k as u64 + 1).next().map_or(0.0, |u| 2.0 * u - 1.0) } else { 0.0 };
     let across = (1.0 - height * height).sqrt();
     std::array::from_fn(|i| [cos * across, sin * across, height].get(i).copied().unwrap_or(0.0))
 }
