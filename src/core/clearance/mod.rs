@@ -15,6 +15,7 @@
 //! becomes a convex polyhedron, which is exact, too. Link meshes, which move, are checked as convex parts
 //! that contain them. The robot is checked against itself without the clearance.
 
+mod arm_part;
 mod bodies;
 mod bounding_capsule;
 mod bounding_sphere;
@@ -34,6 +35,7 @@ mod scene;
 mod self_collision_pairs;
 mod spacing;
 
+pub use arm_part::ArmPart;
 pub use bounding_sphere::BoundingSphere;
 pub use contact::{Hit, SolidRef};
 pub use convex_decomposition::Remember;

@@ -3,6 +3,7 @@
 //! Broad phase: bounding boxes and bounding capsules. Narrow phase: closed forms for capsules, then parry3d
 //! for the pairs that the closed forms leave unclear.
 
+use super::arm_part::ArmPart;
 use super::bodies::{CollisionBody, EquipmentSolid, intersecting, parry_pose, part, touching, vector};
 use super::bounding_capsule::{BoundingCapsule, ContactVerdict, overlapping};
 use super::bounding_sphere::{BoundingSphere, bounding_spheres};
@@ -114,13 +115,28 @@ impl Scene {
         }
         let poses = LinkPoses { frames, base: placed.base.as_ref() };
         let capsules: Vec<BoundingCapsule> = self.links.iter().map(|l| poses.capsule(l)).collect();
-        let outside = self.outside_hit(&placed.bodies, poses, &capsules, operation);
-        outside.map(|(_, (hit, _))| hit).or_else(|| self.own_hit(frames, &capsules, operation))
+        let whole = ArmPart::Whole;
+        let outside = self.outside_hit(whole, &placed.bodies, poses, &capsules, operation);
+        outside.map(|(_, (hit, _))| hit).or_else(|| self.own_hit(whole, frames, &capsules, operation))
     }
 
     /// Returns whether [`Self::hit`] finds no contact. `memory` speeds up a series of postures.
     pub fn is_free(
         &self,
+        placed: &PlacedSolids,
+        frames: &LinkFrames,
+        operation: Option<usize>,
+        memory: &mut ContactMemory,
+    ) -> bool {
+        self.is_part_free(ArmPart::Whole, placed, frames, operation, memory)
+    }
+
+    /// Returns whether a part of the arm has no contact.
+    ///
+    /// The arm has none if neither the part before the last joint nor the part behind it has one.
+    pub fn is_part_free(
+        &self,
+        part: ArmPart,
         placed: &PlacedSolids,
         frames: &LinkFrames,
         operation: Option<usize>,
@@ -134,6 +150,7 @@ impl Scene {
         if let Some((k, body)) = *suspect
             && let (Some(link), Some(body)) = (self.links.get(k), placed.bodies.get(body))
             && link.is_there(operation)
+            && part.has(link.frame, self.last)
             && link.may_touch != Some(body.id.0)
             && self.touches(link, &poses.capsule(link), poses, body)
         {
@@ -141,9 +158,11 @@ impl Scene {
         }
         capsules.clear();
         capsules.extend(self.links.iter().map(|l| poses.capsule(l)));
-        let outside = self.outside_hit(&placed.bodies, poses, capsules, operation);
-        *suspect = outside.and_then(|(k, (_, body))| Some((k, body?)));
-        outside.is_none() && self.own_hit(frames, capsules, operation).is_none()
+        let outside = self.outside_hit(part, &placed.bodies, poses, capsules, operation);
+        if let Some((k, (_, Some(body)))) = outside {
+            *suspect = Some((k, body));
+        }
+        outside.is_none() && self.own_hit(part, frames, capsules, operation).is_none()
     }
 
     /// Returns the first moving robot solid that touches equipment, fence or floor.
@@ -152,25 +171,32 @@ impl Scene {
     /// Self-collisions are not checked.
     fn outside_hit(
         &self,
+        part: ArmPart,
         bodies: &[PlacedSolid],
         poses: LinkPoses<'_>,
         capsules: &[BoundingCapsule],
         operation: Option<usize>,
     ) -> Option<(usize, (Hit, Option<usize>))> {
         let moving = self.links.iter().zip(capsules).enumerate();
-        let mut there = moving.filter(|(_, (l, _))| l.frame > 0 && l.is_there(operation));
+        let is_asked = |l: &RobotSolid| l.frame > 0 && l.is_there(operation) && part.has(l.frame, self.last);
+        let mut there = moving.filter(|(_, (l, _))| is_asked(l));
         there.find_map(|(k, (link, capsule))| Some((k, self.first_hit(link, capsule, poses, bodies)?)))
     }
 
-    /// Returns the first contact of the robot with itself.
+    /// Returns the first contact of the robot with itself; the part `part` takes part in it.
     fn own_hit(
         &self,
+        part: ArmPart,
         frames: &LinkFrames,
         capsules: &[BoundingCapsule],
         operation: Option<usize>,
     ) -> Option<Hit> {
         let there = |k: usize| self.links[k].is_there(operation);
-        let mut pairs = self.checked.iter().filter(|(a, b)| there(*a) && there(*b));
+        let farther = |(a, b): &(usize, usize)| self.links[*a].frame.max(self.links[*b].frame);
+        let mut pairs = self
+            .checked
+            .iter()
+            .filter(|pair| there(pair.0) && there(pair.1) && part.has(farther(pair), self.last));
         let touch = |&&(i, j): &&(usize, usize)| {
             let (a, b) = (&self.links[i], &self.links[j]);
             a.is_near(&capsules[i], b, &capsules[j])

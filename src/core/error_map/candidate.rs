@@ -15,6 +15,17 @@ pub struct PostureCandidate {
     pub spot: Spot,
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
+    pub contact: ArmContact,
+}
+
+/// What is known of the contacts of a posture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ArmContact {
+    Unknown,
+    /// A solid before the last joint has a contact.
+    BeforeLastJoint,
+    /// Only solids behind the last joint may have a contact.
+    OnlyBehindLastJoint,
 }
 
 impl PartialEq for PostureCandidate {

@@ -47,7 +47,8 @@ impl PlacedLayout<'_> {
         let attitudes = std::mem::take(&mut workspace.attitudes);
         let query = OperationQuery::reusing(self, &surface, spots, attitudes);
         let mut memory = workspace.of(self.mapper, operation);
-        let outcome = query.ranked(&mut memory).unwrap_or_else(|| query.judged(&mut memory));
+        let outcome = query.ranked(&mut memory).or_else(|| query.by_spin_families(&mut memory));
+        let outcome = outcome.unwrap_or_else(|| query.judged(&mut memory));
         workspace.attitudes = query.attitudes;
         outcome
     }
@@ -104,7 +105,7 @@ impl OperationQuery<'_> {
         if !ranker.takes(&self.attitudes) {
             return None;
         }
-        let WalkMemory { candidates, ranking, postures } = memory;
+        let WalkMemory { candidates, ranking, postures, .. } = memory;
         ranker.rank(&self.at, &context.site.world, &self.attitudes, ranking);
         candidates.clear();
         let mut heap = BinaryHeap::from(std::mem::take(*candidates));

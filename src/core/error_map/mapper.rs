@@ -23,6 +23,8 @@ pub struct Mapper {
     pub(super) guard: Option<Guard>,
     /// Ranker of the nodes of each operation; None if these nodes cannot be ranked.
     pub(super) rankers: Vec<Option<Ranker>>,
+    /// Whether postures are judged only while a bound of their error can still win.
+    pub(super) ranks: bool,
     /// Spherical shell that bounds the reach of the arm in each operation; None if the shell saves no time.
     pub(super) shells: Vec<Option<Shell>>,
 }
@@ -50,7 +52,7 @@ impl Mapper {
         let setups: Vec<_> = cell.operations.iter().map(|o| OperationSetup::new(cell, o)).collect();
         let shells = cell.operations.iter().map(|operation| shell(&arm.inverse, operation)).collect();
         let rankers = setups.iter().map(|s| Ranker::new(&arm.inverse, &s.evaluator, &s.grid)).collect();
-        Ok(Self { arm, scene, setups, guard: Guard::new(cell), rankers, shells })
+        Ok(Self { arm, scene, setups, guard: Guard::new(cell), rankers, ranks: true, shells })
     }
 
     /// Returns the solids of the cell.
@@ -106,6 +108,7 @@ impl Mapper {
     /// Switches off the ranking of nodes, so that every node is judged.
     pub fn forget_ranks(&mut self) {
         self.rankers.fill(None);
+        self.ranks = false;
     }
 
     /// Returns whether the nodes of every operation can be ranked.

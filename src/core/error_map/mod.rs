@@ -32,6 +32,7 @@ mod outcome;
 mod placed_layout;
 mod probe;
 mod simd;
+mod spin_families;
 mod teaching;
 mod transfers;
 mod walk;

@@ -6,7 +6,7 @@
 //! takes candidates, best first, until one is free of collisions and allowed by the motion rules. Search, map
 //! and probe all use these functions, so they apply the same rules.
 
-use super::candidate::PostureCandidate;
+use super::candidate::{ArmContact, PostureCandidate};
 use super::held_posture::HeldPosture;
 use super::node_record::Status;
 use super::operation_setup::OperationSetup;
@@ -15,6 +15,7 @@ use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::workspace::PostureMemory;
 use crate::cell::Placement;
 use crate::certificate::NotCertified;
+use crate::clearance::ArmPart;
 use crate::motion::PostureRefusal;
 use crate::reach::{Branch, Cost, Gap, Reach, ToolAttitudes};
 use crate::reading::WorkContext;
@@ -152,7 +153,8 @@ impl<'a> OperationQuery<'a> {
             if let Some(context) = context {
                 arm.chain.place(posture, frames);
                 let value = self.setup.evaluator.value(context, frames, scratch);
-                visitor.candidate(PostureCandidate { spot: Spot { node, branch, value }, target });
+                let (spot, contact) = (Spot { node, branch, value }, ArmContact::Unknown);
+                visitor.candidate(PostureCandidate { spot, target, contact });
             }
         });
         let missed = (!reached).then_some(gap);
@@ -173,7 +175,7 @@ impl<'a> OperationQuery<'a> {
     ) -> FirstFree {
         let (mut found, mut uncertain) = (FirstFree::default(), 0);
         while let Some(candidate) = next(memory) {
-            let PostureCandidate { spot, target } = candidate;
+            let PostureCandidate { spot, target, .. } = candidate;
             found.nearest.get_or_insert(candidate);
             if !self.is_free(&candidate, memory) {
                 continue;
@@ -199,10 +201,15 @@ impl<'a> OperationQuery<'a> {
     fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
         let PostureMemory { frames, contacts, .. } = memory;
         let PlacedLayout { mapper, solids, .. } = self.placed;
+        let part = match candidate.contact {
+            ArmContact::Unknown => ArmPart::Whole,
+            ArmContact::OnlyBehindLastJoint => ArmPart::BehindLastJoint,
+            ArmContact::BeforeLastJoint => return false,
+        };
         let posture = mapper.arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch);
         posture.is_some_and(|posture| {
             mapper.arm.chain.place(&posture, frames);
-            mapper.scene.is_free(solids, &frames.links, Some(self.operation), contacts)
+            mapper.scene.is_part_free(part, solids, &frames.links, Some(self.operation), contacts)
         })
     }
 

@@ -3,6 +3,7 @@
 use super::candidate::PostureCandidate;
 use super::mapper::Mapper;
 use super::simd::Ranking;
+use super::spin_families::SpinFamily;
 use crate::clearance::ContactMemory;
 use crate::reach::ToolAttitudes;
 use crate::reading::EvaluatorScratch;
@@ -12,6 +13,7 @@ use crate::robot::{Frames, Posture};
 #[derive(Default)]
 pub struct MapperWorkspace {
     pub(super) candidates: Vec<PostureCandidate>,
+    pub(super) families: Vec<SpinFamily>,
     pub(super) attitudes: ToolAttitudes,
     pub(super) ranking: Ranking,
     /// Memory of each operation.
@@ -42,6 +44,7 @@ impl PostureMemory {
 /// The parts of a workspace that the walk of one operation borrows.
 pub struct WalkMemory<'w> {
     pub candidates: &'w mut Vec<PostureCandidate>,
+    pub families: &'w mut Vec<SpinFamily>,
     pub ranking: &'w mut Ranking,
     pub postures: &'w mut PostureMemory,
 }
@@ -52,9 +55,9 @@ impl MapperWorkspace {
         for missing in self.postures.len()..=operation {
             self.postures.push(PostureMemory::new(mapper, missing));
         }
-        let Self { candidates, ranking, postures, .. } = self;
+        let Self { candidates, families, ranking, postures, .. } = self;
         let postures = &mut postures[operation];
         postures.posture = mapper.inverse().scratch();
-        WalkMemory { candidates, ranking, postures }
+        WalkMemory { candidates, families, ranking, postures }
     }
 }

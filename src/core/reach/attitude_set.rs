@@ -9,6 +9,19 @@ use std::f64::consts::FRAC_PI_2;
 /// Attitude error, rad, that counts as rounding and therefore as 0.
 const ROUNDING: f64 = 1e-9;
 
+/// Largest distance between the unit vectors of two tool axes that count as equal.
+const SAME_AXIS: f64 = 1e-12;
+
+/// Rotation of the tool about its axis, from the attitude `first` to another attitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SpinTurn {
+    /// Number of the attitude from which the rotation starts.
+    pub first: usize,
+    /// Cosine and sine of the angle of rotation.
+    pub cos: f64,
+    pub sin: f64,
+}
+
 /// Allowed attitudes of the tool, in the base frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AttitudeSet {
@@ -31,6 +44,8 @@ pub struct AttitudeSet {
     pub(super) spins: Vec<f64>,
     /// Required azimuth, rad; None for a free or radial azimuth and for a vertical tool.
     heading: Option<f64>,
+    /// For each attitude, the rotation of the last joint that leads to it from an attitude solved before.
+    pub(super) spin_turns: Vec<SpinTurn>,
     pub(super) tolerance: f64,
     tilts_sideways: bool,
 }
@@ -64,6 +79,7 @@ impl AttitudeSet {
             Spin::At(spins) => self.spins.extend_from_slice(spins),
         }
         self.columns.clear();
+        self.spin_turns.clear();
     }
 
     /// Sets the rotation matrices of all attitudes, for a solver that needs the full pose of the flange.
@@ -84,6 +100,44 @@ impl AttitudeSet {
         }
     }
 
+    /// Finds the attitudes that differ only by a rotation of the tool about its axis. `spins` says whether the last
+    /// joint alone can rotate the tool so.
+    ///
+    /// [`Self::update_columns`] must be called first.
+    pub fn update_spin_turns(&mut self, spins: bool) {
+        let (per_azimuth, tilts) = (self.columns_per_azimuth(), self.tilts());
+        let turn = |k: usize| {
+            let first = k / per_azimuth * per_azimuth + k % tilts;
+            let (from, to) = (&self.columns[first], &self.columns[k]);
+            let has_same_axis = (from.column(2) - to.column(2)).norm() <= SAME_AXIS;
+            match spins && first != k && has_same_axis {
+                true => {
+                    let [cos, sin] = [0, 1].map(|axis| from.column(axis).dot(&to.column(0)));
+                    SpinTurn { first, cos, sin }
+                }
+                false => SpinTurn { first: k, cos: 1.0, sin: 0.0 },
+            }
+        };
+        self.spin_turns.extend((0..self.columns.len()).map(turn));
+    }
+
+    /// Returns the attitudes that are solved; the other attitudes follow by a rotation of the last joint.
+    pub(super) fn solved(&self) -> impl Iterator<Item = usize> + '_ {
+        self.spin_turns.iter().enumerate().filter(|(k, turn)| turn.first == *k).map(|(k, _)| k)
+    }
+
+    /// Returns the attitudes that follow from the solved attitude `first`, beginning with itself.
+    pub(super) fn spun(&self, first: usize) -> impl Iterator<Item = (usize, SpinTurn)> + '_ {
+        let of_same_tilt = (0..self.spins.len()).map(move |spin| first + spin * self.tilts());
+        let turns = of_same_tilt.filter_map(|k| Some((k, *self.spin_turns.get(k)?)));
+        turns.filter(move |(_, turn)| turn.first == first)
+    }
+
+    /// Returns the number of tool axes that belong to one azimuth.
+    fn tilts(&self) -> usize {
+        self.elevations.len() + if self.tilts_sideways { 2 } else { 0 }
+    }
+
     /// Returns the azimuth in the base frame, rad, with which the attitudes rotate.
     pub(super) fn heading(&self, target: &Vector3<f64>) -> f64 {
         if self.radial { target.y.atan2(target.x) } else { self.zero }
@@ -91,8 +145,7 @@ impl AttitudeSet {
 
     /// Returns the number of rotation matrices that belong to one azimuth.
     pub(super) fn columns_per_azimuth(&self) -> usize {
-        let tilts = self.elevations.len() + if self.tilts_sideways { 2 } else { 0 };
-        self.spins.len() * tilts
+        self.spins.len() * self.tilts()
     }
 
     /// Returns the rotation matrix of the tool in attitude `k` at a target, base frame. See [`Self::columns`]

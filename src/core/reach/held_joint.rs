@@ -80,6 +80,11 @@ impl HeldJoint {
         self.fast.as_ref().unwrap_or(&self.solver)
     }
 
+    /// Returns whether the held joint is the first joint of the arm; otherwise it is the last.
+    pub fn is_first(&self) -> bool {
+        self.first
+    }
+
     /// Returns the index of the held joint.
     pub fn index(&self) -> usize {
         if self.first { 0 } else { self.axes - 1 }

@@ -6,6 +6,7 @@ use super::branch::{Branch, Cost, Gap, Reach};
 use super::fixed_elevation::fixed_elevation;
 use super::limits::Limits;
 use super::solver::ChainSolver;
+use super::spin_joint::SpinJoint;
 use super::tool_attitudes::ToolAttitudes;
 use crate::cell::{Attitude, JointVector, MAX_JOINTS, tool_columns};
 use crate::pose::Pose;
@@ -35,6 +36,8 @@ pub struct Inverse {
     /// Elevation of the tool axis, rad, if it is the same in every posture.
     pub(super) fixed_elevation: Option<f64>,
     pub(super) template: Posture,
+    /// Rotation of the tool about its axis by the last joint; None if other joints must move, too.
+    pub(super) last_joint: Option<SpinJoint>,
 }
 
 impl Inverse {
@@ -42,6 +45,7 @@ impl Inverse {
     pub fn new(chain: &Chain) -> Self {
         let limits = Limits::new(chain);
         let solver = ChainSolver::new(chain, limits.is_ok());
+        let last_joint = SpinJoint::new(chain).filter(|_| solver.solves_last_joint());
         Self {
             to_zero: (chain.mount != Pose::identity()).then(|| chain.mount.inverse()),
             to_flange: chain.tool.inverse(),
@@ -51,6 +55,7 @@ impl Inverse {
             chain: chain.clone(),
             limits: limits.ok(),
             solver,
+            last_joint,
         }
     }
 
@@ -103,7 +108,10 @@ impl Inverse {
         set.update(attitude, yaw, self.fixed_elevation);
         match &self.solver {
             ChainSolver::Planar(arm) => arm.attitudes(set, planar),
-            _ => set.update_columns(attitude, yaw),
+            _ => {
+                set.update_columns(attitude, yaw);
+                set.update_spin_turns(self.last_joint.is_some());
+            }
         }
     }
 
@@ -159,10 +167,10 @@ impl Inverse {
                 });
                 any
             }
-            ChainSolver::Pose(_) => (0..attitudes.set.columns.len()).any(|k| {
+            ChainSolver::Pose(_) => attitudes.set.solved().any(|first| {
                 let mut any = false;
                 let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
-                self.solve_one(k, target, attitudes, scratch, &mut judge);
+                self.solve_spins(first, target, attitudes, scratch, &mut judge);
                 any
             }),
             ChainSolver::Redundant(joint) => joint.samples(joint.fastest()).any(|sample| {
@@ -191,8 +199,8 @@ impl Inverse {
         match &self.solver {
             // The index contains the attitude, so the other attitudes need not be solved again.
             ChainSolver::Pose(_) => {
-                let k = (wanted >> 4) as usize;
-                self.solve_one(k, target, attitudes, &mut scratch, &mut keep);
+                let turn = attitudes.set.spin_turns.get((wanted >> 4) as usize)?;
+                self.solve_spins(turn.first, target, attitudes, &mut scratch, &mut keep);
             }
             ChainSolver::Redundant(joint) if ((wanted >> 16) as usize) < joint.values.len() => {
                 let sample = joint.sample(joint.fastest(), (wanted >> 16) as usize);
@@ -246,6 +254,10 @@ impl Inverse {
             }
             _ => self.solve(target, attitudes, &mut self.scratch(), &mut keep),
         };
+        if self.last_joint.is_some() {
+            // All spins of one solution were found together; a stable sort puts attitude after attitude.
+            all.sort_by_key(|branch| branch.index >> 4);
+        }
         if all.is_empty() { Reach::OutOfReach { by } } else { Reach::Branches(all) }
     }
 
@@ -295,7 +307,7 @@ impl Inverse {
     ///
     /// Returns the distance of the target from the nearest reachable point, m; 0 if a branch exists.
     #[inline]
-    fn solve(
+    pub(super) fn solve(
         &self,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
@@ -305,32 +317,54 @@ impl Inverse {
         match &self.solver {
             ChainSolver::Planar(arm) => {
                 let moved = self.to_zero.as_ref().map(|pose| pose.transform(target));
-                arm.solve(moved.as_ref().unwrap_or(target), attitudes, posture, found)
+                let spins = &attitudes.set.spins;
+                arm.solve(moved.as_ref().unwrap_or(target), attitudes, spins, posture, found)
             }
-            ChainSolver::Pose(_) => (0..attitudes.set.columns.len())
-                .map(|k| self.solve_one(k, target, attitudes, posture, found))
+            ChainSolver::Pose(_) => attitudes
+                .set
+                .solved()
+                .map(|first| self.solve_spins(first, target, attitudes, posture, found))
                 .fold(f64::INFINITY, f64::min),
             ChainSolver::Redundant(_) | ChainSolver::Numeric(_) => f64::INFINITY,
         }
     }
 
-    /// Solves attitude `k` of an arm whose closed form solves for the full pose of the flange.
+    /// Solves attitude `first` of an arm whose closed form solves for the full pose of the flange, and the
+    /// attitudes that follow from it by a rotation of the last joint.
     ///
     /// Returns the distance of the target from the nearest reachable point, m.
     #[inline]
-    fn solve_one(
+    pub(super) fn solve_spins(
         &self,
-        k: usize,
+        first: usize,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
         posture: &mut Posture,
         found: &mut impl FnMut(u32, &Posture),
     ) -> f64 {
         let ChainSolver::Pose(solver) = &self.solver else { return f64::INFINITY };
-        let flange = self.flange(k, target, attitudes);
+        let flange = self.flange(first, target, attitudes);
         solver.solve(&flange, posture, &mut |branch, posture| {
-            found((k as u32) << 4 | u32::from(branch), posture)
+            self.spin(first, attitudes, posture, &mut |k, posture| {
+                found((k as u32) << 4 | u32::from(branch), posture);
+            });
         })
+    }
+
+    /// Calls `found` with the posture of the solved attitude `first`, and with the postures that follow from it by a
+    /// rotation of the last joint.
+    #[inline]
+    pub(super) fn spin(
+        &self,
+        first: usize,
+        attitudes: &ToolAttitudes,
+        posture: &Posture,
+        found: &mut impl FnMut(usize, &Posture),
+    ) {
+        let Some(joint) = &self.last_joint else { return found(first, posture) };
+        for (k, turn) in attitudes.set.spun(first) {
+            found(k, &joint.turned(posture, &turn));
+        }
     }
 
     /// Returns the pose of the last D-H frame in frame 0 when the tool is at `target` in attitude `k`.

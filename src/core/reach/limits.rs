@@ -96,9 +96,24 @@ impl Limits {
             let (q, _) = self.joints(posture);
             return self.ranges.iter().zip(q).map(|(range, q)| range.missed(q)).sum();
         };
+        self.excess_of(self.ranges.len(), whole, posture)
+    }
+
+    /// Returns a measure like [`Self::excess`] of the joints before the last one; 0 if it is not known.
+    #[inline]
+    pub fn excess_before_last(&self, posture: &Posture) -> f64 {
+        match &self.whole {
+            Some(whole) => self.excess_of(self.ranges.len().saturating_sub(1), whole, posture),
+            None => 0.0,
+        }
+    }
+
+    /// Returns the excess of the first `joints` joints; `whole` holds the coupling factors.
+    #[inline]
+    fn excess_of(&self, joints: usize, whole: &[(usize, usize, i32)], posture: &Posture) -> f64 {
         let mut actuators = [(1.0, 0.0); MAX_JOINTS];
         let mut excess = 0.0;
-        for (i, range) in self.ranges.iter().enumerate() {
+        for (i, range) in self.ranges[..joints].iter().enumerate() {
             if range.kind == JointKind::Prismatic {
                 excess += range.missed(posture.r[i] - range.r);
                 continue;

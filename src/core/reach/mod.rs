@@ -31,6 +31,8 @@ mod pose_solver;
 mod redundancy;
 mod shell;
 mod solver;
+mod spin_family;
+mod spin_joint;
 mod tool_attitudes;
 mod tool_task;
 

@@ -34,19 +34,38 @@ impl Inverse {
         attitudes: &ToolAttitudes,
         found: &mut dyn FnMut(u32, &Posture),
     ) -> f64 {
+        attitudes
+            .set
+            .solved()
+            .map(|first| {
+                self.solve_held_one(sample, first, target, attitudes, &mut |index, posture| {
+                    self.spin(first, attitudes, posture, &mut |k, posture| {
+                        found(index & !0xfff0 | (k as u32) << 4, posture);
+                    });
+                })
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Solves attitude `first` with the redundant joint held at one value.
+    ///
+    /// Returns the distance by which the target is out of reach, m; 0 if there is a solution.
+    pub(super) fn solve_held_one(
+        &self,
+        sample: &HeldSample<'_>,
+        first: usize,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        found: &mut dyn FnMut(u32, &Posture),
+    ) -> f64 {
         let joint = sample.joint;
         let (held, inverse) = joint.at(sample.value);
         let (mut part, mut posture) = (joint.template, self.template);
-        let mut missing = f64::INFINITY;
-        for a in 0..attitudes.set.columns.len() {
-            let flange = joint.rest_of(&self.flange(a, target, attitudes), &inverse);
-            let by = sample.solver.solve(&flange, &mut part, &mut |branch, part| {
-                joint.join(part, &held, &mut posture);
-                found((sample.number as u32) << 16 | (a as u32) << 4 | u32::from(branch), &posture);
-            });
-            missing = missing.min(by);
-        }
-        missing
+        let flange = joint.rest_of(&self.flange(first, target, attitudes), &inverse);
+        sample.solver.solve(&flange, &mut part, &mut |branch, part| {
+            joint.join(part, &held, &mut posture);
+            found((sample.number as u32) << 16 | (first as u32) << 4 | u32::from(branch), &posture);
+        })
     }
 
     /// Calls `found` with the usable branches of a redundant arm, and returns the [`Gap`] of the target.

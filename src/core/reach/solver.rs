@@ -39,6 +39,15 @@ impl ChainSolver {
         Self::Numeric(Box::new(Numeric::new(chain)))
     }
 
+    /// Returns whether a closed form for a whole pose solves the last joint.
+    pub fn solves_last_joint(&self) -> bool {
+        match self {
+            Self::Pose(_) => true,
+            Self::Redundant(joint) => joint.is_first(),
+            Self::Planar(_) | Self::Numeric(_) => false,
+        }
+    }
+
     /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
         match self {

@@ -4,6 +4,7 @@ use super::error_propagation::{ErrorPropagation, PreparedSample};
 use super::error_sources::ErrorSources;
 use super::norm::{ConditionalScratch, NormLaw};
 use super::registration::BestFit;
+use super::spin_bound::SpinBound;
 use super::work_context::{PickReference, WorkContext, WorkFrame};
 use super::worst_case::{WorstCase, by_model, farthest};
 use super::zonotope::{Farthest, ZonotopeScratch};
@@ -17,7 +18,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 /// Evaluator of the error of one operation in its sense, by the model and in the reading of the cell.
 #[derive(Debug, Clone)]
 pub struct ErrorEvaluator {
-    chain: Chain,
+    pub(super) chain: Chain,
     pub sources: ErrorSources,
     best_fit: Option<BestFit>,
     pub sense: Sense,
@@ -29,16 +30,18 @@ pub struct ErrorEvaluator {
     pub limit: Option<f64>,
     /// Values of the signed sample, one per source.
     pub(super) signed_values: Vec<f64>,
-    signed: PreparedSample,
+    pub(super) signed: PreparedSample,
     /// Whether only the robot has errors, and neither a registration nor a pick removes a part of these
     /// errors.
-    alone: bool,
+    pub(super) alone: bool,
+    /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is known.
+    pub(super) spin_bound: Option<SpinBound>,
 }
 
 /// Working memory of an [`ErrorEvaluator`], reused between postures.
 pub struct EvaluatorScratch {
-    expansion: Expansion,
-    effects: Effects,
+    pub(super) expansion: Expansion,
+    pub(super) effects: Effects,
     columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
     scratch: ZonotopeScratch,
@@ -76,7 +79,7 @@ impl ErrorEvaluator {
         let placed = [Some(operation.equipment), other];
         let still = placed.into_iter().flatten().all(|e| cell.equipment[e].errors.is_none());
         let alone = cell.registration == Registration::None && still && other.is_none();
-        Self {
+        let mut evaluator = Self {
             sense: operation.sense.clone(),
             reported,
             model: cell.model,
@@ -89,7 +92,11 @@ impl ErrorEvaluator {
             signed_values,
             signed,
             alone,
-        }
+            spin_bound: None,
+        };
+        // The effects at the pick turn with the tool, so no bound is known for a picked part.
+        evaluator.spin_bound = if other.is_none() { evaluator.spin_bound_of() } else { None };
+        evaluator
     }
 
     /// Returns working memory for this evaluator.
@@ -302,14 +309,29 @@ impl ErrorEvaluator {
         memory: &'m mut EvaluatorScratch,
     ) -> NormLaw<'m> {
         let measure = self.measure(sense, context, frames);
-        let mut n = 0;
+        let mean = measure.column(&memory.effects.mean);
+        self.norm_of(&measure, &mean, |_| true, memory)
+    }
+
+    /// Returns the distribution like [`Self::norm`], with another mean, from the independent random factors that
+    /// `counts` selects by their index.
+    pub(super) fn norm_of<'m>(
+        &self,
+        measure: &SenseRows,
+        mean: &Vector6<f64>,
+        counts: impl Fn(usize) -> bool,
+        memory: &'m mut EvaluatorScratch,
+    ) -> NormLaw<'m> {
+        let (mut n, mut factor) = (0, 0);
         let EvaluatorScratch { effects, columns, distributions, conditional, .. } = memory;
         effects.independent(&self.sources, |effect, distribution| {
-            (columns[n], distributions[n]) = (measure.column(&effect), distribution);
-            n += 1;
+            if counts(factor) {
+                (columns[n], distributions[n]) = (measure.column(&effect), distribution);
+                n += 1;
+            }
+            factor += 1;
         });
-        let mean = measure.column(&effects.mean);
-        NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
+        NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], mean, conditional)
     }
 
     /// Returns the covariance of the error's components along the rows of the operation's sense (m or rad,

@@ -31,6 +31,7 @@ mod posture_errors;
 mod registration;
 mod sample_space;
 mod sense_rows;
+mod spin_bound;
 mod statistics;
 mod work_context;
 mod workspace_average;

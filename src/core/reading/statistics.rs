@@ -45,17 +45,23 @@ impl ErrorEvaluator {
     ) -> f64 {
         self.prepare(context, frames, memory);
         let norm = self.norm(&self.sense, context, frames, memory);
-        let share = match self.quantity {
-            Quantity::Rms => return norm.rms(),
-            Quantity::Mean => return norm.mean(),
-            Quantity::Yield => return 1.0 - self.limit.map_or(1.0, |limit| norm.cdf(limit)),
-            Quantity::P95 => 0.95,
-            Quantity::P99 => 0.99,
-        };
-        let (percentile, is_capped) = (norm.quantile(share), self.caps(&norm));
-        match is_capped {
-            true => percentile.min(self.worst(&self.sense, context, frames, memory).by_model),
-            false => percentile,
+        let (figure, is_capped) = (self.figure_of(&norm), self.caps(&norm));
+        match (self.quantity, is_capped) {
+            (Quantity::P95 | Quantity::P99, true) => {
+                figure.min(self.worst(&self.sense, context, frames, memory).by_model)
+            }
+            _ => figure,
+        }
+    }
+
+    /// Returns the quantity of the statistical reading of a distribution, without the limit of the worst case.
+    pub(super) fn figure_of(&self, norm: &NormLaw<'_>) -> f64 {
+        match self.quantity {
+            Quantity::Rms => norm.rms(),
+            Quantity::Mean => norm.mean(),
+            Quantity::Yield => 1.0 - self.limit.map_or(1.0, |limit| norm.cdf(limit)),
+            Quantity::P95 => norm.quantile(0.95),
+            Quantity::P99 => norm.quantile(0.99),
         }
     }
 

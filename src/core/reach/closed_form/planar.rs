@@ -152,7 +152,7 @@ impl PlanarArm {
     /// Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if the arm leans back over
     /// the base. Bits 2 to 5 number the attitudes in the plane of the arm. A tilted tool has two attitudes
     /// for each elevation: it points along the heading theta_1 or opposite to it. The bits from 6 on number
-    /// the spins.
+    /// the spins; a rolling arm takes only the first spins of `attitudes`, as many as `spins` holds.
     ///
     /// Returns the least distance, m, by which a branch misses the target; 0 if a branch reaches it.
     #[inline]
@@ -160,6 +160,7 @@ impl PlanarArm {
         &self,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
+        spins: &[f64],
         posture: &mut Posture,
         found: &mut impl FnMut(u32, &Posture),
     ) -> f64 {
@@ -202,7 +203,7 @@ impl PlanarArm {
                     let index = (w as u32) << 2 | back | elbow;
                     match &self.roll {
                         None => found(index, posture),
-                        Some(roll) => roll.turn(&attitudes.set, target, way, posture, |k, posture| {
+                        Some(roll) => roll.turn(&attitudes.set, spins, target, way, posture, |k, posture| {
                             found(k << 6 | index, posture);
                         }),
                     }
@@ -226,10 +227,11 @@ impl PlanarArm {
 }
 
 impl Roll {
-    /// Calls `found` for each spin of `set`, with the last axis turned so that the tool has that spin.
+    /// Calls `found` for each of `spins` (rad), with the last axis turned so that the tool has that spin.
     fn turn(
         &self,
         set: &AttitudeSet,
+        spins: &[f64],
         target: &Vector3<f64>,
         way: &PlanarAttitude,
         posture: &mut Posture,
@@ -252,7 +254,7 @@ impl Roll {
         let (upright, sideways) =
             (Vector3::z() * cos_elevation - h * way.sin_elevation, h.cross(&Vector3::z()));
         let (a, b) = self.reference;
-        for (k, &spin) in set.spins.iter().enumerate() {
+        for (k, &spin) in spins.iter().enumerate() {
             let (sin, cos) = exact_sin_cos(spin);
             let wanted = upright * cos + sideways * sin;
             let (x, y) = (wanted.dot(&x4), wanted.dot(&y4));

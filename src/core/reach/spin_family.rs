@@ -1,0 +1,154 @@
+//! Spin families: the postures of one solution that differ only by the rotation of the tool about its axis.
+//!
+//! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates in a family.
+//! Whatever depends on these joints alone is computed once per family.
+
+use super::held_joint::HeldJoint;
+use super::inverse::Inverse;
+use super::solver::ChainSolver;
+use super::tool_attitudes::ToolAttitudes;
+use crate::robot::Posture;
+use nalgebra::Vector3;
+
+/// Lowest bits of the branch index of a rolling planar arm, which do not depend on the spin.
+const PLANAR_BITS: u32 = 63;
+
+impl Inverse {
+    /// Returns whether [`Self::visit_families`] finds the postures of this arm.
+    pub fn has_spin_families(&self) -> bool {
+        match &self.solver {
+            ChainSolver::Planar(arm) => arm.rolls(),
+            ChainSolver::Pose(_) | ChainSolver::Redundant(_) => true,
+            ChainSolver::Numeric(_) => false,
+        }
+    }
+
+    /// Calls `found` with the first member of each family whose joints before the last keep their limits.
+    ///
+    /// Other members, and the last joint of this one, may violate limits; [`Self::members`] checks them. The first
+    /// argument of `found` is the branch index of the member.
+    ///
+    /// Returns false for a redundant arm if no family found has a usable member. The target may still have usable
+    /// branches, which [`Self::visit`] finds between the sampled values of the redundant joint.
+    pub fn visit_families(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        scratch: &mut Posture,
+        mut found: impl FnMut(u32, &Posture),
+    ) -> bool {
+        let set = &attitudes.set;
+        let keeps =
+            |p: &Posture| self.limits.as_ref().is_none_or(|limits| limits.excess_before_last(p) == 0.0);
+        match &self.solver {
+            ChainSolver::Planar(arm) => {
+                let moved = self.to_zero.as_ref().map(|pose| pose.transform(target));
+                let first = &set.spins[..set.spins.len().min(1)];
+                let target = moved.as_ref().unwrap_or(target);
+                arm.solve(target, attitudes, first, scratch, &mut |index, posture: &Posture| {
+                    if keeps(posture) {
+                        found(index, posture);
+                    }
+                });
+                true
+            }
+            ChainSolver::Pose(solver) => {
+                for first in set.solved() {
+                    let flange = self.flange(first, target, attitudes);
+                    solver.solve(&flange, scratch, &mut |branch, posture| {
+                        if keeps(posture) {
+                            found((first as u32) << 4 | u32::from(branch), posture);
+                        }
+                    });
+                }
+                true
+            }
+            ChainSolver::Redundant(joint) => {
+                let mut is_reached = false;
+                for sample in joint.samples(joint.fastest()) {
+                    for first in set.solved() {
+                        self.solve_held_one(&sample, first, target, attitudes, &mut |index, posture| {
+                            if keeps(posture) {
+                                is_reached = is_reached || self.any_usable(first, posture, target, attitudes);
+                                found(index, posture);
+                            }
+                        });
+                    }
+                }
+                is_reached
+            }
+            ChainSolver::Numeric(_) => false,
+        }
+    }
+
+    /// Calls `found` with every usable member of the family of the branch `first`, which [`Self::visit_families`] has
+    /// found.
+    pub fn members(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        scratch: &mut Posture,
+        first: u32,
+        mut found: impl FnMut(u32, &Posture),
+    ) {
+        let mut judge = |index: u32, posture: &Posture| {
+            if self.excess(posture, target, attitudes) == 0.0 {
+                found(index, posture);
+            }
+        };
+        let attitude = (first >> 4 & 0xfff) as usize;
+        match &self.solver {
+            ChainSolver::Planar(_) => {
+                self.solve(target, attitudes, scratch, &mut |index, posture: &Posture| {
+                    if index & PLANAR_BITS == first & PLANAR_BITS {
+                        judge(index, posture);
+                    }
+                });
+            }
+            ChainSolver::Pose(_) => {
+                self.solve_spins(attitude, target, attitudes, scratch, &mut |index, posture: &Posture| {
+                    if index & 15 == first & 15 {
+                        judge(index, posture);
+                    }
+                });
+            }
+            ChainSolver::Redundant(joint) => self.spin_held(joint, target, attitudes, first, &mut judge),
+            ChainSolver::Numeric(_) => {}
+        }
+    }
+
+    /// Calls `found` with every member of a family of a redundant arm, within limits or not.
+    fn spin_held(
+        &self,
+        joint: &HeldJoint,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        first: u32,
+        found: &mut impl FnMut(u32, &Posture),
+    ) {
+        let attitude = (first >> 4 & 0xfff) as usize;
+        let sample = joint.sample(joint.fastest(), (first >> 16) as usize);
+        self.solve_held_one(&sample, attitude, target, attitudes, &mut |index, posture| {
+            if index == first {
+                self.spin(attitude, attitudes, posture, &mut |k, posture| {
+                    found(first & !0xfff0 | (k as u32) << 4, posture);
+                });
+            }
+        });
+    }
+
+    /// Returns whether any member of the family of `posture` keeps joint limits and attitude.
+    fn any_usable(
+        &self,
+        first: usize,
+        posture: &Posture,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+    ) -> bool {
+        let mut any = false;
+        self.spin(first, attitudes, posture, &mut |_, posture| {
+            any = any || self.excess(posture, target, attitudes) == 0.0;
+        });
+        any
+    }
+}
