@@ -14,14 +14,16 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Spin family at one node. [`Ord`] ranks the family with the least bound as the greatest.
+/// Spin family at one node, or one of its members. [`Ord`] ranks the one with the least bound as the greatest.
 #[derive(Clone, Copy)]
 pub struct SpinFamily {
     /// Lower bound of the values of the members.
     bound: f64,
     node: usize,
-    /// Branch index of the first member.
+    /// Branch index of the first member, or of the only one.
     first: u32,
+    /// What is known of the contacts of a single member; None for a whole family.
+    member: Option<ArmContact>,
     /// TCP target, base frame, m.
     target: Vector3<f64>,
 }
@@ -44,6 +46,23 @@ impl Ord for SpinFamily {
     }
 }
 
+/// Families and members with a bound, and postures with their values.
+struct FamilyQueue {
+    families: BinaryHeap<SpinFamily>,
+    judged: BinaryHeap<PostureCandidate>,
+    /// Whether the posture with the least value of all was found.
+    is_nearest_known: bool,
+}
+
+impl FamilyQueue {
+    /// Removes the family with the least bound if it may contain a better posture than the best judged one.
+    fn next_family(&mut self) -> Option<SpinFamily> {
+        let bound = self.families.peek()?.bound;
+        let is_beaten = self.judged.peek().is_some_and(|best| best.spot.value < bound);
+        if is_beaten { None } else { self.families.pop() }
+    }
+}
+
 impl OperationQuery<'_> {
     /// Finds the spot by spin families.
     ///
@@ -51,7 +70,7 @@ impl OperationQuery<'_> {
     pub(super) fn by_spin_families(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
         let inverse = &self.placed.mapper.arm.inverse;
         let is_bounded = self.placed.mapper.ranks && self.setup.evaluator.has_spin_bound();
-        if !is_bounded || !inverse.has_spin_families() || self.context.is_err() {
+        if !is_bounded || !inverse.has_spin_families(&self.attitudes) || self.context.is_err() {
             return None;
         }
         let WalkMemory { candidates, families, postures, .. } = memory;
@@ -60,22 +79,20 @@ impl OperationQuery<'_> {
         self.setup.grid.targets(&self.at, |node, target| {
             self.visit_families(node, target, postures, families, candidates);
         });
-        let mut open = BinaryHeap::from(std::mem::take(*families));
-        let mut judged = BinaryHeap::from(std::mem::take(*candidates));
-        let mut is_nearest_known = false;
+        let mut queue = FamilyQueue {
+            families: BinaryHeap::from(std::mem::take(*families)),
+            judged: BinaryHeap::from(std::mem::take(*candidates)),
+            is_nearest_known: false,
+        };
         let found = self.first_free(postures, |memory| {
-            while let Some(family) = open.peek() {
-                if judged.peek().is_some_and(|best| best.spot.value < family.bound) {
-                    break;
-                }
-                let Some(family) = open.pop() else { break };
-                self.open(&family, is_nearest_known, memory, &mut judged);
+            while let Some(family) = queue.next_family() {
+                self.open(&family, &mut queue, memory);
             }
-            let next = judged.pop();
-            is_nearest_known = is_nearest_known || next.is_some();
+            let next = queue.judged.pop();
+            queue.is_nearest_known = queue.is_nearest_known || next.is_some();
             next
         });
-        (**families, **candidates) = (open.into_vec(), judged.into_vec());
+        (**families, **candidates) = (queue.families.into_vec(), queue.judged.into_vec());
         found.outcome()
     }
 
@@ -94,10 +111,11 @@ impl OperationQuery<'_> {
         };
         let PostureMemory { scratch, frames, posture, .. } = memory;
         let (evaluator, count) = (&self.setup.evaluator, families.len());
+        let spins = self.attitudes.spin_rotations();
         let is_reached = arm.inverse.visit_families(&target, &self.attitudes, posture, |first, posture| {
             arm.chain.place(posture, frames);
-            let bound = evaluator.least_over_spins(context, frames, scratch);
-            families.push(SpinFamily { bound, node, first, target });
+            let bound = evaluator.least_over_spins(context, frames, spins, scratch);
+            families.push(SpinFamily { bound, node, first, member: None, target });
         });
         if !is_reached {
             families.truncate(count);
@@ -105,38 +123,53 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Judges the members of a family. If all of them collide, they are left out unless `judged` needs the nearest
-    /// candidate of all.
-    fn open(
-        &self,
-        family: &SpinFamily,
-        is_nearest_known: bool,
-        memory: &mut PostureMemory,
-        judged: &mut BinaryHeap<PostureCandidate>,
-    ) {
+    /// Opens a family: bounds its members, or judges them if a bound costs as much. Judges a single member.
+    ///
+    /// Members whose arm collides are left out if `queue.is_nearest_known`, because they can only be the nearest
+    /// candidate.
+    fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
-        let mapper = self.placed.mapper;
+        let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);
         let SpinFamily { node, first, target, .. } = *family;
         let PostureMemory { scratch, frames, posture, contacts, .. } = memory;
-        let mut contact = ArmContact::Unknown;
-        mapper.arm.inverse.members(&target, &self.attitudes, posture, first, |branch, posture| {
-            if contact == ArmContact::BeforeLastJoint && is_nearest_known {
+        let is_useless = |contact| contact == ArmContact::BeforeLastJoint && queue.is_nearest_known;
+        let (inverse, chain) = (&mapper.arm.inverse, &mapper.arm.chain);
+        if let Some(contact) = family.member {
+            if is_useless(contact) {
                 return;
             }
-            mapper.arm.chain.place(posture, frames);
-            if contact == ArmContact::Unknown {
-                let (part, operation) = (ArmPart::BeforeLastJoint, Some(self.operation));
-                let solids = &self.placed.solids;
-                contact = match mapper.scene.is_part_free(part, solids, &frames.links, operation, contacts) {
+            if let Some(posture) = inverse.posture(&target, &self.attitudes, first) {
+                chain.place(&posture, frames);
+                let value = evaluator.value(context, frames, scratch);
+                let spot = Spot { node, branch: first, value };
+                queue.judged.push(PostureCandidate { spot, target, contact });
+            }
+            return;
+        }
+        let mut known = None;
+        inverse.members(&target, &self.attitudes, posture, first, |branch, posture| {
+            if known.is_some_and(is_useless) {
+                return;
+            }
+            chain.place(posture, frames);
+            let contact = *known.get_or_insert_with(|| {
+                let (part, solids) = (ArmPart::BeforeLastJoint, &self.placed.solids);
+                match mapper.scene.is_part_free(part, solids, &frames.links, Some(self.operation), contacts) {
                     true => ArmContact::OnlyBehindLastJoint,
                     false => ArmContact::BeforeLastJoint,
-                };
-                if contact == ArmContact::BeforeLastJoint && is_nearest_known {
-                    return;
                 }
+            });
+            if is_useless(contact) {
+                return;
             }
-            let value = self.setup.evaluator.value(context, frames, scratch);
-            judged.push(PostureCandidate { spot: Spot { node, branch, value }, target, contact });
+            if evaluator.has_dear_spin_bound() {
+                let spot = Spot { node, branch, value: evaluator.value(context, frames, scratch) };
+                queue.judged.push(PostureCandidate { spot, target, contact });
+            } else {
+                let bound = evaluator.least_over_spins(context, frames, &[(1.0, 0.0)], scratch);
+                let member = Some(contact);
+                queue.families.push(SpinFamily { bound, node, first: branch, member, target });
+            }
         });
     }
 }

@@ -42,6 +42,8 @@ pub struct AttitudeSet {
     /// Azimuth, rad, from which the spin angles of a vertical tool are measured.
     pub(super) zero: f64,
     pub(super) spins: Vec<f64>,
+    /// Cosine and sine of each spin less the first one.
+    pub(super) spin_rotations: Vec<(f64, f64)>,
     /// Required azimuth, rad; None for a free or radial azimuth and for a vertical tool.
     heading: Option<f64>,
     /// For each attitude, the rotation of the last joint that leads to it from an attitude solved before.
@@ -78,6 +80,12 @@ impl AttitudeSet {
             Spin::Free => self.spins.extend(Attitude::free_spins()),
             Spin::At(spins) => self.spins.extend_from_slice(spins),
         }
+        self.spin_rotations.clear();
+        let first = self.spins.first().copied().unwrap_or(0.0);
+        self.spin_rotations.extend(self.spins.iter().map(|spin| {
+            let (sin, cos) = exact_sin_cos(spin - first);
+            (cos, sin)
+        }));
         self.columns.clear();
         self.spin_turns.clear();
     }

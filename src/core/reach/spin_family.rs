@@ -15,9 +15,11 @@ const PLANAR_BITS: u32 = 63;
 
 impl Inverse {
     /// Returns whether [`Self::visit_families`] finds the postures of this arm.
-    pub fn has_spin_families(&self) -> bool {
+    ///
+    /// A planar arm that rolls a tilted tool rotates it by other angles than those between the spins.
+    pub fn has_spin_families(&self, attitudes: &ToolAttitudes) -> bool {
         match &self.solver {
-            ChainSolver::Planar(arm) => arm.rolls(),
+            ChainSolver::Planar(arm) => arm.rolls() && attitudes.set.tolerance == 0.0,
             ChainSolver::Pose(_) | ChainSolver::Redundant(_) => true,
             ChainSolver::Numeric(_) => false,
         }

@@ -31,6 +31,11 @@ pub struct ToolAttitudes {
 }
 
 impl ToolAttitudes {
+    /// Returns cosine and sine of the rotations of the tool about its axis that lead from the first spin to each spin.
+    pub fn spin_rotations(&self) -> &[(f64, f64)] {
+        &self.set.spin_rotations
+    }
+
     /// Returns the attitudes in the vertical plane of a planar arm; empty for other arms.
     pub fn planar(&self) -> &[PlanarAttitude] {
         &self.planar

@@ -309,29 +309,14 @@ impl ErrorEvaluator {
         memory: &'m mut EvaluatorScratch,
     ) -> NormLaw<'m> {
         let measure = self.measure(sense, context, frames);
-        let mean = measure.column(&memory.effects.mean);
-        self.norm_of(&measure, &mean, |_| true, memory)
-    }
-
-    /// Returns the distribution like [`Self::norm`], with another mean, from the independent random factors that
-    /// `counts` selects by their index.
-    pub(super) fn norm_of<'m>(
-        &self,
-        measure: &SenseRows,
-        mean: &Vector6<f64>,
-        counts: impl Fn(usize) -> bool,
-        memory: &'m mut EvaluatorScratch,
-    ) -> NormLaw<'m> {
-        let (mut n, mut factor) = (0, 0);
+        let mut n = 0;
         let EvaluatorScratch { effects, columns, distributions, conditional, .. } = memory;
         effects.independent(&self.sources, |effect, distribution| {
-            if counts(factor) {
-                (columns[n], distributions[n]) = (measure.column(&effect), distribution);
-                n += 1;
-            }
-            factor += 1;
+            (columns[n], distributions[n]) = (measure.column(&effect), distribution);
+            n += 1;
         });
-        NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], mean, conditional)
+        let mean = measure.column(&effects.mean);
+        NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
     }
 
     /// Returns the covariance of the error's components along the rows of the operation's sense (m or rad,

@@ -10,6 +10,7 @@
 //! even fewer uniform or triangular parameters dominate, [`NormLaw`] uses a [`ConditionalNorm`] instead.
 
 mod bromwich;
+mod centred;
 mod conditional;
 mod cumulants;
 mod dominance;
@@ -20,6 +21,7 @@ mod power_normal;
 mod spectrum;
 mod terms;
 
+pub use centred::{CentredBound, Covariance};
 pub use conditional::{ConditionalNorm, ConditionalScratch};
 pub use law::NormLaw;
 pub use power_normal::PowerNormal;

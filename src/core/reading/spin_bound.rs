@@ -1,20 +1,21 @@
-//! Lower bound of the value of a posture over all rotations of the tool by the last joint.
+//! Lower bound of the value of a posture over rotations of the tool by the last joint.
 //!
 //! The last joint rotates the tool about its axis and leaves the TCP where it is. Only the errors behind this joint
 //! rotate with it: those of the last link after the joint, and those of the tool. All other effects stay the same.
 //!
 //! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before it move the
 //!   displaced TCP rigidly. So two rotations differ by at most 2 r.
-//! - Statistics of normal parameters: the rotated effects and the mean are left out. Both only enlarge the error:
-//!   a ball contains the sum of independent symmetric unimodal vectors less probably than one of them, and a shifted
-//!   one less probably than a centred one (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176). RMS, mean,
-//!   percentiles and the share of failures all follow this order.
+//! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the entries
+//!   of the covariance are trigonometric polynomials of degree 2. Without its mean an error is at most as large in
+//!   every figure (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176), which [`CentredBound`] uses.
 
-use super::{ErrorEvaluator, ErrorSources, EvaluatorScratch, WorkContext};
+use super::norm::{CentredBound, Covariance};
+use super::{ErrorEvaluator, ErrorSources, EvaluatorScratch, SenseRows, WorkContext};
 use crate::cell::{Frame, Model, Parameter, Quantity, Reading, Sense};
 use crate::kinematic_error::{FrameError, Perturbation};
+use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
-use nalgebra::{Matrix3, Vector3, Vector6};
+use nalgebra::{Matrix3, Vector3};
 
 /// Relative error that a computed figure may have.
 const ROUNDING: f64 = 1e-7;
@@ -24,8 +25,23 @@ const ROUNDING: f64 = 1e-7;
 pub(super) enum SpinBound {
     /// The values of the signed sample differ by at most this length, m.
     Signed(f64),
-    /// The effects of these independent random factors stay the same.
-    Statistical(Vec<bool>),
+    /// All parameters are normal.
+    Normal(NormalBound),
+}
+
+/// Bound of the figure of normal parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct NormalBound {
+    /// Whether the effect of each independent random factor stays the same.
+    stays: Vec<bool>,
+    figure: CentredBound,
+}
+
+/// Entries of the covariance of an error after a rotation of the tool by q: a polynomial in cos q and sin q.
+#[derive(Default)]
+struct SpinCovariance {
+    /// Coefficients of 1, cos q, sin q, cos^2 q, cos q sin q and sin^2 q.
+    terms: [Covariance; 6],
 }
 
 impl SpinBound {
@@ -37,15 +53,71 @@ impl SpinBound {
         Self::Signed(2.0 * largest * displacement_behind(chain, errors))
     }
 
-    /// Returns the bound for random errors in a sense; None if it is not known.
-    pub fn of_statistics(axes: usize, sources: &ErrorSources, sense: &Sense) -> Option<Self> {
+    /// Returns the bound of a quantity of random errors in a sense; None if it is not known.
+    pub fn of_statistics(
+        axes: usize,
+        sources: &ErrorSources,
+        sense: &Sense,
+        quantity: Quantity,
+    ) -> Option<Self> {
         if sources.has_bounded() || sense.frame == Frame::Tool || sense.point != Vector3::zeros() {
             return None;
         }
+        let figure = CentredBound::new(quantity, sense.rows().len())?;
         let stays = |source: &usize| !is_behind(sources.list[*source].parameter, axes);
         let factors = sources.independent();
-        Some(Self::Statistical(factors.iter().map(|f| f.iter().all(|(source, _)| stays(source))).collect()))
+        let stays = factors.iter().map(|f| f.iter().all(|(source, _)| stays(source))).collect();
+        Some(Self::Normal(NormalBound { stays, figure }))
     }
+}
+
+impl SpinCovariance {
+    /// Adds a random effect that stays the same.
+    fn add(&mut self, effect: &[f64; 3]) {
+        add_product(&mut self.terms[0], effect, effect);
+    }
+
+    /// Adds a random effect that rotates with the tool about `axis`.
+    fn add_rotating(&mut self, effect: &Displacement, axis: &Vector3<f64>, measure: &SenseRows) {
+        let each = |of: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
+            components(
+                measure,
+                &Displacement { position: of(&effect.position), rotation: of(&effect.rotation) },
+            )
+        };
+        let still = each(&|v| axis * axis.dot(v));
+        let cos = each(&|v| v - axis * axis.dot(v));
+        let sin = each(&|v| axis.cross(v));
+        let [one, of_cos, of_sin, of_cos2, of_both, of_sin2] = &mut self.terms;
+        add_product(one, &still, &still);
+        for (term, factor) in [(of_cos, &cos), (of_sin, &sin)] {
+            add_product(term, &still, factor);
+            add_product(term, factor, &still);
+        }
+        add_product(of_cos2, &cos, &cos);
+        add_product(of_both, &cos, &sin);
+        add_product(of_both, &sin, &cos);
+        add_product(of_sin2, &sin, &sin);
+    }
+
+    /// Returns the covariance after a rotation with the given cosine and sine.
+    fn at(&self, (cos, sin): (f64, f64)) -> Covariance {
+        let powers = [1.0, cos, sin, cos * cos, cos * sin, sin * sin];
+        std::array::from_fn(|k| powers.iter().zip(&self.terms).map(|(power, term)| power * term[k]).sum())
+    }
+}
+
+/// Adds the symmetric part of a product of two vectors, once per call.
+fn add_product(sum: &mut Covariance, a: &[f64; 3], b: &[f64; 3]) {
+    for (entry, (i, j)) in sum.iter_mut().zip([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]) {
+        *entry += a[i] * b[j];
+    }
+}
+
+/// Returns the components of an effect along the first three rows of a sense.
+fn components(measure: &SenseRows, effect: &Displacement) -> [f64; 3] {
+    let column = measure.column(effect);
+    [column[0], column[1], column[2]]
 }
 
 /// Returns whether a parameter describes a part behind the last joint.
@@ -78,11 +150,20 @@ impl ErrorEvaluator {
         self.spin_bound.is_some()
     }
 
-    /// Returns a lower bound of [`Self::value`] over all rotations of the tool by the last joint; 0 if none is known.
+    /// Returns whether [`Self::least_over_spins`] costs as much as [`Self::value`].
+    pub fn has_dear_spin_bound(&self) -> bool {
+        matches!(self.spin_bound, Some(SpinBound::Signed(_)))
+    }
+
+    /// Returns a lower bound of [`Self::value`] after rotations of the tool about its axis by the last joint; 0 if none
+    /// is known.
+    ///
+    /// `spins` holds cosine and sine of each angle of rotation.
     pub fn least_over_spins(
         &self,
         context: &WorkContext,
         frames: &Frames,
+        spins: &[(f64, f64)],
         memory: &mut EvaluatorScratch,
     ) -> f64 {
         match &self.spin_bound {
@@ -90,7 +171,7 @@ impl ErrorEvaluator {
             Some(SpinBound::Signed(apart)) => {
                 (self.value(context, frames, memory) * (1.0 - ROUNDING) - apart).max(0.0)
             }
-            Some(SpinBound::Statistical(stays)) => {
+            Some(SpinBound::Normal(NormalBound { stays, figure })) => {
                 self.propagation().effects(
                     context,
                     frames,
@@ -99,11 +180,13 @@ impl ErrorEvaluator {
                     &mut memory.effects,
                 );
                 let measure = self.measure(&self.sense, context, frames);
-                let figure = self.figure_of(&self.norm_of(&measure, &Vector6::zeros(), |k| stays[k], memory));
-                match self.quantity {
-                    Quantity::Yield => figure - ROUNDING,
-                    _ => figure * (1.0 - ROUNDING),
-                }
+                let axis = frames.tcp.rotation * self.chain.tool_axis;
+                let (mut covariance, mut stays) = (SpinCovariance::default(), stays.iter());
+                memory.effects.independent(&self.sources, |effect, _| match stays.next() {
+                    Some(true) => covariance.add(&components(&measure, &effect)),
+                    _ => covariance.add_rotating(&effect, &axis, &measure),
+                });
+                spins.iter().map(|spin| figure.of(&covariance.at(*spin))).fold(f64::INFINITY, f64::min)
             }
         }
     }
@@ -116,7 +199,9 @@ impl ErrorEvaluator {
                 let is_rigid = self.model != Model::SecondOrder || bound == SpinBound::Signed(0.0);
                 is_rigid.then_some(bound)
             }
-            Reading::Statistical => SpinBound::of_statistics(self.chain.axes(), &self.sources, &self.sense),
+            Reading::Statistical => {
+                SpinBound::of_statistics(self.chain.axes(), &self.sources, &self.sense, self.quantity)
+            }
             Reading::Signed | Reading::WorstCase => None,
         }
     }

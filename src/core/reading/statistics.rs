@@ -55,7 +55,7 @@ impl ErrorEvaluator {
     }
 
     /// Returns the quantity of the statistical reading of a distribution, without the limit of the worst case.
-    pub(super) fn figure_of(&self, norm: &NormLaw<'_>) -> f64 {
+    fn figure_of(&self, norm: &NormLaw<'_>) -> f64 {
         match self.quantity {
             Quantity::Rms => norm.rms(),
             Quantity::Mean => norm.mean(),

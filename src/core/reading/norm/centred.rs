@@ -1,0 +1,111 @@
+//! Lower bounds of figures of the norm of a centred normal vector, from its variances alone.
+//!
+//! The norm depends on the eigenvalues of the covariance only. With the largest eigenvalue as unit, a figure is a
+//! function of one ratio in a plane and of two in space. It never decreases with a ratio (T. W. Anderson, Proc. Amer.
+//! Math. Soc. 6 (1955) 170-176), so the sample below the ratios is a lower bound.
+
+use super::NormDistribution;
+use crate::cell::Quantity;
+use nalgebra::Vector6;
+use std::sync::OnceLock;
+
+/// Number of intervals of the ratio in a plane.
+const PLANE_STEPS: usize = 2048;
+/// Number of intervals of each ratio in space.
+const SPACE_STEPS: usize = 96;
+/// Relative error that an eigenvalue may have.
+const ROUNDING: f64 = 1e-7;
+/// Quantities with a table.
+const QUANTITIES: [Quantity; 3] = [Quantity::Mean, Quantity::P95, Quantity::P99];
+
+/// Symmetric matrix with up to three rows, as the entries 11, 22, 33, 12, 13 and 23.
+pub type Covariance = [f64; 6];
+
+/// Lower bound of one quantity of the norm of a centred normal vector.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CentredBound {
+    quantity: Quantity,
+    rows: usize,
+    /// Samples of the quantity; None for the RMS, which needs none.
+    table: Option<&'static [f64]>,
+}
+
+impl CentredBound {
+    /// Returns the bound for a vector with `rows` components; None for a yield, and for more than three components.
+    pub fn new(quantity: Quantity, rows: usize) -> Option<Self> {
+        static TABLES: [[OnceLock<Vec<f64>>; 3]; 3] = [const { [const { OnceLock::new() }; 3] }; 3];
+        if rows == 0 || rows > 3 || quantity == Quantity::Yield {
+            return None;
+        }
+        let of_quantity = QUANTITIES.iter().position(|q| *q == quantity);
+        let table =
+            of_quantity.map(|q| TABLES[q][rows - 1].get_or_init(|| samples(quantity, rows)).as_slice());
+        Some(Self { quantity, rows, table })
+    }
+
+    /// Returns a lower bound of the quantity for a covariance.
+    pub fn of(&self, c: &Covariance) -> f64 {
+        let Some(table) = self.table else { return (c[0] + c[1] + c[2]).max(0.0).sqrt() * (1.0 - ROUNDING) };
+        let [largest, second, third] = self.eigenvalues(c);
+        if largest <= 0.0 {
+            return 0.0;
+        }
+        let step = |value: f64, steps: usize| {
+            ((value / largest - ROUNDING).max(0.0) * steps as f64).floor().min(steps as f64) as usize
+        };
+        let sample = match self.rows {
+            1 => table[0],
+            2 => table[step(second, PLANE_STEPS)],
+            _ => table[step(second, SPACE_STEPS) * (SPACE_STEPS + 1) + step(third, SPACE_STEPS)],
+        };
+        largest.sqrt() * (1.0 - ROUNDING) * sample
+    }
+
+    /// Returns the eigenvalues of a covariance, the largest first.
+    fn eigenvalues(&self, [xx, yy, zz, xy, xz, yz]: &Covariance) -> [f64; 3] {
+        if self.rows < 3 {
+            let (mean, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
+            let apart = half.hypot(*xy);
+            return [mean + apart, mean - apart, 0.0];
+        }
+        // O. K. Smith, Comm. ACM 4 (1961) 168: the trigonometric solution of the characteristic equation.
+        let mean = (xx + yy + zz) / 3.0;
+        let [a, b, c] = [xx - mean, yy - mean, zz - mean];
+        let size = ((a * a + b * b + c * c + 2.0 * (xy * xy + xz * xz + yz * yz)) / 6.0).sqrt();
+        if size <= 0.0 {
+            return [mean; 3];
+        }
+        let determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz);
+        let angle = (determinant / (2.0 * size * size * size)).clamp(-1.0, 1.0).acos() / 3.0;
+        let largest = mean + 2.0 * size * angle.cos();
+        let least = mean + 2.0 * size * (angle + std::f64::consts::TAU / 3.0).cos();
+        [largest, 3.0 * mean - largest - least, least]
+    }
+}
+
+/// Returns the samples of a quantity at all ratios; the largest eigenvalue is 1.
+fn samples(quantity: Quantity, rows: usize) -> Vec<f64> {
+    let ratio = |k: usize, steps: usize| k as f64 / steps as f64;
+    let sample = |ratios: [f64; 2]| {
+        let variances = [1.0, ratios[0], ratios[1].min(ratios[0])];
+        let column = |k: usize| Vector6::ith(k, variances[k].sqrt());
+        let columns: Vec<Vector6<f64>> = (0..rows).map(column).collect();
+        let norm = NormDistribution::new(rows, &columns, &[], &Vector6::zeros());
+        match quantity {
+            Quantity::Mean => norm.mean(),
+            Quantity::P99 => norm.quantile(0.99),
+            _ => norm.quantile(0.95),
+        }
+    };
+    match rows {
+        1 => vec![sample([0.0; 2])],
+        2 => (0..=PLANE_STEPS).map(|k| sample([ratio(k, PLANE_STEPS), 0.0])).collect(),
+        _ => {
+            let each = 0..=SPACE_STEPS;
+            let pairs = each.clone().flat_map(|j| each.clone().map(move |k| (j, k)));
+            // The second ratio never exceeds the first; such entries repeat the diagonal.
+            let both = |(j, k)| sample([ratio(j, SPACE_STEPS), ratio(k, SPACE_STEPS)]);
+            pairs.map(both).collect()
+        }
+    }
+}
