@@ -18,7 +18,7 @@ pub struct PostureCandidate {
     pub contact: ArmContact,
 }
 
-/// What is known of the contacts of a posture.
+/// Known contacts of a posture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ArmContact {
     Unknown,

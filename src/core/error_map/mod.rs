@@ -18,6 +18,7 @@ mod candidate;
 mod certify;
 mod demand;
 mod every_node;
+mod family_queue;
 mod free_spots;
 mod grid;
 mod held;

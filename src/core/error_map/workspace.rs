@@ -1,9 +1,9 @@
 //! Memory that one thread keeps from layout to layout, so that the node loop does not allocate.
 
 use super::candidate::PostureCandidate;
+use super::family_queue::SpinFamily;
 use super::mapper::Mapper;
 use super::simd::Ranking;
-use super::spin_families::SpinFamily;
 use crate::clearance::ContactMemory;
 use crate::reach::ToolAttitudes;
 use crate::reading::EvaluatorScratch;

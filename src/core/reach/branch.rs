@@ -4,6 +4,19 @@ use super::limits::LimitViolation;
 use crate::cell::JointVector;
 use crate::robot::Posture;
 
+/// Bits of a branch index that number the attitude, for a closed form that solves for a whole pose.
+const ATTITUDE_BITS: u32 = 0xfff0;
+
+/// Returns the number of the attitude in a branch index.
+pub(super) fn attitude_of(index: u32) -> usize {
+    ((index & ATTITUDE_BITS) >> 4) as usize
+}
+
+/// Returns a branch index with another attitude.
+pub(super) fn with_attitude(index: u32, attitude: usize) -> u32 {
+    index & !ATTITUDE_BITS | (attitude as u32) << 4
+}
+
 /// Class of the computing time that the inverse kinematics of one target takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cost {

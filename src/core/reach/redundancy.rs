@@ -2,7 +2,7 @@
 //!
 //! If no sample has a usable posture, values between samples are tried.
 
-use super::branch::Gap;
+use super::branch::{Gap, with_attitude};
 use super::held_joint::{HeldJoint, HeldSample};
 use super::inverse::Inverse;
 use super::tool_attitudes::ToolAttitudes;
@@ -40,7 +40,7 @@ impl Inverse {
             .map(|first| {
                 self.solve_held_one(sample, first, target, attitudes, &mut |index, posture| {
                     self.spin(first, attitudes, posture, &mut |k, posture| {
-                        found(index & !0xfff0 | (k as u32) << 4, posture);
+                        found(with_attitude(index, k), posture);
                     });
                 })
             })

@@ -3,6 +3,7 @@
 //! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates in a family.
 //! Whatever depends on these joints alone is computed once per family.
 
+use super::branch::{attitude_of, with_attitude};
 use super::held_joint::HeldJoint;
 use super::inverse::Inverse;
 use super::solver::ChainSolver;
@@ -98,7 +99,7 @@ impl Inverse {
                 found(index, posture);
             }
         };
-        let attitude = (first >> 4 & 0xfff) as usize;
+        let attitude = attitude_of(first);
         match &self.solver {
             ChainSolver::Planar(_) => {
                 self.solve(target, attitudes, scratch, &mut |index, posture: &Posture| {
@@ -128,12 +129,12 @@ impl Inverse {
         first: u32,
         found: &mut impl FnMut(u32, &Posture),
     ) {
-        let attitude = (first >> 4 & 0xfff) as usize;
+        let attitude = attitude_of(first);
         let sample = joint.sample(joint.fastest(), (first >> 16) as usize);
         self.solve_held_one(&sample, attitude, target, attitudes, &mut |index, posture| {
             if index == first {
                 self.spin(attitude, attitudes, posture, &mut |k, posture| {
-                    found(first & !0xfff0 | (k as u32) << 4, posture);
+                    found(with_attitude(first, k), posture);
                 });
             }
         });

@@ -22,6 +22,7 @@ mod error_propagation;
 mod error_sources;
 mod evaluator;
 mod figures;
+mod least_over_spins;
 mod monte_carlo;
 pub mod norm;
 #[doc(hidden)] // public for tests/maths

@@ -21,7 +21,7 @@ mod power_normal;
 mod spectrum;
 mod terms;
 
-pub use centred::{CentredBound, Covariance};
+pub use centred::{CentredBound, CovarianceEntries};
 pub use conditional::{ConditionalNorm, ConditionalScratch};
 pub use law::NormLaw;
 pub use power_normal::PowerNormal;

@@ -9,16 +9,13 @@
 //!   of the covariance are trigonometric polynomials of degree 2. Without its mean an error is at most as large in
 //!   every figure (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176), which [`CentredBound`] uses.
 
-use super::norm::{CentredBound, Covariance};
-use super::{ErrorEvaluator, ErrorSources, EvaluatorScratch, SenseRows, WorkContext};
-use crate::cell::{Frame, Model, Parameter, Quantity, Reading, Sense};
+use super::norm::{CentredBound, CovarianceEntries};
+use super::{Effects, ErrorSources, SenseRows};
+use crate::cell::{Frame, Parameter, Quantity, Sense};
 use crate::kinematic_error::{FrameError, Perturbation};
 use crate::pose::Displacement;
-use crate::robot::{Chain, Frames};
+use crate::robot::Chain;
 use nalgebra::{Matrix3, Vector3};
-
-/// Relative error that a computed figure may have.
-const ROUNDING: f64 = 1e-7;
 
 /// Method that bounds the value of an operation over all rotations of the tool by the last joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +38,7 @@ pub(super) struct NormalBound {
 #[derive(Default)]
 struct SpinCovariance {
     /// Coefficients of 1, cos q, sin q, cos^2 q, cos q sin q and sin^2 q.
-    terms: [Covariance; 6],
+    terms: [CovarianceEntries; 6],
 }
 
 impl SpinBound {
@@ -68,6 +65,27 @@ impl SpinBound {
         let factors = sources.independent();
         let stays = factors.iter().map(|f| f.iter().all(|(source, _)| stays(source))).collect();
         Some(Self::Normal(NormalBound { stays, figure }))
+    }
+}
+
+impl NormalBound {
+    /// Returns a lower bound of the figure over rotations of the tool about `axis` (base frame).
+    ///
+    /// `effects` are those before the rotation; `spins` holds cosine and sine of each angle.
+    pub fn least(
+        &self,
+        effects: &Effects,
+        sources: &ErrorSources,
+        measure: &SenseRows,
+        axis: &Vector3<f64>,
+        spins: &[(f64, f64)],
+    ) -> f64 {
+        let (mut covariance, mut stays) = (SpinCovariance::default(), self.stays.iter());
+        effects.independent(sources, |effect, _| match stays.next() {
+            Some(true) => covariance.add(&components(measure, &effect)),
+            _ => covariance.add_rotating(&effect, axis, measure),
+        });
+        spins.iter().map(|spin| self.figure.of(&covariance.at(*spin))).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -101,14 +119,14 @@ impl SpinCovariance {
     }
 
     /// Returns the covariance after a rotation with the given cosine and sine.
-    fn at(&self, (cos, sin): (f64, f64)) -> Covariance {
+    fn at(&self, (cos, sin): (f64, f64)) -> CovarianceEntries {
         let powers = [1.0, cos, sin, cos * cos, cos * sin, sin * sin];
         std::array::from_fn(|k| powers.iter().zip(&self.terms).map(|(power, term)| power * term[k]).sum())
     }
 }
 
 /// Adds the symmetric part of a product of two vectors, once per call.
-fn add_product(sum: &mut Covariance, a: &[f64; 3], b: &[f64; 3]) {
+fn add_product(sum: &mut CovarianceEntries, a: &[f64; 3], b: &[f64; 3]) {
     for (entry, (i, j)) in sum.iter_mut().zip([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]) {
         *entry += a[i] * b[j];
     }
@@ -142,67 +160,4 @@ fn displacement_behind(chain: &Chain, errors: &Perturbation) -> f64 {
         moved += last.dl.abs();
     }
     moved
-}
-
-impl ErrorEvaluator {
-    /// Returns whether [`Self::least_over_spins`] is known.
-    pub fn has_spin_bound(&self) -> bool {
-        self.spin_bound.is_some()
-    }
-
-    /// Returns whether [`Self::least_over_spins`] costs as much as [`Self::value`].
-    pub fn has_dear_spin_bound(&self) -> bool {
-        matches!(self.spin_bound, Some(SpinBound::Signed(_)))
-    }
-
-    /// Returns a lower bound of [`Self::value`] after rotations of the tool about its axis by the last joint; 0 if none
-    /// is known.
-    ///
-    /// `spins` holds cosine and sine of each angle of rotation.
-    pub fn least_over_spins(
-        &self,
-        context: &WorkContext,
-        frames: &Frames,
-        spins: &[(f64, f64)],
-        memory: &mut EvaluatorScratch,
-    ) -> f64 {
-        match &self.spin_bound {
-            None => 0.0,
-            Some(SpinBound::Signed(apart)) => {
-                (self.value(context, frames, memory) * (1.0 - ROUNDING) - apart).max(0.0)
-            }
-            Some(SpinBound::Normal(NormalBound { stays, figure })) => {
-                self.propagation().effects(
-                    context,
-                    frames,
-                    &mut memory.expansion,
-                    false,
-                    &mut memory.effects,
-                );
-                let measure = self.measure(&self.sense, context, frames);
-                let axis = frames.tcp.rotation * self.chain.tool_axis;
-                let (mut covariance, mut stays) = (SpinCovariance::default(), stays.iter());
-                memory.effects.independent(&self.sources, |effect, _| match stays.next() {
-                    Some(true) => covariance.add(&components(&measure, &effect)),
-                    _ => covariance.add_rotating(&effect, &axis, &measure),
-                });
-                spins.iter().map(|spin| figure.of(&covariance.at(*spin))).fold(f64::INFINITY, f64::min)
-            }
-        }
-    }
-
-    /// Returns the bound that suits this evaluator; None if it is not known.
-    pub(super) fn spin_bound_of(&self) -> Option<SpinBound> {
-        match self.reading {
-            Reading::Signed if self.alone && self.sense.is_of_position() => {
-                let bound = SpinBound::of_sample(&self.chain, self.signed.errors(), &self.sense);
-                let is_rigid = self.model != Model::SecondOrder || bound == SpinBound::Signed(0.0);
-                is_rigid.then_some(bound)
-            }
-            Reading::Statistical => {
-                SpinBound::of_statistics(self.chain.axes(), &self.sources, &self.sense, self.quantity)
-            }
-            Reading::Signed | Reading::WorstCase => None,
-        }
-    }
 }

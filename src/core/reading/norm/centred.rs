@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-7;
 const QUANTITIES: [Quantity; 3] = [Quantity::Mean, Quantity::P95, Quantity::P99];
 
 /// Symmetric matrix with up to three rows, as the entries 11, 22, 33, 12, 13 and 23.
-pub type Covariance = [f64; 6];
+pub type CovarianceEntries = [f64; 6];
 
 /// Lower bound of one quantity of the norm of a centred normal vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ impl CentredBound {
     }
 
     /// Returns a lower bound of the quantity for a covariance.
-    pub fn of(&self, c: &Covariance) -> f64 {
+    pub fn of(&self, c: &CovarianceEntries) -> f64 {
         let Some(table) = self.table else { return (c[0] + c[1] + c[2]).max(0.0).sqrt() * (1.0 - ROUNDING) };
         let [largest, second, third] = self.eigenvalues(c);
         if largest <= 0.0 {
@@ -62,7 +62,7 @@ impl CentredBound {
     }
 
     /// Returns the eigenvalues of a covariance, the largest first.
-    fn eigenvalues(&self, [xx, yy, zz, xy, xz, yz]: &Covariance) -> [f64; 3] {
+    fn eigenvalues(&self, [xx, yy, zz, xy, xz, yz]: &CovarianceEntries) -> [f64; 3] {
         if self.rows < 3 {
             let (mean, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
             let apart = half.hypot(*xy);

@@ -1,0 +1,55 @@
+//! Spin families and their members, in the order of their bounds.
+
+use super::candidate::{ArmContact, PostureCandidate};
+use nalgebra::Vector3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Spin family at one node, or one of its members. [`Ord`] ranks the one with the least bound as the greatest.
+#[derive(Clone, Copy)]
+pub struct SpinFamily {
+    /// Lower bound of the values of the members.
+    pub bound: f64,
+    pub node: usize,
+    /// Branch index of the first member, or of the only one.
+    pub first: u32,
+    /// Known contacts of a single member; None for a whole family.
+    pub member: Option<ArmContact>,
+    /// TCP target, base frame, m.
+    pub target: Vector3<f64>,
+}
+
+impl PartialEq for SpinFamily {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for SpinFamily {}
+impl PartialOrd for SpinFamily {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for SpinFamily {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let key = |f: &Self| (f.node, f.first);
+        other.bound.total_cmp(&self.bound).then_with(|| key(other).cmp(&key(self)))
+    }
+}
+
+/// Families and members with a bound, and postures with their values.
+pub struct FamilyQueue {
+    pub families: BinaryHeap<SpinFamily>,
+    pub judged: BinaryHeap<PostureCandidate>,
+    /// Whether the posture with the least value of all was found.
+    pub is_nearest_known: bool,
+}
+
+impl FamilyQueue {
+    /// Removes the family with the least bound if it may contain a better posture than the best judged one.
+    pub fn next_family(&mut self) -> Option<SpinFamily> {
+        let bound = self.families.peek()?.bound;
+        let is_beaten = self.judged.peek().is_some_and(|best| best.spot.value < bound);
+        if is_beaten { None } else { self.families.pop() }
+    }
+}

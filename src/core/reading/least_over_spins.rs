@@ -1,0 +1,62 @@
+//! Lower bound of the value of an operation over rotations of the tool about its axis.
+
+use super::spin_bound::SpinBound;
+use super::{ErrorEvaluator, EvaluatorScratch, WorkContext};
+use crate::cell::{Model, Reading};
+use crate::robot::Frames;
+
+/// Relative error that a computed value may have.
+const ROUNDING: f64 = 1e-7;
+
+impl ErrorEvaluator {
+    /// Returns whether [`Self::least_over_spins`] is known.
+    pub fn has_spin_bound(&self) -> bool {
+        self.spin_bound.is_some()
+    }
+
+    /// Returns whether [`Self::least_over_spins`] costs as much as [`Self::value`].
+    pub fn has_dear_spin_bound(&self) -> bool {
+        matches!(self.spin_bound, Some(SpinBound::Signed(_)))
+    }
+
+    /// Returns a lower bound of [`Self::value`] after rotations of the tool about its axis by the last joint; 0 if none
+    /// is known.
+    ///
+    /// `spins` holds cosine and sine of each angle of rotation.
+    pub fn least_over_spins(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        spins: &[(f64, f64)],
+        memory: &mut EvaluatorScratch,
+    ) -> f64 {
+        match &self.spin_bound {
+            None => 0.0,
+            Some(SpinBound::Signed(apart)) => {
+                (self.value(context, frames, memory) * (1.0 - ROUNDING) - apart).max(0.0)
+            }
+            Some(SpinBound::Normal(bound)) => {
+                let EvaluatorScratch { expansion, effects, .. } = memory;
+                self.propagation().effects(context, frames, expansion, false, effects);
+                let measure = self.measure(&self.sense, context, frames);
+                let axis = frames.tcp.rotation * self.chain.tool_axis;
+                bound.least(effects, &self.sources, &measure, &axis, spins)
+            }
+        }
+    }
+
+    /// Returns the bound that suits this evaluator; None if it is not known.
+    pub(super) fn spin_bound_of(&self) -> Option<SpinBound> {
+        match self.reading {
+            Reading::Signed if self.alone && self.sense.is_of_position() => {
+                let bound = SpinBound::of_sample(&self.chain, self.signed.errors(), &self.sense);
+                let is_rigid = self.model != Model::SecondOrder || bound == SpinBound::Signed(0.0);
+                is_rigid.then_some(bound)
+            }
+            Reading::Statistical => {
+                SpinBound::of_statistics(self.chain.axes(), &self.sources, &self.sense, self.quantity)
+            }
+            Reading::Signed | Reading::WorstCase => None,
+        }
+    }
+}
