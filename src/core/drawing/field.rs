@@ -5,6 +5,7 @@ use crate::assess::Assessment;
 use crate::cell::{Cell, Interpretation, JointVector, Model, Quantity, Reading, Sense};
 use crate::error_map::{NodeRecord, NodeSign, OperationMap, PostureRecord};
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 /// Model and reading under which errors are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -154,14 +155,19 @@ impl Field {
 pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorView>, Vec<Field>), String> {
     let lenses = if detail.lenses { lenses(a.cell) } else { vec![ErrorView::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();
-    for (l, lens) in lenses.iter().enumerate() {
-        if l == 0 {
-            fields.iter_mut().zip(&a.maps).for_each(|(f, map)| f.takes.push(take(f, map, l, a.cell)));
-            continue;
-        }
-        let workcell = a.workcell.interpreted(&lens.interpretation(a.cell))?;
-        let maps = workcell.maps(&a.layout);
-        fields.iter_mut().zip(&maps).for_each(|(f, map)| f.takes.push(take(f, map, l, &workcell.cell)));
+    fields.iter_mut().zip(&a.maps).for_each(|(f, map)| f.takes.push(take(f, map, 0, a.cell)));
+    let others: Vec<_> = lenses
+        .par_iter()
+        .enumerate()
+        .skip(1)
+        .map(|(l, lens)| {
+            let workcell = a.workcell.interpreted(&lens.interpretation(a.cell))?;
+            let maps = workcell.maps(&a.layout);
+            Ok(fields.iter().zip(&maps).map(|(f, map)| take(f, map, l, &workcell.cell)).collect::<Vec<_>>())
+        })
+        .collect::<Result<_, String>>()?;
+    for takes in others {
+        fields.iter_mut().zip(takes).for_each(|(f, take)| f.takes.push(take));
     }
     Ok((lenses, fields))
 }

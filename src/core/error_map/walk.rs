@@ -19,6 +19,7 @@ use crate::clearance::ArmPart;
 use crate::motion::PostureRefusal;
 use crate::reach::{Branch, Cost, Gap, Reach, ToolAttitudes};
 use crate::reading::WorkContext;
+use crate::robot::Frames;
 use nalgebra::Vector3;
 
 /// Returns the largest number of candidates that are tried in vain before an operation counts as not certified.
@@ -148,17 +149,29 @@ impl<'a> OperationQuery<'a> {
         let context = self.context.as_ref().ok();
         let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
         let mut reached = false;
+        let mut before = None;
         let gap = arm.inverse.visit(&target, &self.attitudes, posture, |branch, posture| {
             reached = true;
             if let Some(context) = context {
                 arm.chain.place(posture, frames);
-                let value = self.setup.evaluator.value(context, frames, scratch);
+                let value = match before {
+                    Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,
+                    _ => self.setup.evaluator.value(context, frames, scratch),
+                };
+                before = self.setup.evaluator.ignores_spin().then_some((*frames, value));
                 let (spot, contact) = (Spot { node, branch, value }, ArmContact::Unknown);
                 visitor.candidate(PostureCandidate { spot, target, contact });
             }
         });
         let missed = (!reached).then_some(gap);
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
+    }
+
+    /// Returns whether two postures have the same frames, bit by bit, except for the rotation of the tool.
+    #[inline]
+    fn differs_in_spin(&self, a: &Frames, b: &Frames) -> bool {
+        let last = self.placed.mapper.arm.chain.axes();
+        a.links[..last] == b.links[..last] && a.tcp.translation == b.tcp.translation
     }
 
     /// Checks the candidates that `next` returns, best first, until one can be used.

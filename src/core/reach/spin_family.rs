@@ -99,7 +99,6 @@ impl Inverse {
                 found(index, posture);
             }
         };
-        let attitude = attitude_of(first);
         match &self.solver {
             ChainSolver::Planar(_) => {
                 self.solve(target, attitudes, scratch, &mut |index, posture: &Posture| {
@@ -109,6 +108,8 @@ impl Inverse {
                 });
             }
             ChainSolver::Pose(_) => {
+                // An arm without a redundant joint has any number of attitudes.
+                let attitude = (first >> 4) as usize;
                 self.solve_spins(attitude, target, attitudes, scratch, &mut |index, posture: &Posture| {
                     if index & 15 == first & 15 {
                         judge(index, posture);

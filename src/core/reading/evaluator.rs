@@ -4,12 +4,12 @@ use super::error_propagation::{ErrorPropagation, PreparedSample};
 use super::error_sources::ErrorSources;
 use super::norm::{ConditionalScratch, NormLaw};
 use super::registration::BestFit;
-use super::spin_bound::SpinBound;
+use super::spin_bound::{SpinBound, is_behind};
 use super::work_context::{PickReference, WorkContext, WorkFrame};
 use super::worst_case::{WorstCase, by_model, farthest};
 use super::zonotope::{Farthest, ZonotopeScratch};
 use super::{Effects, MAX_SOURCES, SenseRows};
-use crate::cell::{Cell, Distribution, Model, Operation, Quantity, Reading, Registration, Sense};
+use crate::cell::{Cell, Distribution, Frame, Model, Operation, Quantity, Reading, Registration, Sense};
 use crate::kinematic_error::{Expansion, Perturbation, position_error};
 use crate::pose::Displacement;
 use crate::robot::{Chain, Frames};
@@ -36,6 +36,8 @@ pub struct ErrorEvaluator {
     pub(super) alone: bool,
     /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is known.
     pub(super) spin_bound: Option<SpinBound>,
+    /// Whether the value is the same, bit by bit, after a rotation of the tool by the last joint.
+    ignores_spin: bool,
 }
 
 /// Working memory of an [`ErrorEvaluator`], reused between postures.
@@ -93,7 +95,12 @@ impl ErrorEvaluator {
             signed,
             alone,
             spin_bound: None,
+            ignores_spin: false,
         };
+        let is_behind = evaluator.sources.list.iter().any(|s| is_behind(s.parameter, cell.robot.axes()));
+        let turns_with_tool =
+            operation.sense.frame == Frame::Tool || operation.sense.point != Vector3::zeros();
+        evaluator.ignores_spin = !is_behind && !turns_with_tool && other.is_none();
         // The effects at the pick turn with the tool, so no bound is known for a picked part.
         evaluator.spin_bound = if other.is_none() { evaluator.spin_bound_of() } else { None };
         evaluator
@@ -111,6 +118,11 @@ impl ErrorEvaluator {
             scratch: ZonotopeScratch::default(),
             conditional: ConditionalScratch::of_components(components),
         }
+    }
+
+    /// Returns whether [`Self::value`] is the same, bit by bit, after a rotation of the tool by the last joint.
+    pub fn ignores_spin(&self) -> bool {
+        self.ignores_spin
     }
 
     /// Returns the propagation of parameter errors for this operation.

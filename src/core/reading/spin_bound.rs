@@ -139,7 +139,7 @@ fn components(measure: &SenseRows, effect: &Displacement) -> [f64; 3] {
 }
 
 /// Returns whether a parameter describes a part behind the last joint.
-fn is_behind(parameter: Parameter, axes: usize) -> bool {
+pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
     match parameter {
         Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,
         Parameter::Tool(_) => true,
