@@ -27,6 +27,7 @@ use super::workcell::Workcell;
 use crate::cell::{Layout, Slot, Unit};
 use crate::error_map::{HeldPosture, OperationMap, Probe, Spot, Status};
 use crate::units::rad_from_deg;
+use rayon::prelude::*;
 
 /// Half the distance between the two points of a central difference, m and rad.
 const DIFFERENCE_STEP: f64 = 1e-4;
@@ -188,8 +189,9 @@ impl HeldOperation<'_> {
         let uphill = uphill(&tolerance, &gradient);
         corners.extend((!boxes.is_whole()).then(|| uphill.clone()));
         let (mut worst, mut lost) = (None::<Corner>, Vec::new());
-        for moves in corners.iter() {
-            match self.value(moves) {
+        let values: Vec<_> = corners.par_iter().map(|moves| self.value(moves)).collect();
+        for (moves, value) in corners.iter().zip(values) {
+            match value {
                 Ok(value) if worst.as_ref().is_none_or(|w| value > w.value) => {
                     worst = Some(Corner { moves: moves.clone(), value });
                 }
@@ -233,7 +235,7 @@ impl HeldOperation<'_> {
 
     /// Returns the first misplacement that is not allowed, with the reason; None if all are allowed.
     fn first_end(&self, all: &[Moves]) -> Option<MisplacementEnd> {
-        all.iter().find_map(|moves| match self.value(moves) {
+        all.par_iter().find_map_first(|moves| match self.value(moves) {
             Err(status) => Some(MisplacementEnd::Lost(Lost { moves: moves.clone(), status })),
             Ok(value) => self
                 .limit

@@ -3,11 +3,14 @@
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::reach::jacobian;
 use crate::robot::{Chain, Frames};
-use nalgebra::{Matrix6, SMatrix, Vector3};
+use nalgebra::{Matrix6, SMatrix, Vector3, Vector6};
 
 /// Geometric Jacobian: three rows for the position, divided by the reach of the arm, then three rows for the
 /// rotation.
 pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
+
+/// Least diagonal entry of the Cholesky factor of `J^T J` at which the normal equations keep half of the digits.
+const WELL_CONDITIONED: f64 = 1e-4;
 
 /// Measures of a posture that a search may maximize besides minimizing the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,21 +57,59 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
 /// takes a tenth of the time of a singular value decomposition.
 pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> bool {
     let jacobian = scaled_jacobian(chain, frames, reach);
-    let moving = || (0..chain.axes()).filter(|&j| is_moving(chain.links[j].limits));
-    let count = moving().count();
-    // Unused rows and columns are those of the identity.
-    let mut gram = Matrix6::identity();
-    if count > 6 {
-        gram.copy_from(&(jacobian * jacobian.transpose()));
-    } else {
-        for (a, j) in moving().enumerate() {
-            for (b, k) in moving().enumerate() {
-                gram[(a, b)] = jacobian.column(j).dot(&jacobian.column(k));
-            }
-        }
-    }
+    let count = moving_joints(chain).count();
+    let mut gram = match count > 6 {
+        true => jacobian * jacobian.transpose(),
+        false => gram(chain, &jacobian),
+    };
     (0..count.min(6)).for_each(|k| gram[(k, k)] -= least * least);
     gram.cholesky().is_some()
+}
+
+/// Returns `J^T J` over the columns of the moving joints, of which there are at most six. The unused rows and columns
+/// are those of the identity.
+fn gram(chain: &Chain, jacobian: &ScaledJacobian) -> Matrix6<f64> {
+    let mut gram = Matrix6::identity();
+    for (a, j) in moving_joints(chain).enumerate() {
+        for (b, k) in moving_joints(chain).enumerate() {
+            gram[(a, b)] = jacobian.column(j).dot(&jacobian.column(k));
+        }
+    }
+    gram
+}
+
+/// Returns the indices of the joints that move.
+fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
+    (0..chain.axes()).filter(|&j| is_moving(chain.links[j].limits))
+}
+
+/// Returns the joint displacements of least norm that come nearest to a motion of the TCP; the motion is scaled like the
+/// Jacobian.
+///
+/// Normal equations take a fifth of the time of a singular value decomposition, which solves the nearly singular
+/// postures alone. Singular values below `rank_tolerance` count as 0.
+pub(super) fn joint_displacements(
+    chain: &Chain,
+    frames: &Frames,
+    reach: f64,
+    motion: &Vector6<f64>,
+    rank_tolerance: f64,
+) -> Option<JointVector> {
+    let jacobian = scaled_jacobian(chain, frames, reach);
+    let mut solved = [0.0; MAX_JOINTS];
+    if moving_joints(chain).count() <= 6
+        && let Some(factor) = gram(chain, &jacobian).cholesky()
+        && factor.l_dirty().diagonal().min() >= WELL_CONDITIONED
+    {
+        let mut right = Vector6::zeros();
+        moving_joints(chain).enumerate().for_each(|(a, j)| right[a] = jacobian.column(j).dot(motion));
+        factor.solve_mut(&mut right);
+        moving_joints(chain).enumerate().for_each(|(a, j)| solved[j] = right[a]);
+        return Some(solved);
+    }
+    let least = jacobian.svd(true, true).solve(motion, rank_tolerance).ok()?;
+    solved.copy_from_slice(least.as_slice());
+    Some(solved)
 }
 
 /// Returns the geometric Jacobian with lengths divided by `reach` (m). The column of a passive joint is 0.

@@ -2,11 +2,11 @@
 //! coordinates.
 
 use super::continuous_collision::between;
-use super::measures::scaled_jacobian;
+use super::measures::joint_displacements;
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::pose::Pose;
 use crate::robot::Chain;
-use nalgebra::{SVector, Vector3};
+use nalgebra::{Vector3, Vector6};
 
 /// Largest allowed deviation of the TCP from the line, m, measured in the middle of each move.
 pub const DEVIATION: f64 = 5e-4;
@@ -111,9 +111,8 @@ fn follow(chain: &Chain, from: &JointVector, to: &Pose, reach: f64) -> Option<Jo
         if position.norm() <= CONVERGED && rotation.norm() <= CONVERGED {
             return Some(q);
         }
-        let miss = SVector::<f64, 6>::from_iterator(position.iter().chain(&rotation).copied());
-        let solved =
-            scaled_jacobian(chain, &frames, reach).svd(true, true).solve(&miss, RANK_TOLERANCE).ok()?;
+        let miss = Vector6::from_iterator(position.iter().chain(&rotation).copied());
+        let solved = joint_displacements(chain, &frames, reach, &miss, RANK_TOLERANCE)?;
         (0..MAX_JOINTS).for_each(|j| q[j] += solved[j]);
         // A solution far from the start belongs to another branch.
         if !q.iter().zip(from).all(|(q, from)| (q - from).abs() < 1.0) {
