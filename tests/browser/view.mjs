@@ -231,7 +231,7 @@ async function testStanding(page) {
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x + 6, y, { steps: 2 });
-  // The fine outline may replace the coarse one before this test sees it, so the number of points tells nothing.
+  // The fine outline may replace the coarse one before this test sees either.
   await page.waitForFunction(
     () => (document.querySelector("#plan .standing path")?.getAttribute("d")?.length ?? 0) > 20,
     null,

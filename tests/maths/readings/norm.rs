@@ -9,7 +9,8 @@ use crate::common::cases;
 use nalgebra::{Matrix6, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sweetspot::reading::norm::NormDistribution;
+use sweetspot::cell::Quantity;
+use sweetspot::reading::norm::{CentredBound, NormDistribution};
 
 pub fn vector(values: &[f64]) -> Vector6<f64> {
     Vector6::from_fn(|i, _| values.get(i).copied().unwrap_or(0.0))
@@ -571,5 +572,47 @@ fn the_figures_of_the_norm_are_finite_and_ordered() {
             let mean = norm.mean();
             assert!(mean.is_finite() && mean <= rms * (1.0 + 1e-9), "{mean} > {rms}");
         }
+    }
+}
+
+/// The lower bound of a figure is below the exact figure of random covariances, with and without a mean. Without a mean
+/// it is near.
+#[test]
+fn the_bound_of_a_centred_vector_is_below_the_exact_figure() {
+    let mut rng = ChaCha8Rng::seed_from_u64(16);
+    for rows in 1..=3 {
+        let mut least = f64::INFINITY;
+        for _ in 0..2000 {
+            let flat = 10f64.powf(rng.random_range(-4.0..0.0));
+            let columns: Vec<Vector6<f64>> = (0..rng.random_range(rows..=6))
+                .map(|_| {
+                    let mut column = Vector6::zeros();
+                    (0..rows).for_each(|k| column[k] = rng.random_range(-1.0..1.0));
+                    column[rows - 1] *= flat;
+                    column
+                })
+                .collect();
+            let entry = |i: usize, j: usize| columns.iter().map(|c| c[i] * c[j]).sum::<f64>();
+            let entries = [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)];
+            let mut mean = Vector6::zeros();
+            (0..rows).for_each(|k| mean[k] = rng.random_range(-0.5..0.5));
+            for quantity in [Quantity::Rms, Quantity::Mean, Quantity::P95, Quantity::P99] {
+                let figure = |mean: &Vector6<f64>| {
+                    let norm = NormDistribution::new(rows, &columns, &[], mean);
+                    match quantity {
+                        Quantity::Rms => norm.rms(),
+                        Quantity::Mean => norm.mean(),
+                        Quantity::P99 => norm.quantile(0.99),
+                        _ => norm.quantile(0.95),
+                    }
+                };
+                let bound = CentredBound::new(quantity, rows).unwrap().of(&entries);
+                let centred = figure(&Vector6::zeros());
+                assert!(bound <= centred && bound <= figure(&mean), "{quantity:?} {columns:?} {mean:?}");
+                least = least.min(bound / centred);
+            }
+        }
+        let near = [0.999_999, 0.999, 0.985][rows - 1];
+        assert!(least > near, "{rows} rows: {least}");
     }
 }
