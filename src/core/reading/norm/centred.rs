@@ -2,7 +2,8 @@
 //!
 //! The norm depends on the eigenvalues of the covariance only. With the largest eigenvalue as unit, a figure is a
 //! function of one ratio in a plane and of two in space. It never decreases with a ratio (T. W. Anderson, Proc. Amer.
-//! Math. Soc. 6 (1955) 170-176), so the sample below the ratios is a lower bound.
+//! Math. Soc. 6 (1955) 170-176), so the sample below the ratios is a lower bound. In a plane it is at most 0.2 % below
+//! the figure, in space at most 3 %.
 
 use super::NormDistribution;
 use crate::cell::Quantity;
