@@ -4,9 +4,9 @@ use super::held_posture::HeldPosture;
 use super::node_record::Status;
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
-use super::walk::OperationQuery;
+use super::walk::{OperationQuery, least_violation};
 use super::workspace::{MapperWorkspace, PostureMemory};
-use crate::reach::{Branch, Cost, PoseMiss, Reach};
+use crate::reach::{Branch, Cost, PoseMiss};
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
@@ -43,7 +43,10 @@ impl OperationQuery<'_> {
         }
         match inverse.usable(&target, &self.attitudes, held.branch) {
             Some(posture) => self.value(&posture, memory),
-            None => Err(self.why_unreached(&target, |b| b.index == held.branch)),
+            None => Err(match inverse.branch_beyond_limits(&target, &self.attitudes, held.branch) {
+                Ok(branch) => least_violation(&[branch]),
+                Err(by) => Status::OutOfReach { by },
+            }),
         }
     }
 
@@ -65,8 +68,7 @@ impl OperationQuery<'_> {
         if inverse.cost() == Cost::Numeric {
             return held.continued(inverse, &target, &self.attitudes).ok();
         }
-        let Reach::Branches(all) = inverse.branches(&target, &self.attitudes) else { return None };
-        all.into_iter().find(|b| b.index == held.branch)
+        inverse.branch_beyond_limits(&target, &self.attitudes, held.branch).ok()
     }
 
     /// Computes the operation's value in a posture, and places the frames of the posture in `memory`.

@@ -99,7 +99,7 @@ impl OperationQuery<'_> {
         memory: &mut PostureMemory,
     ) -> (Status, Option<(&WorkContext, PostureCandidate)>) {
         let context = match (&self.context, node.missed) {
-            (_, Some(_)) => return (self.why_unreached(&node.target, |_| true), None),
+            (_, Some(_)) => return (self.why_unreached(&node.target), None),
             (Err(why), None) => return (Status::Unjudged(*why), None),
             (Ok(context), None) => context,
         };

@@ -266,19 +266,16 @@ impl<'a> OperationQuery<'a> {
             arm.chain.place(&posture, &mut memory.frames);
             self.refusal_status(target, spot.branch, memory)
         });
-        refusal_status.unwrap_or_else(|| self.why_unreached(target, |_| true))
+        refusal_status.unwrap_or_else(|| self.why_unreached(target))
     }
 
-    /// Returns why a target cannot be reached by any of the branches that `counts` selects.
-    pub fn why_unreached(&self, target: &Vector3<f64>, counts: impl Fn(&Branch) -> bool) -> Status {
+    /// Returns why no branch reaches a target within the joint limits.
+    pub fn why_unreached(&self, target: &Vector3<f64>) -> Status {
         match self.placed.mapper.arm.inverse.branches(target, &self.attitudes) {
             Reach::OutOfReach { by } => Status::OutOfReach { by },
             Reach::Attitude { by, joint } => Status::Attitude { by, joint },
             Reach::NotConverged { position, angle } => Status::NotConverged { position, angle },
-            Reach::Branches(mut branches) => {
-                branches.retain(counts);
-                least_violation(&branches)
-            }
+            Reach::Branches(branches) => least_violation(&branches),
         }
     }
 }
@@ -286,7 +283,7 @@ impl<'a> OperationQuery<'a> {
 /// Returns the least attitude error of the branches that keep the joint limits.
 ///
 /// If no branch keeps the limits, it returns the least violation of a joint limit.
-fn least_violation(branches: &[Branch]) -> Status {
+pub fn least_violation(branches: &[Branch]) -> Status {
     let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
     let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));
     let off = branches.iter().filter(|b| b.violation.is_none()).map(|b| b.off).reduce(f64::min);

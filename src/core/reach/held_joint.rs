@@ -1,6 +1,5 @@
 //! Redundant arms whose first or last joint is held at a value: a closed form solves the other joints.
 
-use super::numeric::Numeric;
 use super::pose_solver::PoseSolver;
 use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
@@ -11,27 +10,26 @@ use crate::robot::{Chain, Link, Posture};
 pub(super) struct HeldJoint {
     /// Closed form that solves the joints that are not held.
     pub solver: PoseSolver,
-    /// Variant of `solver` that does not compute how far a target is out of reach; None if this distance is
-    /// cheap to compute.
-    pub fast: Option<PoseSolver>,
-    /// Numeric solver of the whole arm, for targets at the edge of the reach.
-    pub numeric: Numeric,
+    /// Variant of `solver` that computes lower bounds of distances.
+    pub fast: PoseSolver,
     /// Posture of the joints that are not held, copied as scratch memory.
     pub template: Posture,
     link: Link,
+    /// Distance of the last frame of the other joints from their last axis, along it and across, m.
+    lead: f64,
     /// Whether the held joint is the first joint of the arm; otherwise it is the last.
     first: bool,
     axes: usize,
-    /// Sampled coordinates of the held joint, rad or m.
-    pub values: [f64; Self::SAMPLES],
+    /// Least and greatest coordinate of the held joint, rad or m.
+    range: (f64, f64),
 }
 
-/// One value of the held joint, and the closed form that solves the other joints.
+/// One value of the held joint.
+#[derive(Clone, Copy)]
 pub(super) struct HeldSample<'a> {
     pub joint: &'a HeldJoint,
-    pub solver: &'a PoseSolver,
-    /// Number of the sample, which becomes part of the branch index.
-    pub number: usize,
+    /// Number of the value in the lattice of [`HeldJoint::LATTICE`], which becomes part of the branch index.
+    pub number: u32,
     /// Coordinate of the held joint, rad or m.
     pub value: f64,
 }
@@ -39,6 +37,15 @@ pub(super) struct HeldSample<'a> {
 impl HeldJoint {
     /// Number of sampled values of the held joint.
     pub const SAMPLES: usize = 13;
+
+    /// Number of lattice steps between neighbouring samples.
+    pub const SAMPLE_STEP: u32 = 5461;
+
+    /// Number of steps of the lattice that divides the range of the held joint.
+    ///
+    /// A branch index holds 16 bits of a lattice number. For a joint that turns by 360 degrees, a step is
+    /// 0.0055 degrees.
+    pub const LATTICE: u32 = (Self::SAMPLES as u32 - 1) * Self::SAMPLE_STEP;
 
     /// Prepares a chain with its first or last joint held; None if no closed form solves the other joints.
     pub fn new(chain: &Chain, first: bool) -> Option<Self> {
@@ -56,12 +63,10 @@ impl HeldJoint {
             row.remove(held);
         }
         let link = chain.links[held];
-        let (lo, hi) = link.limits;
-        let value = |k: usize| lo + (hi - lo) * k as f64 / (Self::SAMPLES - 1) as f64;
-        let values = std::array::from_fn(value);
         let (solver, template) = (PoseSolver::new(&rest)?, rest.zero_posture());
-        let (fast, numeric) = (solver.fast(), Numeric::new(chain));
-        Some(Self { solver, fast, numeric, template, link, first, axes: n, values })
+        let lead = rest.links.last().map_or(0.0, |last| last.l.hypot(last.r));
+        let fast = solver.fast();
+        Some(Self { solver, fast, template, link, lead, first, axes: n, range: link.limits })
     }
 
     /// Returns a phrase that names the family of the arm.
@@ -75,11 +80,6 @@ impl HeldJoint {
         }
     }
 
-    /// Returns the fastest solver that finds all branches.
-    pub fn fastest(&self) -> &PoseSolver {
-        self.fast.as_ref().unwrap_or(&self.solver)
-    }
-
     /// Returns whether the held joint is the first joint of the arm; otherwise it is the last.
     pub fn is_first(&self) -> bool {
         self.first
@@ -90,19 +90,22 @@ impl HeldJoint {
         if self.first { 0 } else { self.axes - 1 }
     }
 
-    /// Sets all samples of the held joint to its coordinate in `q`.
+    /// Restricts the held joint to its coordinate in `q`.
     pub fn hold(&mut self, q: &JointVector) {
-        self.values = [q[self.index()]; Self::SAMPLES];
+        self.range = (q[self.index()], q[self.index()]);
     }
 
-    /// Returns sample `number` of the held joint, to be solved by `solver`.
-    pub fn sample<'a>(&'a self, solver: &'a PoseSolver, number: usize) -> HeldSample<'a> {
-        HeldSample { joint: self, solver, number, value: self.values[number] }
+    /// Returns the value of the held joint with the lattice number `number`.
+    pub fn sample(&self, number: u32) -> HeldSample<'_> {
+        let (lo, hi) = self.range;
+        let value = lo + (hi - lo) * (f64::from(number) / f64::from(Self::LATTICE));
+        HeldSample { joint: self, number, value }
     }
 
-    /// Returns all samples of the held joint, to be solved by `solver`.
-    pub fn samples<'a>(&'a self, solver: &'a PoseSolver) -> impl Iterator<Item = HeldSample<'a>> {
-        (0..Self::SAMPLES).map(move |number| self.sample(solver, number))
+    /// Returns the sampled values of the held joint.
+    pub fn samples(&self) -> impl Iterator<Item = HeldSample<'_>> {
+        let count = if self.range.0 == self.range.1 { 1 } else { Self::SAMPLES as u32 };
+        (0..count).map(|k| self.sample(k * Self::SAMPLE_STEP))
     }
 
     /// Returns the D-H values (cos theta, sin theta, r) of the held joint, and the inverse transform of its
@@ -137,12 +140,25 @@ impl HeldJoint {
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
     }
 
+    /// Returns a bound of how far a lattice step of the held joint moves the point that the other joints must reach, m.
+    ///
+    /// `flange` is the pose of the last D-H frame in frame 0.
+    pub fn most_travel(&self, flange: &Pose) -> f64 {
+        let step = (self.range.1 - self.range.0) / f64::from(Self::LATTICE);
+        let own = self.link.l.hypot(self.link.r);
+        match (self.link.kind, self.first) {
+            (JointKind::Prismatic, _) => step,
+            (JointKind::Revolute, true) => step * (flange.translation.norm() + self.lead),
+            (JointKind::Revolute, false) => step * (own + self.lead),
+        }
+    }
+
     /// Returns a distance, m, that limits the search between the samples of the held joint.
     ///
     /// A target counts as out of reach if it is farther than this distance from the reachable points of every
     /// sample.
     pub fn sample_reach(&self) -> f64 {
-        let step = (self.values[Self::SAMPLES - 1] - self.values[0]) / (Self::SAMPLES - 1) as f64;
+        let step = (self.range.1 - self.range.0) / (Self::SAMPLES - 1) as f64;
         match self.link.kind {
             JointKind::Prismatic => step,
             JointKind::Revolute => step * self.link.l.hypot(self.link.r).max(0.1),

@@ -2,7 +2,7 @@
 //!
 //! The inverse kinematics covers all attitudes of an operation, the joint limits, and redundancy resolution.
 
-use super::branch::{Branch, Cost, Gap, Reach};
+use super::branch::{Branch, Cost, Gap, Reach, attitude_of};
 use super::fixed_elevation::fixed_elevation;
 use super::limits::Limits;
 use super::solver::ChainSolver;
@@ -173,7 +173,7 @@ impl Inverse {
                 self.solve_spins(first, target, attitudes, scratch, &mut judge);
                 any
             }),
-            ChainSolver::Redundant(joint) => joint.samples(joint.fastest()).any(|sample| {
+            ChainSolver::Redundant(joint) => joint.samples().any(|sample| {
                 let mut any = false;
                 let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
                 self.solve_held(&sample, target, attitudes, &mut judge);
@@ -202,9 +202,10 @@ impl Inverse {
                 let turn = attitudes.set.spin_turns.get((wanted >> 4) as usize)?;
                 self.solve_spins(turn.first, target, attitudes, &mut scratch, &mut keep);
             }
-            ChainSolver::Redundant(joint) if ((wanted >> 16) as usize) < joint.values.len() => {
-                let sample = joint.sample(joint.fastest(), (wanted >> 16) as usize);
-                self.solve_held(&sample, target, attitudes, &mut keep);
+            ChainSolver::Redundant(joint) => {
+                let turn = attitudes.set.spin_turns.get(attitude_of(wanted))?;
+                let sample = joint.sample(wanted >> 16);
+                self.solve_held_spins(&sample, turn.first, target, attitudes, &mut keep);
             }
             _ => {
                 self.visit(target, attitudes, &mut scratch, keep);
@@ -224,6 +225,39 @@ impl Inverse {
         Some(self.branch(wanted, &posture, target, attitudes))
     }
 
+    /// Returns a branch that a closed form finds, within the joint limits or not; `wanted` is its index.
+    ///
+    /// # Errors
+    /// Returns the distance, m, by which the target is out of reach in the attitude of the branch if the branch does
+    /// not exist. The distance is 0 if other branches exist.
+    pub fn branch_beyond_limits(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        wanted: u32,
+    ) -> Result<Branch, f64> {
+        let mut found = None;
+        let mut keep = |index: u32, posture: &Posture| {
+            if index == wanted {
+                found = Some(self.branch(index, posture, target, attitudes));
+            }
+        };
+        let turns = &attitudes.set.spin_turns;
+        let by = match &self.solver {
+            ChainSolver::Pose(_) => turns.get((wanted >> 4) as usize).map_or(0.0, |turn| {
+                self.solve_spins(turn.first, target, attitudes, &mut self.scratch(), &mut keep)
+            }),
+            ChainSolver::Redundant(joint) => turns.get(attitude_of(wanted)).map_or(0.0, |turn| {
+                let sample = joint.sample(wanted >> 16);
+                let bound = self.solve_held_spins(&sample, turn.first, target, attitudes, &mut keep);
+                if bound > 0.0 { self.held_distance(&sample, turn.first, target, attitudes) } else { 0.0 }
+            }),
+            ChainSolver::Planar(_) => self.solve(target, attitudes, &mut self.scratch(), &mut keep),
+            ChainSolver::Numeric(_) => f64::INFINITY,
+        };
+        found.ok_or(by)
+    }
+
     /// Returns the posture of the branch with index `wanted` if it keeps joint limits and attitude.
     pub fn usable(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Posture> {
         self.posture(target, attitudes, wanted).filter(|p| self.excess(p, target, attitudes) == 0.0)
@@ -239,11 +273,11 @@ impl Inverse {
         let by = match &self.solver {
             ChainSolver::Numeric(_) => return self.numeric_branches(target, attitudes),
             ChainSolver::Redundant(joint) => {
-                let samples = joint.samples(joint.fastest());
-                let gaps = samples.map(|sample| self.solve_held(&sample, target, attitudes, &mut keep));
-                let by = gaps.fold(f64::INFINITY, f64::min);
+                for sample in joint.samples() {
+                    self.solve_held(&sample, target, attitudes, &mut keep);
+                }
                 if all.iter().any(Branch::is_usable) {
-                    by
+                    0.0
                 } else {
                     // Usable branches may lie between the sampled values.
                     let mut keep = |index: u32, posture: &Posture| {

@@ -40,12 +40,23 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a variant of the solver that does not compute how far a target is out of reach; None if this
-    /// distance is cheap to compute.
-    pub fn fast(&self) -> Option<Self> {
+    /// Returns a variant of the solver that computes a lower bound of the distance by which a target is out of reach,
+    /// not the distance.
+    pub fn fast(&self) -> Self {
         match self {
-            Self::SphericalWrist(arm) => arm.fast().map(|arm| Self::SphericalWrist(Box::new(arm))),
-            Self::Scara(_) | Self::ThreeParallel(_) => None,
+            Self::SphericalWrist(arm) => {
+                arm.fast().map_or_else(|| self.clone(), |arm| Self::SphericalWrist(Box::new(arm)))
+            }
+            Self::Scara(_) | Self::ThreeParallel(_) => self.clone(),
+        }
+    }
+
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns; much cheaper than a solution.
+    #[inline]
+    pub fn bound(&self, flange: &Pose) -> f64 {
+        match self {
+            Self::SphericalWrist(arm) => arm.bound(flange),
+            Self::Scara(_) | Self::ThreeParallel(_) => 0.0,
         }
     }
 

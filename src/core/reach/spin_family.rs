@@ -68,7 +68,7 @@ impl Inverse {
             }
             ChainSolver::Redundant(joint) => {
                 let mut is_reached = false;
-                for sample in joint.samples(joint.fastest()) {
+                for sample in joint.samples() {
                     for first in set.solved() {
                         self.solve_held_one(&sample, first, target, attitudes, &mut |index, posture| {
                             if keeps(posture) {
@@ -131,7 +131,7 @@ impl Inverse {
         found: &mut impl FnMut(u32, &Posture),
     ) {
         let attitude = attitude_of(first);
-        let sample = joint.sample(joint.fastest(), (first >> 16) as usize);
+        let sample = joint.sample(first >> 16);
         self.solve_held_one(&sample, attitude, target, attitudes, &mut |index, posture| {
             if index == first {
                 self.spin(attitude, attitudes, posture, &mut |k, posture| {

@@ -4,6 +4,7 @@ pub(in crate::reach) mod anthropomorphic;
 pub(in crate::reach) mod pieper;
 pub(in crate::reach) mod planar;
 pub(in crate::reach) mod quartic;
+pub(in crate::reach) mod reach_section;
 pub(in crate::reach) mod scara;
 pub(in crate::reach) mod spherical_wrist;
 pub(in crate::reach) mod subproblems;

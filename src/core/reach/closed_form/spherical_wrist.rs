@@ -106,7 +106,7 @@ impl SphericalWrist {
         })
     }
 
-    /// Returns a variant of the solver that does not compute how far a target is out of reach; None if this
+    /// Returns a variant of the solver that computes a lower bound of the distance, not the distance; None if the
     /// distance is cheap to compute.
     pub fn fast(&self) -> Option<Self> {
         let mut fast = self.clone();
@@ -115,6 +115,16 @@ impl SphericalWrist {
             PositioningArm::Anthropomorphic(_) => return None,
         }
         Some(fast)
+    }
+
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns; much cheaper than a solution.
+    #[inline]
+    pub fn bound(&self, flange: &Pose) -> f64 {
+        let PositioningArm::Any(arm) = &self.arm else { return 0.0 };
+        match &self.reversed {
+            Some(lead) => arm.bound(&(*lead * flange.inverse()).transform(&self.centre)),
+            None => arm.bound(&flange.transform(&self.centre)),
+        }
     }
 
     #[inline]

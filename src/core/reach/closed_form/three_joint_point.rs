@@ -44,8 +44,7 @@ impl ThreeJointPoint {
                 Prismatic => axis,
             };
             moves.set_column(k, &column);
-            let ((c, s), ca, sa) = (joints.theta[k], self.links[k].cos_alpha, self.links[k].sin_alpha);
-            turned *= Matrix3::new(c, -s * ca, s * sa, s, c * ca, -c * sa, 0.0, sa, ca);
+            turned *= self.rotation(k, joints);
         }
         (self.seen_from(0, joints), moves)
     }
@@ -89,14 +88,33 @@ impl ThreeJointPoint {
         missed
     }
 
+    /// Returns whether the reach is rotationally symmetric and bounded: all three joints are revolute.
+    pub fn turns_only(&self) -> bool {
+        self.links.iter().all(|link| link.kind == Revolute)
+    }
+
+    /// Returns the distance of the point from axis 1, and its height along axis 1, m.
+    pub fn section(&self, joints: &ThreeJointState) -> (f64, f64) {
+        let q = self.seen_from(0, joints);
+        (q.x.hypot(q.y), q.z)
+    }
+
+    /// Returns how far the point moves at most if joints 2 and 3 rotate by a unit angle each, m/rad.
+    pub fn travel(&self) -> f64 {
+        let [_, second, third] = &self.links;
+        let about_third = third.l.hypot(third.sin_alpha * self.r4);
+        let along_third = third.r + third.cos_alpha * self.r4;
+        about_third + second.l.abs() + about_third.hypot(along_third)
+    }
+
     /// Returns the least distance from the point to `p`, m, and the joints at that distance.
     ///
-    /// The function starts the Levenberg-Marquardt method from the best postures of a grid.
+    /// The function starts [`Self::approached`] from the best postures of a grid.
     pub fn nearest(&self, p: &Vector3<f64>) -> (f64, ThreeJointState) {
         const STARTS: usize = 4;
         let mut best = [(f64::INFINITY, ThreeJointState { theta: [(1.0, 0.0); 3], r: [0.0; 3] }); STARTS];
         for k in 0..GRID * GRID {
-            let mut joints = self.on_grid([k % GRID, k / GRID]);
+            let mut joints = self.on_grid([k % GRID, k / GRID], GRID);
             self.aim(p, &mut joints);
             let rest = (p - self.seen_from(0, &joints)).norm();
             let place = best.iter().position(|b| rest < b.0);
@@ -109,15 +127,15 @@ impl ThreeJointPoint {
         rest.into_iter().fold(first, |a, b| if b.0 < a.0 { b } else { a })
     }
 
-    /// Returns the posture at `place` in a grid over the angles of joints 2 and 3; prismatic joints have
-    /// coordinate 0.
-    fn on_grid(&self, place: [usize; 2]) -> ThreeJointState {
+    /// Returns the posture at `place` in a grid of `count` by `count` angles of joints 2 and 3; prismatic joints
+    /// have coordinate 0.
+    pub fn on_grid(&self, place: [usize; 2], count: usize) -> ThreeJointState {
         let mut joints =
             ThreeJointState { theta: [(1.0, 0.0); 3], r: std::array::from_fn(|k| self.links[k].r) };
         for (k, &at) in (1..).zip(&place) {
             let link = &self.links[k];
             let angle = match link.kind {
-                Revolute => std::f64::consts::TAU * at as f64 / GRID as f64,
+                Revolute => std::f64::consts::TAU * at as f64 / count as f64,
                 Prismatic => link.theta,
             };
             joints.theta[k] = (angle.cos(), angle.sin());
@@ -125,35 +143,79 @@ impl ThreeJointPoint {
         joints
     }
 
-    /// Moves the point towards `p` by the Levenberg-Marquardt method; returns the remaining distance, m,
-    /// and the joints.
-    fn approached(&self, p: &Vector3<f64>, mut joints: ThreeJointState) -> (f64, ThreeJointState) {
-        const MAX_STEPS: usize = 200;
-        let (mut rest, mut damping) = ((p - self.seen_from(0, &joints)).norm(), 1e-2);
+    /// Moves the point towards `p` by Newton's method with damping; returns the remaining distance, m, and the
+    /// joints.
+    ///
+    /// The Hessian matrix of half the squared distance includes the curvature of the point's path. Far from the
+    /// reach, the method therefore takes few steps, unlike a method that knows the Jacobian alone.
+    pub fn approached(&self, p: &Vector3<f64>, mut joints: ThreeJointState) -> (f64, ThreeJointState) {
+        const MAX_STEPS: usize = 100;
+        const LEAST_DAMPING: f64 = 1e-14;
+        let (mut rest, mut damping) = ((p - self.seen_from(0, &joints)).norm(), 1e-3);
         for _ in 0..MAX_STEPS {
             let (q, moves) = self.derivative(&joints);
-            let Some(step) = damped(&moves, &(p - q), damping) else { break };
+            let off = q - p;
+            let hessian = self.hessian(&joints, &moves, &off);
+            let gradient = moves.tr_mul(&off);
+            let scale = moves.norm_squared();
+            let solve = |damping: f64| {
+                (hessian + Matrix3::identity() * (damping * scale)).cholesky().map(|c| -c.solve(&gradient))
+            };
+            let Some(step) = solve(damping) else {
+                damping = (10.0 * damping).max(1e-3);
+                if damping > 1e6 { break } else { continue }
+            };
             let next = self.moved(&joints, &step);
             let missed = (p - self.seen_from(0, &next)).norm();
             if missed < rest {
                 let gain = rest - missed;
-                (joints, rest, damping) = (next, missed, 0.3 * damping);
+                (joints, rest, damping) = (next, missed, (0.01 * damping).max(LEAST_DAMPING));
                 if gain < 1e-13 {
                     break;
                 }
-            } else if damping > 1e6 {
+            } else if step.norm() < 1e-9 || damping > 1e6 {
                 break;
             } else {
-                damping *= 4.0;
+                damping = (10.0 * damping).max(1e-6);
             }
         }
         (rest, joints)
     }
 
+    /// Returns the Hessian matrix of half the squared distance from the point to a target, m^2.
+    ///
+    /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m. The
+    /// derivative of column i by joint j is `z_j x moves_i` for a revolute joint j <= i, and 0 for a prismatic one.
+    fn hessian(&self, joints: &ThreeJointState, moves: &Matrix3<f64>, off: &Vector3<f64>) -> Matrix3<f64> {
+        let mut hessian = moves.tr_mul(moves);
+        let mut axis = Vector3::z();
+        let mut turned = Matrix3::identity();
+        for j in 0..3 {
+            if self.links[j].kind == Revolute {
+                for i in j..3 {
+                    let curved = off.dot(&axis.cross(&moves.column(i)));
+                    hessian[(i, j)] += curved;
+                    if i != j {
+                        hessian[(j, i)] += curved;
+                    }
+                }
+            }
+            turned *= self.rotation(j, joints);
+            axis = turned.column(2).into_owned();
+        }
+        hessian
+    }
+
+    /// Returns the rotation of D-H row `k`.
+    fn rotation(&self, k: usize, joints: &ThreeJointState) -> Matrix3<f64> {
+        let ((c, s), ca, sa) = (joints.theta[k], self.links[k].cos_alpha, self.links[k].sin_alpha);
+        Matrix3::new(c, -s * ca, s * sa, s, c * ca, -c * sa, 0.0, sa, ca)
+    }
+
     /// Returns whether there is a posture in which the joints can move the point in all directions.
     pub fn moves_in_space(&self) -> bool {
         (0..GRID * GRID).any(|k| {
-            let mut joints = self.on_grid([k % GRID, k / GRID]);
+            let mut joints = self.on_grid([k % GRID, k / GRID], GRID);
             // At coordinate 0 of a prismatic joint, the point may lie on a revolute axis, which then cannot
             // move it.
             joints
@@ -177,8 +239,8 @@ impl ThreeJointPoint {
                     let ((c, s), t) = (joints.theta[k], 0.5 * step[k]);
                     let (ct, st) = ((1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t));
                     let (c, s) = (c * ct - s * st, s * ct + c * st);
-                    let size = c.hypot(s);
-                    next.theta[k] = (c / size, s / size);
+                    let per = 1.0 / (c * c + s * s).sqrt();
+                    next.theta[k] = (c * per, s * per);
                 }
                 Prismatic => next.r[k] += step[k],
             }

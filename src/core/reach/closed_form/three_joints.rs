@@ -7,12 +7,14 @@
 //! joint 1 from both. Newton's method refines and checks each solution.
 
 use super::pieper::{PointForms, PointTarget};
+use super::reach_section::ReachSection;
 use super::quartic::{Quadratic, real_roots, value};
 use super::subproblems::{ALIGNED, Angle};
 use super::three_joint_point::{ThreeJointPoint, ThreeJointState};
 use crate::cell::JointKind::{Prismatic, Revolute};
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
+use std::sync::{Arc, OnceLock};
 
 /// Largest distance of an accepted solution from its target, m.
 const ACCURACY: f64 = 1e-10;
@@ -20,12 +22,13 @@ const ACCURACY: f64 = 1e-10;
 /// Closed form of three joints that put a point at a target; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct ThreeJoints {
-    /// Whether [`Self::solve`] returns a constant, not the actual distance, for a target out of reach.
-    /// Computing the actual distance takes a hundred times as long as computing the solutions.
+    /// Whether [`Self::solve`] returns a lower bound, not the actual distance, for a target out of reach.
     pub fast: bool,
     forms: PointForms,
     r1: f64,
     point: ThreeJointPoint,
+    /// Table of distances, made when the first target is out of reach.
+    section: OnceLock<Arc<ReachSection>>,
 }
 
 /// Solution for joint 3: `a` is cos theta_3, and `b` is sin theta_3. For a prismatic joint, `a` is r_3, and
@@ -38,8 +41,8 @@ struct Third {
     rising: bool,
 }
 
-/// Distance, m, that [`ThreeJoints::solve`] returns for an unreachable target if `fast` is set.
-const UNKNOWN_DISTANCE: f64 = 1e-6;
+/// Least lower bound, m, that [`ThreeJoints::solve`] returns for an unreachable target if `fast` is set.
+const LEAST_BOUND: f64 = 1e-12;
 
 impl ThreeJoints {
     /// Returns the closed form for the point on axis 4 at a distance `r4` (m) from the origin of frame 3.
@@ -52,6 +55,7 @@ impl ThreeJoints {
             forms: PointForms::new(links, r4),
             r1: links[0].r,
             point: ThreeJointPoint { links: *links, r4 },
+            section: OnceLock::new(),
             fast: false,
         };
         arm.check().map(|()| arm)
@@ -81,8 +85,8 @@ impl ThreeJoints {
     ///
     /// If the point lies on the axis of a joint, the angle theta of that joint is 0.
     ///
-    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast`
-    /// is set, the function returns [`UNKNOWN_DISTANCE`] for an unreachable target.
+    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast` is set,
+    /// the function returns a lower bound of the distance.
     pub fn solve(
         &self,
         p: &Vector3<f64>,
@@ -111,9 +115,9 @@ impl ThreeJoints {
             return 0.0;
         }
         if self.fast {
-            return UNKNOWN_DISTANCE;
+            return self.bound(p).max(LEAST_BOUND);
         }
-        let (missing, joints) = self.point.nearest(p);
+        let (missing, joints) = self.nearest(p);
         if missing > ACCURACY {
             return missing;
         }
@@ -121,6 +125,27 @@ impl ThreeJoints {
         self.write(&joints, posture);
         found(0, posture);
         0.0
+    }
+
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns for a target in frame 0.
+    pub fn bound(&self, p: &Vector3<f64>) -> f64 {
+        self.section().map_or(0.0, |section| section.bound(p))
+    }
+
+    /// Returns the least distance of the point from `p`, m, and the joints at that distance.
+    fn nearest(&self, p: &Vector3<f64>) -> (f64, ThreeJointState) {
+        let Some(section) = self.section() else { return self.point.nearest(p) };
+        let approached = section.starts(&self.point, p).map(|mut joints| {
+            self.point.aim(p, &mut joints);
+            self.point.approached(p, joints)
+        });
+        approached.reduce(|a, b| if b.0 < a.0 { b } else { a }).unwrap_or_else(|| self.point.nearest(p))
+    }
+
+    /// Returns the table of distances; None if a joint is prismatic.
+    fn section(&self) -> Option<&ReachSection> {
+        let made = || Arc::new(ReachSection::new(&self.point));
+        self.point.turns_only().then(|| self.section.get_or_init(made).as_ref())
     }
 
     fn write(&self, joints: &ThreeJointState, posture: &mut Posture) {
