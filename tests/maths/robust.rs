@@ -57,7 +57,7 @@ fn moved(drawn: &Numbers, moves: &Moves) -> Numbers {
 }
 
 /// Returns the value of a node with its branch from the map of a cell file, or None if it is lost.
-fn node_value(map: &OperationMap, node: usize, branch: u32) -> Option<f64> {
+fn node_value(map: &OperationMap, node: usize, branch: u64) -> Option<f64> {
     let node = &map.nodes[node];
     let posture = node.posture.as_ref().filter(|p| node.status == Status::Ok && p.branch == branch)?;
     Some(posture.value)
@@ -179,7 +179,7 @@ const THERE: &str = "x_mm = 0, y_mm = 1000, z_mm = 600, yaw_deg = 10";
 
 /// Returns the operation of a layout at its drawn node and branch by the map, or None if it is lost or beyond
 /// the limit.
-fn keeps(workcell: &Workcell, layout: &Layout, (node, branch): (usize, u32)) -> bool {
+fn keeps(workcell: &Workcell, layout: &Layout, (node, branch): (usize, u64)) -> bool {
     let value = node_value(&workcell.maps(layout)[0], node, branch);
     let overlaps = !evaluate(workcell, layout).overlaps.is_empty();
     let limit = workcell.cell.operations[0].limit.unwrap_or(f64::INFINITY);
@@ -351,8 +351,8 @@ fn the_robust_evaluation_is_the_least_worst_case_of_all_nodes() {
         }
         let drawn = &workcell.maps(&layout)[0];
         let corners: Vec<OperationMap> = (0..16)
-            .map(|pattern: u32| {
-                let sign = |k: u32| if pattern >> k & 1 == 1 { 1.0 } else { -1.0 };
+            .map(|pattern: u64| {
+                let sign = |k: u64| if pattern >> k & 1 == 1 { 1.0 } else { -1.0 };
                 let mut moved = layout.clone();
                 moved.placements[0].x += sign(0) * 0.002;
                 moved.placements[0].y += sign(1) * 0.002;

@@ -114,6 +114,17 @@ impl BoundingCapsule {
         self.verdict(segment_to_box_squared(&a, &along, &other.half), self.is_solid && other.is_solid)
     }
 
+    /// Returns the distance of the capsule from a box in the same frame, m; negative if its segment is too near.
+    pub(super) fn gap_to_box(&self, other: &BoundingBox) -> f64 {
+        let (a, along) = (self.a - other.centre, self.b - self.a);
+        segment_to_box_squared(&a, &along, &other.half).sqrt() - self.radius
+    }
+
+    /// Returns the distance of the capsule from another capsule in the same frame, m; negative if they overlap.
+    pub(super) fn gap_to(&self, other: &Self) -> f64 {
+        segments_apart_squared(&self.a, &self.b, &other.a, &other.b).sqrt() - self.radius - other.radius
+    }
+
     /// Checks the capsule against the triangles of a mesh in the same frame.
     ///
     /// The traversal of the bounding volume hierarchy visits the nearest nodes first and stops at a clear

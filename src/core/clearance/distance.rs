@@ -107,6 +107,10 @@ impl Scene {
     pub fn is_apart(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair, by: f64) -> bool {
         let clearance = if pair.partner().is_some() { 0.0 } else { self.clearance };
         let wanted = clearance + by + ACCURACY;
+        let (bound, is_exact) = self.capsule_gap(placed, frames, pair);
+        if bound >= wanted || is_exact {
+            return bound >= wanted;
+        }
         if let Against::Placed(k) = pair.against
             && wanted > BOUNDS_ONLY_DISTANCE
             && self.is_mesh(&placed.bodies[k])
@@ -118,6 +122,31 @@ impl Scene {
             return !link.bare.iter().any(is_near);
         }
         self.gap(placed, frames, pair, wanted) >= wanted
+    }
+
+    /// Returns a lower bound of the distance between the solids of a pair, m, and whether it is the distance.
+    ///
+    /// Closed forms give the distance of the bounding capsules from boxes, from each other and from the floor. They
+    /// cost far less than [`Self::gap`].
+    fn capsule_gap(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair) -> (f64, bool) {
+        let link = &self.links[pair.link];
+        let frame = link.carrier(frames);
+        match pair.against {
+            Against::Floor => {
+                let low = link.bare_capsule(&placed.in_world(frame)).bounds().0.z;
+                (low - self.floor, link.core.is_solid)
+            }
+            Against::Placed(k) => {
+                let other = &placed.bodies[k];
+                let capsule = link.bare_capsule(&placed.in_world(frame)).seen_from(&other.pose);
+                (capsule.gap_to_box(&other.bounds), link.core.is_solid && other.bounds.is_solid)
+            }
+            Against::Own(other) => {
+                let other = &self.links[other];
+                let gap = link.bare_capsule(frame).gap_to(&other.bare_capsule(other.carrier(frames)));
+                (gap, link.core.is_solid && other.core.is_solid)
+            }
+        }
     }
 
     fn is_mesh(&self, body: &PlacedSolid) -> bool {

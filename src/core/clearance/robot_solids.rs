@@ -139,6 +139,12 @@ impl RobotSolid {
         BoundingCapsule { radius: self.reach, ..self.core.at(pose) }
     }
 
+    /// Returns a capsule that contains the solid without the clearance; `pose` is the pose of the carrier frame.
+    pub(super) fn bare_capsule(&self, pose: &Pose) -> BoundingCapsule {
+        let radius = if self.reach.is_finite() { self.core.radius } else { f64::INFINITY };
+        BoundingCapsule { radius, ..self.core.at(pose) }
+    }
+
     /// Returns the height (m) of the lowest point of the solid enlarged by the clearance.
     ///
     /// `pose` is the pose of the carrier frame in the world, and `capsule` is [`Self::capsule`] at that pose.

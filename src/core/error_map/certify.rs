@@ -35,7 +35,7 @@ impl OperationQuery<'_> {
     pub(super) fn certify(
         &self,
         target: &Vector3<f64>,
-        branch: u32,
+        branch: u64,
         demand: &Demand<'_>,
         memory: &mut PostureMemory,
     ) -> Result<Option<f64>, NotCertified> {
@@ -62,7 +62,7 @@ impl OperationQuery<'_> {
     pub fn uncertainty(
         &self,
         target: &Vector3<f64>,
-        branch: u32,
+        branch: u64,
         memory: &mut PostureMemory,
     ) -> Option<NotCertified> {
         let demand = Demand { value: None, ..self.placed.demand? };
@@ -73,7 +73,7 @@ impl OperationQuery<'_> {
     fn nominal(
         &self,
         target: &Vector3<f64>,
-        branch: u32,
+        branch: u64,
         demand: &Demand<'_>,
     ) -> Result<Nominal, NotCertified> {
         let arm = &self.placed.mapper.arm;

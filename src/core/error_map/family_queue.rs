@@ -12,7 +12,7 @@ pub struct SpinFamily {
     pub bound: f64,
     pub node: usize,
     /// Branch index of the first member, or of the only one.
-    pub first: u32,
+    pub first: u64,
     /// Known contacts of a single member; None for a whole family.
     pub member: Option<ArmContact>,
     /// TCP target, base frame, m.

@@ -17,7 +17,7 @@ impl OperationQuery<'_> {
     }
 
     /// Returns a posture that this operation can keep; None if the branch does not exist at the point.
-    pub fn hold(&self, at: (f64, f64), branch: u32) -> Option<HeldPosture> {
+    pub fn hold(&self, at: (f64, f64), branch: u64) -> Option<HeldPosture> {
         let target = self.target(at);
         let joints = self.branch_at(&target, branch)?.joints;
         let heading = self.placed.mapper.arm.inverse.heading(&target, &self.attitudes);
@@ -85,7 +85,7 @@ impl OperationQuery<'_> {
 
 impl PlacedLayout<'_> {
     /// Returns a posture that an operation can keep; None if the branch does not exist at the point.
-    pub fn hold(&self, operation: usize, at: (f64, f64), branch: u32) -> Option<HeldPosture> {
+    pub fn hold(&self, operation: usize, at: (f64, f64), branch: u64) -> Option<HeldPosture> {
         OperationQuery::new(self, operation, &[]).hold(at, branch)
     }
 

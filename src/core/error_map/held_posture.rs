@@ -20,7 +20,7 @@ pub struct PointSpot {
 pub struct HeldPosture {
     /// Point in the frame of the equipment, m.
     pub at: (f64, f64),
-    pub branch: u32,
+    pub branch: u64,
     pub joints: JointVector,
     /// Azimuth in the base frame, rad, from which the attitude of this posture is measured.
     pub heading: f64,
@@ -34,7 +34,7 @@ impl HeldPosture {
     }
 
     /// Returns the branch index of this posture in another layout or at another point.
-    pub fn branch_elsewhere(&self, inverse: &Inverse) -> u32 {
+    pub fn branch_elsewhere(&self, inverse: &Inverse) -> u64 {
         if inverse.cost() == Cost::Numeric { CONTINUED } else { self.branch }
     }
 

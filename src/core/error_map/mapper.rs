@@ -80,7 +80,7 @@ impl Mapper {
         &self,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        branch: u32,
+        branch: u64,
         kept: Option<&HeldPosture>,
     ) -> Option<Branch> {
         let inverse = &self.arm.inverse;

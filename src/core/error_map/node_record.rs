@@ -146,7 +146,7 @@ impl NodeRecord {
 /// at the corner of the tolerance box that is worst in the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
-    pub branch: u32,
+    pub branch: u64,
     pub joints: JointVector,
     /// Position error by the model of the cell, m.
     pub error: Vector3<f64>,

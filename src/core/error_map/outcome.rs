@@ -9,7 +9,7 @@ use crate::reach::Gap;
 pub struct Spot {
     /// Index of the node.
     pub node: usize,
-    pub branch: u32,
+    pub branch: u64,
     /// Value that the search minimizes: an error, a statistic of it (m or rad), or a share of failures.
     ///
     /// The error is measured in the sense of the operation.

@@ -101,7 +101,7 @@ impl<'a> Probe<'a> {
     }
 
     /// Returns a posture that the operation can keep; None if the branch does not exist at the point.
-    pub fn hold(&self, at: (f64, f64), branch: u32) -> Option<HeldPosture> {
+    pub fn hold(&self, at: (f64, f64), branch: u64) -> Option<HeldPosture> {
         self.query.hold(at, branch)
     }
 

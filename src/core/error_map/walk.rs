@@ -227,12 +227,12 @@ impl<'a> OperationQuery<'a> {
     }
 
     /// Returns a branch at a target.
-    pub fn branch_at(&self, target: &Vector3<f64>, branch: u32) -> Option<Branch> {
+    pub fn branch_at(&self, target: &Vector3<f64>, branch: u64) -> Option<Branch> {
         self.placed.mapper.branch_at(target, &self.attitudes, branch, self.kept.as_ref())
     }
 
     /// Returns why the motion rules refuse a collision-free posture; None if they allow it.
-    fn refusal(&self, target: &Vector3<f64>, branch: u32) -> Option<PostureRefusal> {
+    fn refusal(&self, target: &Vector3<f64>, branch: u64) -> Option<PostureRefusal> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
         let joints = self.branch_at(target, branch)?.joints;
@@ -245,7 +245,7 @@ impl<'a> OperationQuery<'a> {
     pub fn refusal_status(
         &self,
         target: &Vector3<f64>,
-        branch: u32,
+        branch: u64,
         memory: &PostureMemory,
     ) -> Option<Status> {
         let PlacedLayout { mapper, solids, .. } = self.placed;

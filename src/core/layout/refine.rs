@@ -49,7 +49,7 @@ pub struct Refined {
     pub node_at: (f64, f64),
     /// TCP at the refined spot, world frame, m.
     pub position: Vector3<f64>,
-    pub branch: u32,
+    pub branch: u64,
     pub joints: JointVector,
     pub value: f64,
     /// Upper bound of the value over all misplacements inside the placement tolerances; None if the layout need

@@ -82,25 +82,35 @@ pub fn first_hit_with(
     let spheres = scene.bounding_spheres();
     let bounds = MotionBounds::new(chain, line);
     let deviation = MotionBounds { travel: slack.joints, ..bounds };
-    let approached = |pair: Pair| {
-        let first = pair.partner().map_or(0, |other| spheres[other].frame);
+    let displacements = |sphere: &BoundingSphere, first| {
+        (bounds.displacement(sphere, first), deviation.displacement(sphere, first))
+    };
+    // Most pairs are with equipment, so the displacement of a solid relative to the base is computed once.
+    let from_base: Vec<_> = spheres.iter().map(|sphere| displacements(sphere, 0)).collect();
+    let approached = |number: usize, pair: Pair| {
         let moved = match (pair.partner(), slack.equipment) {
             (None, Some(equipment)) => equipment(scene.equipment_of(placed, pair)),
             _ => 0.0,
         };
-        let by = bounds.displacement(&spheres[pair.link], first);
-        let apart = deviation.displacement(&spheres[pair.link], first) + moved;
+        let (by, deviating) = match pair.partner().map_or(0, |other| spheres[other].frame) {
+            0 => from_base[pair.link],
+            first => displacements(&spheres[pair.link], first),
+        };
+        let apart = deviating + moved;
         let known = slack.between.zip(scene.equipment_of(placed, pair));
         let slack = known.and_then(|(between, k)| between(pair.link, k)).map_or(apart, |by| by.min(apart));
-        ApproachingPair { pair, by, slack }
+        ApproachingPair { number, pair, by, slack }
     };
-    let pairs: Vec<_> = scene.pairs(placed, load).into_iter().map(approached).collect();
-    MoveCheck { chain, scene, placed, line }.first_hit_in(0.0, 1.0, &pairs)
+    let pairs = scene.pairs(placed, load).into_iter().enumerate();
+    let mut pairs: Vec<_> = pairs.map(|(number, pair)| approached(number, pair)).collect();
+    MoveCheck { chain, scene, placed, line }.first_hit_in(0.0, 1.0, &mut pairs)
 }
 
 /// Pair of solids, and how much their distance can decrease.
 #[derive(Clone, Copy)]
 struct ApproachingPair {
+    /// Number of the pair among all pairs of the move.
+    number: usize,
     pair: Pair,
     /// Greatest possible decrease of the distance over the whole move, m.
     by: f64,
@@ -130,19 +140,26 @@ impl MoveCheck<'_> {
     /// Returns the first contact in one interval of the move; None if the interval is free.
     ///
     /// `low` and `high` are the ends of the interval, as shares of the move: 0 is its start, 1 its end.
-    /// Pairs that stay apart in an interval are not checked again in the halves of that interval.
-    fn first_hit_in(&self, low: f64, high: f64, pairs: &[ApproachingPair]) -> Option<PathHit> {
+    /// Pairs that stay apart in an interval are not checked again in the halves of that interval. The function moves
+    /// the other pairs to the front of `pairs`.
+    fn first_hit_in(&self, low: f64, high: f64, pairs: &mut [ApproachingPair]) -> Option<PathHit> {
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
         let frames = self.frames(middle);
-        let is_near =
-            |p: &&ApproachingPair| !self.scene.is_apart(self.placed, &frames, p.pair, p.by * half + p.slack);
-        let near: Vec<_> = pairs.iter().filter(is_near).copied().collect();
-        let first = near.first()?.pair;
+        let mut count = 0;
+        for k in 0..pairs.len() {
+            let ApproachingPair { pair, by, slack, .. } = pairs[k];
+            if !self.scene.is_apart(self.placed, &frames, pair, by * half + slack) {
+                pairs.swap(count, k);
+                count += 1;
+            }
+        }
+        let near = &mut pairs[..count];
+        let first = near.iter().min_by_key(|p| p.number)?.pair;
         let fastest = near.iter().map(|p| p.by).fold(0.0, f64::max);
         if fastest * half <= RESOLUTION {
             return Some(PathHit { at: middle, hit: self.scene.hit_of(self.placed, first) });
         }
-        self.first_hit_in(low, middle, &near).or_else(|| self.first_hit_in(middle, high, &near))
+        self.first_hit_in(low, middle, near).or_else(|| self.first_hit_in(middle, high, near))
     }
 }
 

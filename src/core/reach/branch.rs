@@ -5,16 +5,16 @@ use crate::cell::JointVector;
 use crate::robot::Posture;
 
 /// Bits of a branch index that number the attitude, for a closed form that solves for a whole pose.
-const ATTITUDE_BITS: u32 = 0xfff0;
+const ATTITUDE_BITS: u64 = 0xfff0;
 
 /// Returns the number of the attitude in a branch index.
-pub(super) fn attitude_of(index: u32) -> usize {
+pub(super) fn attitude_of(index: u64) -> usize {
     ((index & ATTITUDE_BITS) >> 4) as usize
 }
 
 /// Returns a branch index with another attitude.
-pub(super) fn with_attitude(index: u32, attitude: usize) -> u32 {
-    index & !ATTITUDE_BITS | (attitude as u32) << 4
+pub(super) fn with_attitude(index: u64, attitude: usize) -> u64 {
+    index & !ATTITUDE_BITS | (attitude as u64) << 4
 }
 
 /// Class of the computing time that the inverse kinematics of one target takes.
@@ -58,7 +58,7 @@ pub struct Branch {
     /// Number that encodes the solution, the attitude and the sample of a redundant joint.
     ///
     /// [`super::Inverse`] documents the bits of this number.
-    pub index: u32,
+    pub index: u64,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,
     pub posture: Posture,

@@ -132,10 +132,10 @@ impl Inverse {
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
         scratch: &mut Posture,
-        mut found: impl FnMut(u32, &Posture),
+        mut found: impl FnMut(u64, &Posture),
     ) -> Gap {
         let mut least = f64::INFINITY;
-        let mut judge = |index: u32, posture: &Posture| {
+        let mut judge = |index: u64, posture: &Posture| {
             let excess = self.excess(posture, target, attitudes);
             least = least.min(excess);
             if excess == 0.0 {
@@ -169,13 +169,13 @@ impl Inverse {
             }
             ChainSolver::Pose(_) => attitudes.set.solved().any(|first| {
                 let mut any = false;
-                let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
+                let mut judge = |_: u64, posture: &Posture| any = any || usable(posture);
                 self.solve_spins(first, target, attitudes, scratch, &mut judge);
                 any
             }),
             ChainSolver::Redundant(joint) => joint.samples().any(|sample| {
                 let mut any = false;
-                let mut judge = |_: u32, posture: &Posture| any = any || usable(posture);
+                let mut judge = |_: u64, posture: &Posture| any = any || usable(posture);
                 self.solve_held(&sample, target, attitudes, &mut judge);
                 any
             }),
@@ -188,9 +188,9 @@ impl Inverse {
     }
 
     /// Returns the posture of a branch that [`Self::visit`] has found; `wanted` is the index of the branch.
-    pub fn posture(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Posture> {
+    pub fn posture(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Posture> {
         let mut found = None;
-        let mut keep = |index: u32, posture: &Posture| {
+        let mut keep = |index: u64, posture: &Posture| {
             if index == wanted {
                 found = Some(*posture);
             }
@@ -204,7 +204,7 @@ impl Inverse {
             }
             ChainSolver::Redundant(joint) => {
                 let turn = attitudes.set.spin_turns.get(attitude_of(wanted))?;
-                let sample = joint.sample(wanted >> 16);
+                let sample = joint.sample((wanted >> 16) as u32);
                 self.solve_held_spins(&sample, turn.first, target, attitudes, &mut keep);
             }
             _ => {
@@ -216,7 +216,7 @@ impl Inverse {
 
     /// Returns a branch that [`Self::visit`] has found, with its joint coordinates; `wanted` is the index of
     /// the branch.
-    pub fn branch_at(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Branch> {
+    pub fn branch_at(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Branch> {
         if let ChainSolver::Numeric(_) = &self.solver {
             let Reach::Branches(all) = self.numeric_branches(target, attitudes) else { return None };
             return all.into_iter().find(|branch| branch.index == wanted);
@@ -234,10 +234,10 @@ impl Inverse {
         &self,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        wanted: u32,
+        wanted: u64,
     ) -> Result<Branch, f64> {
         let mut found = None;
-        let mut keep = |index: u32, posture: &Posture| {
+        let mut keep = |index: u64, posture: &Posture| {
             if index == wanted {
                 found = Some(self.branch(index, posture, target, attitudes));
             }
@@ -248,7 +248,7 @@ impl Inverse {
                 self.solve_spins(turn.first, target, attitudes, &mut self.scratch(), &mut keep)
             }),
             ChainSolver::Redundant(joint) => turns.get(attitude_of(wanted)).map_or(0.0, |turn| {
-                let sample = joint.sample(wanted >> 16);
+                let sample = joint.sample((wanted >> 16) as u32);
                 let bound = self.solve_held_spins(&sample, turn.first, target, attitudes, &mut keep);
                 if bound > 0.0 { self.held_distance(&sample, turn.first, target, attitudes) } else { 0.0 }
             }),
@@ -259,7 +259,7 @@ impl Inverse {
     }
 
     /// Returns the posture of the branch with index `wanted` if it keeps joint limits and attitude.
-    pub fn usable(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u32) -> Option<Posture> {
+    pub fn usable(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Posture> {
         self.posture(target, attitudes, wanted).filter(|p| self.excess(p, target, attitudes) == 0.0)
     }
 
@@ -269,7 +269,7 @@ impl Inverse {
     pub fn branches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
         let mut all = Vec::new();
         let mut keep =
-            |index: u32, posture: &Posture| all.push(self.branch(index, posture, target, attitudes));
+            |index: u64, posture: &Posture| all.push(self.branch(index, posture, target, attitudes));
         let by = match &self.solver {
             ChainSolver::Numeric(_) => return self.numeric_branches(target, attitudes),
             ChainSolver::Redundant(joint) => {
@@ -280,7 +280,7 @@ impl Inverse {
                     0.0
                 } else {
                     // Usable branches may lie between the sampled values.
-                    let mut keep = |index: u32, posture: &Posture| {
+                    let mut keep = |index: u64, posture: &Posture| {
                         all.push(self.branch(index, posture, target, attitudes));
                     };
                     self.visit_redundant(joint, target, attitudes, &mut keep).reach
@@ -297,7 +297,7 @@ impl Inverse {
 
     fn branch(
         &self,
-        index: u32,
+        index: u64,
         posture: &Posture,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
@@ -346,7 +346,7 @@ impl Inverse {
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
         posture: &mut Posture,
-        found: &mut impl FnMut(u32, &Posture),
+        found: &mut impl FnMut(u64, &Posture),
     ) -> f64 {
         match &self.solver {
             ChainSolver::Planar(arm) => {
@@ -374,13 +374,13 @@ impl Inverse {
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
         posture: &mut Posture,
-        found: &mut impl FnMut(u32, &Posture),
+        found: &mut impl FnMut(u64, &Posture),
     ) -> f64 {
         let ChainSolver::Pose(solver) = &self.solver else { return f64::INFINITY };
         let flange = self.flange(first, target, attitudes);
         solver.solve(&flange, posture, &mut |branch, posture| {
             self.spin(first, attitudes, posture, &mut |k, posture| {
-                found((k as u32) << 4 | u32::from(branch), posture);
+                found((k as u64) << 4 | u64::from(branch), posture);
             });
         })
     }

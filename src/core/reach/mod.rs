@@ -16,6 +16,7 @@
 
 mod attitude_limits;
 mod attitude_set;
+mod between_samples;
 mod branch;
 mod closed_form;
 mod envelope;

@@ -14,7 +14,7 @@ use crate::robot::Posture;
 use nalgebra::{Matrix3, Vector3};
 
 /// Branch index of a posture that continues another one.
-pub const CONTINUED: u32 = u32::MAX;
+pub const CONTINUED: u64 = u64::MAX;
 
 impl Inverse {
     /// Calls `found` with every branch of the numeric solver; returns the [`Gap`] of the target.
@@ -22,7 +22,7 @@ impl Inverse {
         &self,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        mut found: impl FnMut(u32, &Posture),
+        mut found: impl FnMut(u64, &Posture),
     ) -> Gap {
         let mut joints = Vec::new();
         let mut gap = Gap::ALL;
@@ -35,7 +35,7 @@ impl Inverse {
             };
             gap = if missed.is_less(&gap) { missed } else { gap };
             for (i, q) in joints.iter().enumerate() {
-                found((k << 8 | i) as u32, &self.chain.posture(q));
+                found((k << 8 | i) as u64, &self.chain.posture(q));
             }
         }
         gap
@@ -50,7 +50,7 @@ impl Inverse {
                 nearest = missed;
             }
             all.extend(joints.iter().enumerate().map(|(i, q)| Branch {
-                index: (k << 8 | i) as u32,
+                index: (k << 8 | i) as u64,
                 joints: *q,
                 posture: self.chain.posture(q),
                 violation: None,

@@ -12,7 +12,7 @@ use crate::robot::Posture;
 use nalgebra::Vector3;
 
 /// Lowest bits of the branch index of a rolling planar arm, which do not depend on the spin.
-const PLANAR_BITS: u32 = 63;
+const PLANAR_BITS: u64 = 63;
 
 impl Inverse {
     /// Returns whether [`Self::visit_families`] finds the postures of this arm.
@@ -38,7 +38,7 @@ impl Inverse {
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
         scratch: &mut Posture,
-        mut found: impl FnMut(u32, &Posture),
+        mut found: impl FnMut(u64, &Posture),
     ) -> bool {
         let set = &attitudes.set;
         let keeps =
@@ -60,7 +60,7 @@ impl Inverse {
                     let flange = self.flange(first, target, attitudes);
                     solver.solve(&flange, scratch, &mut |branch, posture| {
                         if keeps(posture) {
-                            found((first as u32) << 4 | u32::from(branch), posture);
+                            found((first as u64) << 4 | u64::from(branch), posture);
                         }
                     });
                 }
@@ -91,10 +91,10 @@ impl Inverse {
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
         scratch: &mut Posture,
-        first: u32,
-        mut found: impl FnMut(u32, &Posture),
+        first: u64,
+        mut found: impl FnMut(u64, &Posture),
     ) {
-        let mut judge = |index: u32, posture: &Posture| {
+        let mut judge = |index: u64, posture: &Posture| {
             if self.excess(posture, target, attitudes) == 0.0 {
                 found(index, posture);
             }
@@ -127,11 +127,11 @@ impl Inverse {
         joint: &HeldJoint,
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
-        first: u32,
-        found: &mut impl FnMut(u32, &Posture),
+        first: u64,
+        found: &mut impl FnMut(u64, &Posture),
     ) {
         let attitude = attitude_of(first);
-        let sample = joint.sample(first >> 16);
+        let sample = joint.sample((first >> 16) as u32);
         self.solve_held_one(&sample, attitude, target, attitudes, &mut |index, posture| {
             if index == first {
                 self.spin(attitude, attitudes, posture, &mut |k, posture| {

@@ -95,30 +95,61 @@ impl Anthropomorphic {
     /// `radius` is the distance of the target from axis 1. `height` is the height of the target above the
     /// origin of frame 1, negated if alpha_1 is -90 degrees.
     ///
-    /// The function alternates between two steps, and each of them shortens the distance. The first step
-    /// finds the nearest point in the plane of the arm for a fixed yaw. The second step finds the best yaw
-    /// for that point.
+    /// In the plane of the arm, the wrist centre is between two circles. The nearest point is on one of them, or where
+    /// the arm is nearest to axis 1.
     fn missing(&self, radius: f64, height: f64) -> f64 {
-        const MAX_STEPS: usize = 100;
         let (least, most) = self.links.range();
-        let mut missing = f64::INFINITY;
-        for start in [radius, -radius] {
-            let (mut s, mut by) = (start, f64::INFINITY);
+        let (low, high) =
+            ((least * least - self.l1 * self.l1).max(0.0).sqrt(), (most * most - self.l1 * self.l1).sqrt());
+        let beside = match high.is_nan() {
+            true => f64::INFINITY,
+            false => (self.lateral.abs() - radius).hypot(height.abs() - height.abs().clamp(low, high)),
+        };
+        let of_circle = |size: f64| self.distance_from_circle(size, radius, height);
+        beside.min(of_circle(most)).min(of_circle(least))
+    }
+
+    /// Returns the distance (m) from a target to the points where the wrist centre is at the distance `size` (m) from
+    /// axis 2, in the plane of the arm.
+    ///
+    /// Newton's method narrows every local minimum of a scan over the angle in this plane. Its interval always
+    /// contains a minimum, because the derivative has different signs at the ends.
+    fn distance_from_circle(&self, size: f64, radius: f64, height: f64) -> f64 {
+        const ANGLES: usize = 32;
+        const MAX_STEPS: usize = 60;
+        // Distance of the target, and two derivatives of half its square by the angle.
+        let at = |angle: f64| {
+            let (s, c) = angle.sin_cos();
+            let (u, du, up) = (self.l1 + size * c, -size * s, size * s - height);
+            let r = u.hypot(self.lateral).max(f64::MIN_POSITIVE);
+            let dr = u * du / r;
+            let ddr = (du * du - u * size * c - dr * dr) / r;
+            let slope = (r - radius) * dr + up * size * c;
+            let curve = dr * dr + (r - radius) * ddr + size * size * c * c - up * size * s;
+            ((r - radius).hypot(up), slope, curve)
+        };
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / ANGLES as f64;
+        let mut least = f64::INFINITY;
+        let (mut low, mut falls) = (0.0, at(0.0).1 < 0.0);
+        for k in 1..=ANGLES {
+            let (mut from, mut high) = (std::mem::replace(&mut low, angle(k)), angle(k));
+            let fell = std::mem::replace(&mut falls, at(high).1 < 0.0);
+            if !fell || falls {
+                continue;
+            }
+            let mut x = (from + high) / 2.0;
             for _ in 0..MAX_STEPS {
-                let turned = if s == 0.0 { 0.0 } else { radius * s / s.hypot(self.lateral) };
-                let x = turned - self.l1;
-                let d = x.hypot(height);
-                let (x, y) = if d > 0.0 { (x / d, height / d) } else { (1.0, 0.0) };
-                let reached = d.clamp(least, most);
-                let (next, up) = (self.l1 + x * reached, y * reached);
-                by = (next.hypot(self.lateral) - radius).hypot(up - height);
-                if (next - s).abs() < 1e-11 {
+                let (distance, slope, curve) = at(x);
+                least = least.min(distance);
+                (from, high) = if slope < 0.0 { (x, high) } else { (from, x) };
+                let next = x - slope / curve;
+                let next = if next > from && next < high { next } else { (from + high) / 2.0 };
+                if (next - x).abs() < 1e-13 {
                     break;
                 }
-                s = next;
+                x = next;
             }
-            missing = missing.min(by);
         }
-        missing
+        least
     }
 }

@@ -162,7 +162,7 @@ impl PlanarArm {
         attitudes: &ToolAttitudes,
         spins: &[f64],
         posture: &mut Posture,
-        found: &mut impl FnMut(u32, &Posture),
+        found: &mut impl FnMut(u64, &Posture),
     ) -> f64 {
         let lateral = self.side * self.lateral;
         let radius2 = target.x * target.x + target.y * target.y;
@@ -200,7 +200,7 @@ impl PlanarArm {
                     (posture.cos[2], posture.sin[2]) = (cos3, sin3);
                     posture.cos[3] = way.cos_phi * c23 + way.sin_phi * s23;
                     posture.sin[3] = way.sin_phi * c23 - way.cos_phi * s23;
-                    let index = (w as u32) << 2 | back | elbow;
+                    let index = (w as u64) << 2 | back | elbow;
                     match &self.roll {
                         None => found(index, posture),
                         Some(roll) => roll.turn(&attitudes.set, spins, target, way, posture, |k, posture| {
@@ -235,7 +235,7 @@ impl Roll {
         target: &Vector3<f64>,
         way: &PlanarAttitude,
         posture: &mut Posture,
-        mut found: impl FnMut(u32, &Posture),
+        mut found: impl FnMut(u64, &Posture),
     ) {
         let (c1, s1) = (posture.cos[0], posture.sin[0]);
         // Frame 4 is `Rz(theta_1) Rx(alpha_1) Rz(phi) Rx(alpha_4)`.
@@ -263,7 +263,7 @@ impl Roll {
             let length = if set.tolerance > 0.0 { x.hypot(y).max(f64::MIN_POSITIVE) } else { 1.0 };
             let (x, y) = (x / length, y / length);
             (posture.cos[4], posture.sin[4]) = (x * a + y * b, y * a - x * b);
-            found(k as u32, posture);
+            found(k as u64, posture);
         }
     }
 }

@@ -27,11 +27,11 @@ pub(super) struct ReachSection {
     side: f64,
     /// Number of cells along the radius and along the height.
     count: (usize, usize),
-    cells: Vec<Cell>,
+    cells: Vec<SectionCell>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Cell {
+struct SectionCell {
     /// Number of the sampled posture whose point is in the nearest cell that is not empty.
     sample: u32,
     /// Lower bound of the distance from the centre of this cell to the reachable points, m.
@@ -49,8 +49,12 @@ impl ReachSection {
         }
         let side = ((high.0 - low.0).max(high.1 - low.1) / CELLS as f64).max(f64::MIN_POSITIVE);
         let count = [high.0 - low.0, high.1 - low.1].map(|length| (length / side) as usize + 1);
-        let mut section =
-            Self { corner: low, side, count: (count[0], count[1]), cells: Vec::with_capacity(count[0] * count[1]) };
+        let mut section = Self {
+            corner: low,
+            side,
+            count: (count[0], count[1]),
+            cells: Vec::with_capacity(count[0] * count[1]),
+        };
         let mut samples = vec![EMPTY; count[0] * count[1]];
         for (k, place) in (0..).zip(states()) {
             samples[section.cell_at(place)] = k;
@@ -62,7 +66,7 @@ impl ReachSection {
         for (k, &from) in nearest.iter().enumerate() {
             let apart = section.centre(k).0 - section.centre(from).0;
             let distance = apart.hypot(section.centre(k).1 - section.centre(from).1);
-            section.cells.push(Cell { sample: samples[from], bound: distance - slack });
+            section.cells.push(SectionCell { sample: samples[from], bound: distance - slack });
         }
         section
     }

@@ -7,8 +7,8 @@
 //! joint 1 from both. Newton's method refines and checks each solution.
 
 use super::pieper::{PointForms, PointTarget};
-use super::reach_section::ReachSection;
 use super::quartic::{Quadratic, real_roots, value};
+use super::reach_section::ReachSection;
 use super::subproblems::{ALIGNED, Angle};
 use super::three_joint_point::{ThreeJointPoint, ThreeJointState};
 use crate::cell::JointKind::{Prismatic, Revolute};

@@ -1,0 +1,160 @@
+//! Search for usable postures between the sampled values of the redundant joint.
+//!
+//! A scan finds the intervals, Lipschitz bounds decide whether the target is in reach in one of them, and the golden
+//! section approaches the joint limits.
+
+use super::branch::Gap;
+use super::held_joint::{HeldJoint, HeldSample};
+use super::redundancy::HeldTarget;
+use crate::robot::Posture;
+
+/// Number of lattice steps between the values of the held joint that the search between samples scans.
+const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
+
+/// Number of values that the scan tries.
+const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
+
+/// Violation of limits (rad, m or cosine) above which no usable posture is expected one step of the scan away.
+const HOPELESS: f64 = 0.5;
+
+/// Number of times that the search for a reached value divides an interval.
+const MAX_PARTS: usize = 400;
+
+/// Smaller part of an interval that is divided by the golden section.
+const GOLDEN: f64 = 0.381_966_011_250_105_1;
+
+impl HeldTarget<'_> {
+    /// Calls `found` like [`Self::gap`], and returns the same, but never a lower bound of a distance below `near` (m).
+    fn gap_near(
+        &self,
+        sample: &HeldSample<'_>,
+        near: f64,
+        found: &mut dyn FnMut(u64, &Posture),
+    ) -> (Gap, bool) {
+        let (gap, usable) = self.gap(sample, found);
+        if gap.reach == 0.0 || gap.reach >= near {
+            return (gap, usable);
+        }
+        let reach = self.inverse.held_distance(sample, self.first, self.target, self.attitudes);
+        (Gap { reach, ..gap }, usable)
+    }
+
+    /// Searches values between the samples of the held joint for usable postures.
+    ///
+    /// A finer scan covers the whole range of the held joint. A golden-section search narrows the interval around
+    /// every value whose [`Gap`] is not larger than those of its neighbours. Returns the least gap found, and whether
+    /// it found a usable posture.
+    pub fn search_between(&self, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
+        let flange = self.inverse.flange(self.first, self.target, self.attitudes);
+        let near = self.joint.most_travel(&flange) * f64::from(SCAN_STEP);
+        let (mut gaps, mut any) = ([Gap::ALL; SCAN], false);
+        for (k, gap) in (0..).zip(&mut gaps) {
+            let usable;
+            (*gap, usable) = self.gap_near(&self.joint.sample(SCAN_STEP * k), near, found);
+            any |= usable;
+        }
+        let mut least = Gap::ALL;
+        for k in 0..SCAN {
+            let higher = |other: usize| !gaps[other].is_less(&gaps[k]);
+            let is_far = gaps[k].reach > near || gaps[k].limits > HOPELESS;
+            if any || is_far || k > 0 && !higher(k - 1) || k + 1 < SCAN && !higher(k + 1) {
+                continue;
+            }
+            let (gap, usable) = self.search_around(SCAN_STEP * k as u32, gaps[k], found);
+            any |= usable;
+            least = if gap.is_less(&least) { gap } else { least };
+        }
+        (least, any)
+    }
+
+    /// Searches the lattice values around the number `best` for one with a usable posture, towards the least [`Gap`].
+    ///
+    /// `least` is the gap at `best`, and smaller than those one step of the scan away.
+    fn search_around(&self, best: u32, least: Gap, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
+        let interval = (best.saturating_sub(SCAN_STEP), (best + SCAN_STEP).min(HeldJoint::LATTICE));
+        let (best, least) = match least.reach > 0.0 {
+            true => self.nearest_reached(interval, (best, least), &mut *found),
+            false => (best, least),
+        };
+        match (least.reach, least.limits) {
+            (0.0, 0.0) => (least, true),
+            (0.0, _) => self.golden_section(interval, (best, least), found),
+            _ => (least, false),
+        }
+    }
+
+    /// Searches an interval of lattice numbers for one at which the target is in reach; returns the number with the
+    /// least gap, and this gap.
+    ///
+    /// The distance from the reach is a Lipschitz function of the held joint's value. Parts of the interval whose ends
+    /// are too far out of reach are left out (Piyavskii 1972).
+    fn nearest_reached(
+        &self,
+        (lo, hi): (u32, u32),
+        mut least: (u32, Gap),
+        found: &mut dyn FnMut(u64, &Posture),
+    ) -> (u32, Gap) {
+        let flange = self.inverse.flange(self.first, self.target, self.attitudes);
+        let most = self.joint.most_travel(&flange);
+        let mut gap_at =
+            |number: u32| self.gap_near(&self.joint.sample(number), f64::INFINITY, &mut *found).0;
+        let mut parts = [(0, Gap::ALL, 0, Gap::ALL); MAX_PARTS + 3];
+        let mut count = 2;
+        parts[0] = (lo, gap_at(lo), least.0, least.1);
+        parts[1] = (least.0, least.1, hi, gap_at(hi));
+        for _ in 0..MAX_PARTS {
+            if count == 0 || least.1.reach == 0.0 {
+                break;
+            }
+            // The part that could come nearest is divided.
+            let bound = |p: &(u32, Gap, u32, Gap)| p.1.reach + p.3.reach - most * f64::from(p.2 - p.0);
+            let Some(k) = (0..count).min_by(|&a, &b| bound(&parts[a]).total_cmp(&bound(&parts[b]))) else {
+                break;
+            };
+            let (from, before, to, after) = parts[k];
+            count -= 1;
+            parts[k] = parts[count];
+            if bound(&(from, before, to, after)) > 0.0 || to - from < 2 {
+                continue;
+            }
+            let middle = from + (to - from) / 2;
+            let gap = gap_at(middle);
+            if gap.is_less(&least.1) {
+                least = (middle, gap);
+            }
+            parts[count] = (from, before, middle, gap);
+            parts[count + 1] = (middle, gap, to, after);
+            count += 2;
+        }
+        least
+    }
+
+    /// Searches an interval of lattice numbers for one with a usable posture, by the golden section towards the least
+    /// [`Gap`].
+    ///
+    /// `best` lies inside the interval, and `least` is the gap there.
+    fn golden_section(
+        &self,
+        (mut lo, mut hi): (u32, u32),
+        (mut best, mut least): (u32, Gap),
+        found: &mut dyn FnMut(u64, &Posture),
+    ) -> (Gap, bool) {
+        while hi - lo > 2 {
+            // The larger part of the interval is divided.
+            let up = hi - best >= best - lo;
+            let by = ((f64::from(if up { hi - best } else { best - lo }) * GOLDEN) as u32).max(1);
+            let number = if up { best + by } else { best - by };
+            let (gap, usable) = self.gap_near(&self.joint.sample(number), f64::INFINITY, found);
+            if usable {
+                return (gap, true);
+            }
+            match (gap.is_less(&least), up) {
+                (true, true) => (lo, best, least) = (best, number, gap),
+                (true, false) => (hi, best, least) = (best, number, gap),
+                (false, true) => hi = number,
+                (false, false) => lo = number,
+            }
+        }
+        (least, false)
+    }
+}
