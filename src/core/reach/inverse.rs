@@ -207,7 +207,10 @@ impl Inverse {
                 let sample = joint.sample((wanted >> 16) as u32);
                 self.solve_held_spins(&sample, turn.first, target, attitudes, &mut keep);
             }
-            _ => {
+            ChainSolver::Numeric(_) => {
+                return Some(self.numeric_branch_at(target, attitudes, wanted)?.posture);
+            }
+            ChainSolver::Planar(_) => {
                 self.visit(target, attitudes, &mut scratch, keep);
             }
         }
@@ -218,8 +221,7 @@ impl Inverse {
     /// the branch.
     pub fn branch_at(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Branch> {
         if let ChainSolver::Numeric(_) = &self.solver {
-            let Reach::Branches(all) = self.numeric_branches(target, attitudes) else { return None };
-            return all.into_iter().find(|branch| branch.index == wanted);
+            return self.numeric_branch_at(target, attitudes, wanted);
         }
         let posture = self.posture(target, attitudes, wanted)?;
         Some(self.branch(wanted, &posture, target, attitudes))

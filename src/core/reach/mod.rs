@@ -44,7 +44,7 @@ pub use envelope::{Envelope, EnvelopeExtent, EnvelopeSection, Fineness, Outline,
 pub use inverse::Inverse;
 pub use limit_cones::LimitCone;
 pub use limits::LimitViolation;
-pub use numeric::{AttitudeGoal, Numeric, PoseMiss, Shortfall, TcpGoal, jacobian};
+pub use numeric::{AttitudeGoal, Numeric, NumericSolution, PoseMiss, Shortfall, TcpGoal, jacobian};
 #[doc(hidden)] // open for tests/maths
 pub use numeric::{least_turn, rotation_vector};
 pub use numeric_branches::CONTINUED;

@@ -4,7 +4,7 @@
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
-use super::numeric::{AttitudeGoal, PoseMiss, Shortfall, TcpGoal};
+use super::numeric::{AttitudeGoal, NumericSolution, PoseMiss, Shortfall, TcpGoal};
 use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
 use super::tool_task::best_held;
@@ -15,6 +15,9 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Branch index of a posture that continues another one.
 pub const CONTINUED: u64 = u64::MAX;
+
+/// Number of bits of a branch index that hold the number of the start posture.
+const START_BITS: u32 = 16;
 
 impl Inverse {
     /// Calls `found` with every branch of the numeric solver; returns the [`Gap`] of the target.
@@ -34,8 +37,8 @@ impl Inverse {
                 Shortfall::NotConverged { position, angle } => Gap { reach: 0.0, limits: position + angle },
             };
             gap = if missed.is_less(&gap) { missed } else { gap };
-            for (i, q) in joints.iter().enumerate() {
-                found((k << 8 | i) as u64, &self.chain.posture(q));
+            for solution in &joints {
+                found(numeric_index(k, solution), &self.chain.posture(&solution.joints));
             }
         }
         gap
@@ -49,13 +52,9 @@ impl Inverse {
             if is_nearer(&missed, &nearest) {
                 nearest = missed;
             }
-            all.extend(joints.iter().enumerate().map(|(i, q)| Branch {
-                index: (k << 8 | i) as u64,
-                joints: *q,
-                posture: self.chain.posture(q),
-                violation: None,
-                off: 0.0,
-            }));
+            all.extend(
+                joints.iter().map(|found| self.numeric_branch(numeric_index(k, found), &found.joints)),
+            );
         }
         match nearest {
             _ if !all.is_empty() => Reach::Branches(all),
@@ -64,6 +63,24 @@ impl Inverse {
             Shortfall::Attitude { by, joint } => Reach::Attitude { by, joint },
             Shortfall::NotConverged { position, angle } => Reach::NotConverged { position, angle },
         }
+    }
+
+    /// Returns a branch that the numeric solver has found, by one descent; `wanted` is the index of the branch.
+    pub(super) fn numeric_branch_at(
+        &self,
+        target: &Vector3<f64>,
+        attitudes: &ToolAttitudes,
+        wanted: u64,
+    ) -> Option<Branch> {
+        let ChainSolver::Numeric(numeric) = &self.solver else { return None };
+        let goals = self.goals(target, attitudes);
+        let goal = goals.get(usize::try_from(wanted >> START_BITS).ok()?)?;
+        let joints = numeric.again(goal, (wanted & ((1 << START_BITS) - 1)) as usize)?;
+        Some(self.numeric_branch(wanted, &joints))
+    }
+
+    fn numeric_branch(&self, index: u64, joints: &JointVector) -> Branch {
+        Branch { index, joints: *joints, posture: self.chain.posture(joints), violation: None, off: 0.0 }
     }
 
     /// Returns the azimuth in the base frame, rad, with which the allowed attitudes rotate at a target.
@@ -109,11 +126,10 @@ impl Inverse {
             }
         }
         let (_, joints) = best.ok_or(missed)?;
-        let posture = self.chain.posture(&joints);
-        Ok(Branch { index: CONTINUED, joints, posture, violation: None, off: 0.0 })
+        Ok(self.numeric_branch(CONTINUED, &joints))
     }
 
-    fn numeric(&self, goal: &TcpGoal, joints: &mut Vec<JointVector>) -> Shortfall {
+    fn numeric(&self, goal: &TcpGoal, joints: &mut Vec<NumericSolution>) -> Shortfall {
         joints.clear();
         match &self.solver {
             ChainSolver::Numeric(numeric) => numeric.all(goal, joints),
@@ -141,6 +157,11 @@ impl Inverse {
         };
         columns.map(|columns| goal(held(columns))).collect()
     }
+}
+
+/// Returns the index of a branch of the numeric solver: the number of its goal above the number of its start posture.
+fn numeric_index(goal: usize, found: &NumericSolution) -> u64 {
+    (goal as u64) << START_BITS | found.start as u64
 }
 
 /// Returns the matrix of a rotation by `angle` (rad) about z.

@@ -23,6 +23,15 @@ const SLIDE: JointKind = JointKind::Prismatic;
 /// Row of an arm: kind, r, l, alpha in degrees, limits in rad or m.
 type Row = (JointKind, f64, f64, f64, (f64, f64));
 
+/// Writes the joint coordinates of all solutions to `out`, and tests that each is found again from its start posture.
+fn all_of(solver: &Numeric, goal: &TcpGoal, out: &mut Vec<JointVector>) -> Shortfall {
+    let mut found = Vec::new();
+    let missing = solver.all(goal, &mut found);
+    assert!(found.iter().all(|f| solver.again(goal, f.start) == Some(f.joints)));
+    *out = found.iter().map(|f| f.joints).collect();
+    missing
+}
+
 /// Returns a robot of these rows without coupling.
 fn serial(rows: &[Row], tool: Pose) -> Robot {
     let joints = rows.iter().map(|&(kind, r, l, alpha, limits)| {
@@ -179,7 +188,7 @@ fn a_chain_that_begins_away_from_the_base_is_solved() {
         let goal = goal_at(&robot, &random_joints(&robot, &mut rng), 6);
         let moved = TcpGoal { position: goal.position + shift, ..goal };
         let mut all = Vec::new();
-        solver.all(&moved, &mut all);
+        all_of(&solver, &moved, &mut all);
         all.extend(solver.one(&moved));
         missed += usize::from(all.len() < 2);
         all.iter().for_each(|q| check(&robot, q, &goal));
@@ -221,7 +230,7 @@ fn one_and_all_solutions_of_peer_set_b_are_found() {
             .map(|goal| {
                 check(&robot, &solver.one(&goal).unwrap(), &goal);
                 let mut all = Vec::new();
-                assert_eq!(solver.all(&goal, &mut all), Shortfall::None);
+                assert_eq!(all_of(&solver, &goal, &mut all), Shortfall::None);
                 all.iter().for_each(|q| check(&robot, q, &goal));
                 all.len()
             })
@@ -249,7 +258,7 @@ fn all_numeric_solutions_agree_with_the_closed_form() {
             panic!()
         };
         let closed: Vec<_> = closed.iter().filter(|b| b.violation.is_none()).map(|b| b.joints).collect();
-        assert_eq!(solver.all(&goal, &mut out), Shortfall::None);
+        assert_eq!(all_of(&solver, &goal, &mut out), Shortfall::None);
         let same =
             |a: &JointVector, b: &JointVector| a.iter().zip(b).all(|(a, b)| wrapped(a - b).abs() < 1e-5);
         assert!(out.iter().all(|q| closed.iter().any(|c| same(q, c))), "{out:?} {closed:?}");
@@ -291,7 +300,7 @@ fn planar(links: &[f64], limits: &[(f64, f64)]) -> Robot {
 fn reason(robot: &Robot, goal: &TcpGoal) -> Shortfall {
     let solver = Numeric::new(&Chain::new(robot));
     let mut out = vec![[0.0; MAX_JOINTS]];
-    let missing = solver.all(goal, &mut out);
+    let missing = all_of(&solver, goal, &mut out);
     assert_eq!(out.is_empty(), missing != Shortfall::None);
     assert_eq!(solver.one(goal).is_some(), missing == Shortfall::None);
     missing
@@ -384,11 +393,11 @@ fn numeric_solutions_are_deterministic() {
         for rows in 3..=6 {
             let (mut a, mut b, other) = (Vec::new(), Vec::new(), goal_at(&robot, &[0.1; MAX_JOINTS], 6));
             let goal = goal_at(&robot, &q, rows);
-            first.all(&goal, &mut a);
+            all_of(&first, &goal, &mut a);
             let one = first.one(&goal);
             // Earlier questions must not matter.
-            second.all(&other, &mut b);
-            second.all(&goal, &mut b);
+            all_of(&second, &other, &mut b);
+            all_of(&second, &goal, &mut b);
             assert_eq!((a, one), (b, second.one(&goal)));
         }
     }
@@ -402,7 +411,7 @@ fn a_continuum_of_solutions_is_sampled_evenly() {
     let mut count = 0;
     for _ in 0..50 {
         let goal = goal_at(&robot, &random_joints(&robot, &mut rng), 6);
-        assert_eq!(solver.all(&goal, &mut out), Shortfall::None);
+        assert_eq!(all_of(&solver, &goal, &mut out), Shortfall::None);
         assert!(out.is_sorted_by(|a, b| a.partial_cmp(b).unwrap().is_lt()) && out.len() <= 16);
         for (i, q) in out.iter().enumerate() {
             check(&robot, q, &goal);

@@ -15,9 +15,18 @@ const SAME_SOLUTION: f64 = 1e-4;
 /// prismatic joint).
 const CONTINUUM_SPACING: f64 = 0.1;
 
+/// Solution of the numeric solver, and the start posture that leads to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NumericSolution {
+    /// Number of the start posture; [`STARTS`](super::starts::STARTS) is added if the descent was a full one.
+    pub start: usize,
+    /// Joint coordinates, rad or m.
+    pub joints: JointVector,
+}
+
 /// Set of the distinct solutions found so far.
 pub(super) struct DistinctSolutions<'a> {
-    pub found: Vec<JointVector>,
+    pub found: Vec<NumericSolution>,
     joints: &'a JointRanges,
     apart: f64,
     /// Number of start postures tried since the last new solution.
@@ -32,11 +41,12 @@ impl<'a> DistinctSolutions<'a> {
     }
 
     /// Adds the result of one start posture, if it is a new solution.
-    pub fn take(&mut self, q: Option<JointVector>) {
+    pub fn take(&mut self, start: usize, q: Option<JointVector>) {
         self.idle += 1;
-        if let Some(q) = q.filter(|q| self.found.iter().all(|other| self.joints.apart(other, q) > self.apart))
-        {
-            self.found.push(q);
+        let is_new =
+            |q: &JointVector| self.found.iter().all(|f| self.joints.apart(&f.joints, q) > self.apart);
+        if let Some(joints) = q.filter(is_new) {
+            self.found.push(NumericSolution { start, joints });
             self.idle = 0;
         }
     }
@@ -50,17 +60,19 @@ impl<'a> DistinctSolutions<'a> {
     /// Writes the solutions, sorted by their coordinates, to `out`.
     ///
     /// If there are more than [`MAX_SOLUTIONS`], solutions that are far from each other are chosen.
-    pub fn into_sorted(self, out: &mut Vec<JointVector>) {
-        let distance = |q: &JointVector, chosen: &[JointVector]| {
-            chosen.iter().map(|other| self.joints.apart(other, q)).fold(f64::INFINITY, f64::min)
-        };
+    pub fn into_sorted(self, out: &mut Vec<NumericSolution>) {
+        let mut distances = vec![f64::INFINITY; self.found.len()];
         while out.len() < MAX_SOLUTIONS.min(self.found.len()) {
-            let farthest = self.found.iter().max_by(|a, b| distance(a, out).total_cmp(&distance(b, out)));
-            out.extend(farthest);
+            let farthest = (0..distances.len()).max_by(|&a, &b| distances[a].total_cmp(&distances[b]));
+            let Some(chosen) = farthest.map(|k| self.found[k]) else { break };
+            out.push(chosen);
+            for (distance, other) in distances.iter_mut().zip(&self.found) {
+                *distance = distance.min(self.joints.apart(&chosen.joints, &other.joints));
+            }
         }
         let first_difference = |a: &JointVector, b: &JointVector| {
             a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne())
         };
-        out.sort_by(|a, b| first_difference(a, b).unwrap_or(std::cmp::Ordering::Equal));
+        out.sort_by(|a, b| first_difference(&a.joints, &b.joints).unwrap_or(std::cmp::Ordering::Equal));
     }
 }

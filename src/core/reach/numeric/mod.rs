@@ -21,6 +21,7 @@ mod shortfall;
 mod starts;
 mod step;
 
+pub use distinct::NumericSolution;
 pub use goal::{AttitudeGoal, TcpGoal, least_turn, rotation_vector};
 pub use jacobian::jacobian;
 pub use shortfall::{PoseMiss, Shortfall};
@@ -29,10 +30,13 @@ use crate::cell::{JointKind, JointVector};
 use crate::robot::{Chain, Frames};
 use distinct::DistinctSolutions;
 use joint_ranges::JointRanges;
-use starts::Starts;
+use starts::{STARTS, Starts};
 
 /// Number of full descents that follow when all fast descents have failed.
 const FULL_DESCENTS: usize = 12;
+
+/// Number of fast descents that miss a goal before the solver checks whether the goal is out of reach.
+const STARTS_BEFORE_REACH: usize = 48;
 
 /// Numeric solver of one chain.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,10 +67,10 @@ impl Numeric {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
         let mut starts = self.starts.ranked(&goal, self.scale);
-        let found = starts.find_map(|start| self.descend_fast(&goal, start, &mut frames));
+        let found = starts.find_map(|(_, start)| self.descend_fast(&goal, start, &mut frames));
         found.or_else(|| match self.out_of_reach(&goal, &mut frames) {
             Some(_) => None,
-            None => self.solve_fully(&goal, &mut frames),
+            None => self.solve_fully(&goal, &mut frames).map(|found| found.joints),
         })
     }
 
@@ -75,29 +79,53 @@ impl Numeric {
     ///
     /// A coordinate whose range spans several turns is in the turn nearest to the middle of the range. A
     /// redundant chain has a continuum of solutions; then `out` holds solutions spread over it.
-    pub fn all(&self, goal: &TcpGoal, out: &mut Vec<JointVector>) -> Shortfall {
+    pub fn all(&self, goal: &TcpGoal, out: &mut Vec<NumericSolution>) -> Shortfall {
         out.clear();
         let Some(goal) = goal.checked() else {
             return Shortfall::NotConverged { position: f64::INFINITY, angle: f64::INFINITY };
         };
         let mut frames = Frames::default();
         let mut distinct = DistinctSolutions::new(&self.joints, goal.rows());
+        let mut is_known_in_reach = false;
         if self.spans(&goal) {
-            for start in self.starts.ranked(&goal, self.scale) {
-                distinct.take(self.descend_fast(&goal, start, &mut frames));
+            for (tried, (number, start)) in self.starts.ranked(&goal, self.scale).enumerate() {
+                if tried == STARTS_BEFORE_REACH && distinct.found.is_empty() {
+                    // Most goals that so many descents miss are out of reach, which a few full descents tell.
+                    if let Some(by) = self.out_of_reach(&goal, &mut frames) {
+                        return Shortfall::OutOfReach { by };
+                    }
+                    is_known_in_reach = true;
+                }
+                distinct.take(number, self.descend_fast(&goal, start, &mut frames));
                 if distinct.is_done() {
                     break;
                 }
             }
         }
         if distinct.found.is_empty() {
-            if let Some(by) = self.out_of_reach(&goal, &mut frames) {
+            let by = if is_known_in_reach { None } else { self.out_of_reach(&goal, &mut frames) };
+            if let Some(by) = by {
                 return Shortfall::OutOfReach { by };
             }
-            distinct.take(self.solve_fully(&goal, &mut frames));
+            if let Some(found) = self.solve_fully(&goal, &mut frames) {
+                distinct.take(found.start, Some(found.joints));
+            }
         }
         distinct.into_sorted(out);
         if out.is_empty() { self.missing(&goal, &mut frames) } else { Shortfall::None }
+    }
+
+    /// Returns a solution that [`Self::all`] has found, by one descent; `start` is [`NumericSolution::start`].
+    pub fn again(&self, goal: &TcpGoal, start: usize) -> Option<JointVector> {
+        let goal = goal.checked()?;
+        let mut frames = Frames::default();
+        match start.checked_sub(STARTS) {
+            None => self.descend_fast(&goal, self.starts.get(start)?, &mut frames),
+            Some(start) => {
+                let rest = self.descend_to_rest(&goal, self.starts.get(start)?, self.scale, &mut frames);
+                rest.miss.is_reached().then_some(rest.q)
+            }
+        }
     }
 
     /// Returns the solution that a descent from `start` leads to; None if it leads to no solution.
@@ -136,11 +164,12 @@ impl Numeric {
     }
 
     /// Solves by full descents for a goal that every fast descent has missed.
-    fn solve_fully(&self, goal: &TcpGoal, frames: &mut Frames) -> Option<JointVector> {
+    fn solve_fully(&self, goal: &TcpGoal, frames: &mut Frames) -> Option<NumericSolution> {
         let mut starts = self.starts.ranked(goal, self.scale).take(FULL_DESCENTS);
-        starts.find_map(|start| {
+        starts.find_map(|(number, start)| {
             let rest = self.descend_to_rest(goal, start, self.scale, frames);
-            rest.miss.is_reached().then_some(rest.q)
+            let solution = NumericSolution { start: STARTS + number, joints: rest.q };
+            rest.miss.is_reached().then_some(solution)
         })
     }
 

@@ -67,7 +67,7 @@ impl Numeric {
     pub(super) fn missing(&self, goal: &TcpGoal, frames: &mut Frames) -> Shortfall {
         let starts = self.starts.ranked(goal, self.scale).take(ATTITUDE_STARTS);
         let rests =
-            starts.map(|start| self.descend_to_rest(goal, start, POSITION_WEIGHT * self.scale, frames));
+            starts.map(|(_, start)| self.descend_to_rest(goal, start, POSITION_WEIGHT * self.scale, frames));
         let near = |rest: &RestingPoint| rest.miss.position.norm() * self.scale < 1.0 / POSITION_WEIGHT;
         let angle = |rest: &RestingPoint| rest.miss.rotation.norm();
         let rests: Vec<RestingPoint> = rests.collect();
@@ -92,7 +92,7 @@ impl Numeric {
         let position = if beyond > 0.0 { (goal.position / size).normalize() * most } else { goal.position };
         let goal = TcpGoal { position, ..*goal };
         let mut least = (f64::INFINITY, false);
-        for start in self.starts.ranked(&goal, self.scale).take(POSITION_STARTS) {
+        for (_, start) in self.starts.ranked(&goal, self.scale).take(POSITION_STARTS) {
             let rest = self.descend_to_rest(&goal, start, self.scale, frames);
             let by = rest.miss.position.norm();
             if by < least.0 {

@@ -42,6 +42,11 @@ impl Starts {
         Self { all: all.collect(), tool_axis: chain.tool_axis }
     }
 
+    /// Returns the start posture with the number `start`.
+    pub fn get(&self, start: usize) -> Option<&JointVector> {
+        self.all.get(start).map(|start| &start.q)
+    }
+
     /// Returns the start postures in ascending order of the distance of their TCP to the goal.
     ///
     /// The factor `scale` (1/m) multiplies lengths in this distance.
@@ -62,7 +67,8 @@ pub(super) struct Ranked<'a> {
 }
 
 impl<'a> Iterator for Ranked<'a> {
-    type Item = &'a JointVector;
+    /// Number of a start posture, and its joint coordinates.
+    type Item = (usize, &'a JointVector);
 
     fn next(&mut self) -> Option<Self::Item> {
         let (mut best, mut least) = (0, f64::INFINITY);
@@ -72,6 +78,6 @@ impl<'a> Iterator for Ranked<'a> {
             }
         }
         *self.far.get_mut(best).filter(|far| **far < f64::INFINITY)? = f64::INFINITY;
-        self.starts.all.get(best).map(|start| &start.q)
+        self.starts.all.get(best).map(|start| (best, &start.q))
     }
 }
