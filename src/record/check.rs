@@ -2,8 +2,9 @@
 
 use super::numbers::{degrees, millimetres, position_mm};
 use super::placement::ByName;
-use crate::cell::Robot;
+use crate::cell::{Operation, Robot};
 use crate::clearance::{Allowed, SelfCollisionPair};
+use crate::error_map::PostureOrder;
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
 use crate::pose::Pose;
@@ -25,9 +26,37 @@ pub struct CheckDocument {
     /// Pairs of the robot's solids, with the reason for each pair that may touch. Empty if self-collision is
     /// not checked.
     pub self_collision: Vec<OwnPairEntry>,
+    /// How a search treats each operation. Empty if the cell is not valid.
+    #[serde(default)]
+    pub operations: Vec<OperationOrderEntry>,
     /// Facts derived from a URDF; left out for a robot given by Denavit-Hartenberg rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub urdf: Option<UrdfEntry>,
+}
+
+/// How a search treats the postures of an operation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OperationOrderEntry {
+    pub name: String,
+    /// Postures that the search judges: "ranked-nodes" or "spin-families" if lower bounds of the error leave some of
+    /// them out, otherwise "every-posture".
+    pub judges: String,
+    /// Reason why every posture is judged; null otherwise.
+    pub why: Option<String>,
+}
+
+impl OperationOrderEntry {
+    /// Returns the entry of every operation in the start layout.
+    pub fn all(workcell: &Workcell) -> Vec<Self> {
+        let operations = workcell.cell.operations.iter().zip(workcell.posture_orders());
+        let entry = |(operation, order): (&Operation, PostureOrder)| Self {
+            name: operation.name.clone(),
+            judges: order.name().into(),
+            why: order.reason().map(String::from),
+        };
+        operations.map(entry).collect()
+    }
 }
 
 /// Pair of the robot's solids.

@@ -37,7 +37,10 @@ mod words;
 pub use budget::{BudgetDocument, OperationBudget, ShareEntry, TightenEntry, TotalEntry};
 pub use buildability::{AssumedEntry, CertifiedEntry};
 pub use cell_yield::CellYieldEntry;
-pub use check::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, PoseEntry, UrdfEntry, UrdfRow, roll_pitch_yaw};
+pub use check::{
+    CHECK_SCHEMA, CheckDocument, OperationOrderEntry, OwnPairEntry, PoseEntry, UrdfEntry, UrdfRow,
+    roll_pitch_yaw,
+};
 pub use comparison::{ComparedLayout, ComparisonDocument};
 pub use estimate::EstimateEntry;
 pub use explanation::{

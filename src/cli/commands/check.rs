@@ -2,25 +2,27 @@
 
 use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
 use crate::assess::Feasibility;
-use crate::cell::{Cell, ErrorSet};
+use crate::cell::{Cell, ErrorSet, Operation};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, cache, json_text, loading, output};
+use crate::error_map::PostureOrder;
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
-use crate::record::{CHECK_SCHEMA, CheckDocument, OwnPairEntry, UrdfEntry};
+use crate::record::{CHECK_SCHEMA, CheckDocument, OperationOrderEntry, OwnPairEntry, UrdfEntry};
 use crate::report;
 
 /// Runs `sweetspot check`.
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     if a.json {
-        let (mut pairs, mut urdf) = (Vec::new(), None);
+        let (mut pairs, mut operations, mut urdf) = (Vec::new(), Vec::new(), None);
         let (exit, faults) = match loading::read_cell(&a.cell, &a.packages) {
             Ok(loaded) => {
                 urdf = UrdfEntry::new(&loaded.cell.robot);
                 match Workcell::remembering(loaded.cell, &mut cache::remember) {
                     Ok(workcell) => {
                         pairs = OwnPairEntry::all(&workcell);
+                        operations = OperationOrderEntry::all(&workcell);
                         (Exit::Done, loaded.warnings)
                     }
                     Err(why) => {
@@ -32,8 +34,8 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
             Err(faults) => (loading::exit_of(&faults), faults),
         };
         let valid = exit == Exit::Done;
-        let document =
-            CheckDocument { schema: CHECK_SCHEMA.into(), valid, faults, self_collision: pairs, urdf };
+        let schema = CHECK_SCHEMA.into();
+        let document = CheckDocument { schema, valid, faults, self_collision: pairs, operations, urdf };
         json_text::print(&document)?;
         return Ok(exit);
     }
@@ -47,7 +49,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     let judged = Feasibility::new(&workcell, &cell.start());
     let nodes: usize = cell.operations.iter().map(|o| o.nodes()).sum();
     output::data(&format!(
-        "{}\n{}, {} equipment and obstacles, {} on {nodes} nodes, {}\n{}\n{}\n{}valid{}\n",
+        "{}\n{}, {} equipment and obstacles, {} on {nodes} nodes, {}\n{}\n{}{}\n{}valid{}\n",
         report::text::headline(cell),
         counted(cell.robot.axes(), "axis", "axes"),
         cell.equipment.len(),
@@ -55,6 +57,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
         counted(free, "search variable", "search variables"),
         error_sets(cell),
         report::text::self_collision_pairs(&workcell),
+        posture_orders(&workcell),
         report::text::verdict("start", cell.unit(), judged.evaluation.objective, &judged.reasons),
         if warnings == 0 { String::new() } else { format!(", {}", counted(warnings, "warning", "warnings")) },
     ))?;
@@ -72,6 +75,16 @@ fn error_sets(cell: &Cell) -> String {
     };
     let sets = counted(cell.robot.errors.len(), "error set", "error sets");
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
+}
+
+/// Describes which postures a search judges in each operation, one line per operation.
+fn posture_orders(workcell: &Workcell) -> String {
+    let operations = workcell.cell.operations.iter().zip(workcell.posture_orders());
+    let line = |(o, order): (&Operation, PostureOrder)| {
+        format!("\n{}: a search {}", shown(&o.name), order.in_words())
+    };
+    let family = format!("\ninverse kinematics: {}", workcell.inverse().family());
+    std::iter::once(family).chain(operations.map(line)).collect()
 }
 
 /// Returns a count with its noun in singular or plural.

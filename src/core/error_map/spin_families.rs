@@ -19,9 +19,8 @@ impl OperationQuery<'_> {
     ///
     /// Returns None if the families have no known bound, no node can be reached or the errors cannot be computed.
     pub(super) fn by_spin_families(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
-        let inverse = &self.placed.mapper.arm.inverse;
-        let is_bounded = self.placed.mapper.ranks && self.setup.evaluator.has_spin_bound();
-        if !is_bounded || !inverse.has_spin_families(&self.attitudes) || self.context.is_err() {
+        let lacks_families = self.placed.mapper.lacks_families(self.operation, &self.attitudes);
+        if lacks_families.is_some() || self.context.is_err() {
             return None;
         }
         let WalkMemory { candidates, families, postures, .. } = memory;

@@ -3,7 +3,7 @@
 use crate::cell::{Cell, Interpretation, Layout, QuestionFault};
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 use crate::clearance::{FloorPlan, Remember, Scene, SelfCollisionPair};
-use crate::error_map::{Demand, Mapper, PlacedLayout};
+use crate::error_map::{Demand, Mapper, PlacedLayout, PostureOrder};
 use crate::reach::Inverse;
 use crate::reading::ErrorEvaluator;
 use std::sync::Arc;
@@ -120,6 +120,12 @@ impl Workcell {
     /// Returns the inverse kinematics of the arm.
     pub fn inverse(&self) -> &Inverse {
         self.mapper.inverse()
+    }
+
+    /// Returns, for each operation, the order in which a search judges its postures in the start layout.
+    pub fn posture_orders(&self) -> impl Iterator<Item = PostureOrder> + '_ {
+        let attitudes = self.cell.operations.iter().map(|operation| &operation.attitude);
+        attitudes.enumerate().map(|(k, attitude)| self.mapper.posture_order(k, attitude))
     }
 
     /// Returns the error evaluator of an operation.

@@ -18,7 +18,7 @@ const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 const HOPELESS: f64 = 0.5;
 
 /// Number of times that the search for a reached value divides an interval.
-const MAX_PARTS: usize = 400;
+const MAX_PARTS: usize = 128;
 
 /// Smaller part of an interval that is divided by the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;

@@ -44,9 +44,7 @@ impl PoseSolver {
     /// not the distance.
     pub fn fast(&self) -> Self {
         match self {
-            Self::SphericalWrist(arm) => {
-                arm.fast().map_or_else(|| self.clone(), |arm| Self::SphericalWrist(Box::new(arm)))
-            }
+            Self::SphericalWrist(arm) => Self::SphericalWrist(Box::new(arm.fast())),
             Self::Scara(_) | Self::ThreeParallel(_) => self.clone(),
         }
     }

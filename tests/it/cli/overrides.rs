@@ -245,6 +245,25 @@ fn an_untrustworthy_error_model_is_reported_on_both_streams() {
 }
 
 #[test]
+fn check_states_which_postures_a_search_judges() {
+    let shop = Sandbox::new();
+    let judged = |cell: &str| {
+        let (text, json) = (shop.done(&["check", cell]), shop.done(&["check", cell, "--json"]));
+        (text.out, json.document()["operations"][0].clone())
+    };
+    let (text, order) = judged("cells/hitachi_cell.toml");
+    assert!(text.contains(": a search judges only nodes whose lower bound can still win"), "{text}");
+    assert_eq!((order["judges"].as_str(), order["why"].as_str()), (Some("ranked-nodes"), None));
+    let (text, order) = judged("cells/ur_cell.toml");
+    assert!(text.contains(": a search judges only spin families whose lower bound can still win"), "{text}");
+    assert_eq!(order["judges"], "spin-families");
+    let (text, order) = judged("cells/offset_wrist_cell.toml");
+    let why = "the inverse kinematics of the arm is numeric";
+    assert!(text.contains(&format!(": a search judges every posture: {why}")), "{text}");
+    assert_eq!((order["judges"].as_str(), order["why"].as_str()), (Some("every-posture"), Some(why)));
+}
+
+#[test]
 fn check_states_how_the_errors_are_read() {
     let shop = Sandbox::new();
     shop.write("cells/tolerance.toml", TOLERANCE);

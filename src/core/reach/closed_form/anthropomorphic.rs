@@ -8,10 +8,14 @@ use super::subproblems::{ALIGNED, Angle, BOUNDARY, TwoLinks, difference};
 use crate::cell::JointKind;
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
 /// Closed form of the joints up to the wrist centre; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct Anthropomorphic {
+    /// Whether [`Self::solve`] returns a lower bound, not the actual distance, for a target out of reach.
+    pub fast: bool,
     /// Sine of alpha_1, the D-H twist between axes 1 and 2: 1 or -1.
     side: f64,
     /// Cosine of alpha_2, the D-H twist between axes 2 and 3: 1 or -1.
@@ -40,6 +44,7 @@ impl Anthropomorphic {
         }
         let (side, flip) = (a.sin_alpha.signum(), b.cos_alpha.signum());
         Some(Self {
+            fast: false,
             side,
             flip,
             r1: a.r,
@@ -55,7 +60,8 @@ impl Anthropomorphic {
     /// `p` is in frame 0, m. Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if
     /// the arm leans back over its base. If the wrist centre lies on axis 1, theta_1 is free and becomes 0.
     ///
-    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution.
+    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast` is set,
+    /// the function returns a lower bound of the distance.
     #[inline]
     pub fn solve(
         &self,
@@ -87,7 +93,24 @@ impl Anthropomorphic {
                 }
             }
         }
-        if any { 0.0 } else { self.missing(radius2.sqrt(), self.side * (p.z - self.r1)) }
+        match (any, self.fast) {
+            (true, _) => 0.0,
+            (false, true) => self.bound(p).max(LEAST_BOUND),
+            (false, false) => self.missing(radius2.sqrt(), self.side * (p.z - self.r1)),
+        }
+    }
+
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns for a target in frame 0.
+    ///
+    /// All reachable points are between two spheres about the origin of frame 1, and outside a cylinder about axis 1.
+    pub fn bound(&self, p: &Vector3<f64>) -> f64 {
+        let (least, most) = self.links.range();
+        let outer = (most + self.l1.abs()).hypot(self.lateral);
+        let inner = (least - self.l1.abs()).max(0.0).hypot(self.lateral);
+        let radius2 = p.x * p.x + p.y * p.y;
+        let distance = (radius2 + (p.z - self.r1).powi(2)).sqrt();
+        let beside = self.lateral.abs() - radius2.sqrt();
+        (distance - outer).max(inner - distance).max(beside) - BOUNDARY
     }
 
     /// Returns the distance (m) from a target to the nearest point that the arm reaches.
@@ -96,17 +119,28 @@ impl Anthropomorphic {
     /// origin of frame 1, negated if alpha_1 is -90 degrees.
     ///
     /// In the plane of the arm, the wrist centre is between two circles. The nearest point is on one of them, or where
-    /// the arm is nearest to axis 1.
+    /// the arm is nearest to axis 1. The inner circle matters only to a target inside it.
     fn missing(&self, radius: f64, height: f64) -> f64 {
         let (least, most) = self.links.range();
+        if self.lateral == 0.0 {
+            // The plane of the arm contains axis 1, so it also contains the target.
+            let in_plane = |s: f64| {
+                let distance = (s - self.l1).hypot(height);
+                (distance - distance.clamp(least, most)).abs()
+            };
+            return in_plane(radius).min(in_plane(-radius));
+        }
         let (low, high) =
             ((least * least - self.l1 * self.l1).max(0.0).sqrt(), (most * most - self.l1 * self.l1).sqrt());
         let beside = match high.is_nan() {
             true => f64::INFINITY,
             false => (self.lateral.abs() - radius).hypot(height.abs() - height.abs().clamp(low, high)),
         };
-        let of_circle = |size: f64| self.distance_from_circle(size, radius, height);
-        beside.min(of_circle(most)).min(of_circle(least))
+        let along2 = radius * radius - self.lateral * self.lateral;
+        let is_inside = |s: f64| (s - self.l1).hypot(height) <= least;
+        let asks_inner = along2 < 0.0 || is_inside(along2.sqrt()) || is_inside(-along2.sqrt());
+        let outer = beside.min(self.distance_from_circle(most, radius, height));
+        if asks_inner { outer.min(self.distance_from_circle(least, radius, height)) } else { outer }
     }
 
     /// Returns the distance (m) from a target to the points where the wrist centre is at the distance `size` (m) from
@@ -115,35 +149,32 @@ impl Anthropomorphic {
     /// Newton's method narrows every local minimum of a scan over the angle in this plane. Its interval always
     /// contains a minimum, because the derivative has different signs at the ends.
     fn distance_from_circle(&self, size: f64, radius: f64, height: f64) -> f64 {
-        const ANGLES: usize = 32;
         const MAX_STEPS: usize = 60;
         // Distance of the target, and two derivatives of half its square by the angle.
-        let at = |angle: f64| {
-            let (s, c) = angle.sin_cos();
+        let at = |(c, s): (f64, f64)| {
             let (u, du, up) = (self.l1 + size * c, -size * s, size * s - height);
-            let r = u.hypot(self.lateral).max(f64::MIN_POSITIVE);
+            let r = (u * u + self.lateral * self.lateral).sqrt().max(f64::MIN_POSITIVE);
             let dr = u * du / r;
             let ddr = (du * du - u * size * c - dr * dr) / r;
             let slope = (r - radius) * dr + up * size * c;
             let curve = dr * dr + (r - radius) * ddr + size * size * c * c - up * size * s;
-            ((r - radius).hypot(up), slope, curve)
+            (r - radius, up, slope, curve)
         };
-        let angle = |k: usize| std::f64::consts::TAU * k as f64 / ANGLES as f64;
-        let mut least = f64::INFINITY;
-        let (mut low, mut falls) = (0.0, at(0.0).1 < 0.0);
-        for k in 1..=ANGLES {
-            let (mut from, mut high) = (std::mem::replace(&mut low, angle(k)), angle(k));
-            let fell = std::mem::replace(&mut falls, at(high).1 < 0.0);
+        let (mut least, mut falls) = (f64::INFINITY, at(DIRECTIONS[0]).2 < 0.0);
+        for k in 1..DIRECTIONS.len() {
+            let fell = std::mem::replace(&mut falls, at(DIRECTIONS[k]).2 < 0.0);
             if !fell || falls {
                 continue;
             }
-            let mut x = (from + high) / 2.0;
+            let (mut from, mut to) = (angle(k - 1), angle(k));
+            let mut x = (from + to) / 2.0;
             for _ in 0..MAX_STEPS {
-                let (distance, slope, curve) = at(x);
-                least = least.min(distance);
-                (from, high) = if slope < 0.0 { (x, high) } else { (from, x) };
+                let (s, c) = x.sin_cos();
+                let (aside, up, slope, curve) = at((c, s));
+                least = least.min(aside.hypot(up));
+                (from, to) = if slope < 0.0 { (x, to) } else { (from, x) };
                 let next = x - slope / curve;
-                let next = if next > from && next < high { next } else { (from + high) / 2.0 };
+                let next = if next > from && next < to { next } else { (from + to) / 2.0 };
                 if (next - x).abs() < 1e-13 {
                     break;
                 }
@@ -153,3 +184,18 @@ impl Anthropomorphic {
         least
     }
 }
+
+/// Number of directions in which [`Anthropomorphic::distance_from_circle`] looks for local minima.
+const ANGLES: usize = 32;
+
+/// Cosine and sine of the directions, with the first one also at the end.
+static DIRECTIONS: LazyLock<[(f64, f64); ANGLES + 1]> =
+    LazyLock::new(|| std::array::from_fn(|k| (angle(k).cos(), angle(k).sin())));
+
+/// Returns the angle of a direction, rad.
+fn angle(k: usize) -> f64 {
+    TAU * k as f64 / ANGLES as f64
+}
+
+/// Least lower bound, m, that [`Anthropomorphic::solve`] returns for an unreachable target if `fast` is set.
+const LEAST_BOUND: f64 = 1e-12;

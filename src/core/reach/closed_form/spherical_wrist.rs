@@ -106,24 +106,26 @@ impl SphericalWrist {
         })
     }
 
-    /// Returns a variant of the solver that computes a lower bound of the distance, not the distance; None if the
-    /// distance is cheap to compute.
-    pub fn fast(&self) -> Option<Self> {
+    /// Returns a variant of the solver that computes a lower bound of the distance, not the distance.
+    pub fn fast(&self) -> Self {
         let mut fast = self.clone();
         match &mut fast.arm {
             PositioningArm::Any(arm) => arm.fast = true,
-            PositioningArm::Anthropomorphic(_) => return None,
+            PositioningArm::Anthropomorphic(arm) => arm.fast = true,
         }
-        Some(fast)
+        fast
     }
 
     /// Returns a lower bound of the distance, m, that [`Self::solve`] returns; much cheaper than a solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
-        let PositioningArm::Any(arm) = &self.arm else { return 0.0 };
-        match &self.reversed {
-            Some(lead) => arm.bound(&(*lead * flange.inverse()).transform(&self.centre)),
-            None => arm.bound(&flange.transform(&self.centre)),
+        let centre = match &self.reversed {
+            Some(lead) => (*lead * flange.inverse()).transform(&self.centre),
+            None => flange.transform(&self.centre),
+        };
+        match &self.arm {
+            PositioningArm::Any(arm) => arm.bound(&centre),
+            PositioningArm::Anthropomorphic(arm) => arm.bound(&centre),
         }
     }
 

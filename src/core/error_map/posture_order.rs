@@ -1,0 +1,74 @@
+//! The order in which a search judges the postures of an operation.
+
+use super::mapper::Mapper;
+use crate::cell::Attitude;
+use crate::reach::{Cost, ToolAttitudes};
+
+/// Order in which the search for the spot of an operation judges postures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PostureOrder {
+    /// Nodes in ascending order of a lower bound of their error, as long as the bound can still win.
+    RankedNodes,
+    /// Spin families in ascending order of a lower bound of their error, as long as the bound can still win.
+    SpinFamilies,
+    /// Every posture, because no bound is known; the text is the reason.
+    EveryPosture(&'static str),
+}
+
+impl PostureOrder {
+    /// Returns the name of the order in documents.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::RankedNodes => "ranked-nodes",
+            Self::SpinFamilies => "spin-families",
+            Self::EveryPosture(_) => "every-posture",
+        }
+    }
+
+    /// Describes the order in words, as a clause without its subject.
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::RankedNodes => "judges only nodes whose lower bound can still win".into(),
+            Self::SpinFamilies => "judges only spin families whose lower bound can still win".into(),
+            Self::EveryPosture(why) => format!("judges every posture: {why}"),
+        }
+    }
+
+    /// Returns why every posture is judged; None if bounds leave some of them out.
+    pub fn reason(&self) -> Option<&'static str> {
+        match self {
+            Self::EveryPosture(why) => Some(why),
+            Self::RankedNodes | Self::SpinFamilies => None,
+        }
+    }
+}
+
+impl Mapper {
+    /// Returns the order in which a search judges the postures of an operation in an attitude.
+    pub fn posture_order(&self, operation: usize, attitude: &Attitude) -> PostureOrder {
+        if self.setups[operation].over.needs_every_node() {
+            return PostureOrder::EveryPosture("every node of the operation counts");
+        }
+        let attitudes = self.arm.inverse.tool_attitudes(attitude, 0.0);
+        if self.rankers[operation].as_ref().is_some_and(|ranker| ranker.takes(&attitudes)) {
+            return PostureOrder::RankedNodes;
+        }
+        self.lacks_families(operation, &attitudes)
+            .map_or(PostureOrder::SpinFamilies, PostureOrder::EveryPosture)
+    }
+
+    /// Returns why a search cannot use the spin families of an operation; None if it can.
+    pub(super) fn lacks_families(&self, operation: usize, attitudes: &ToolAttitudes) -> Option<&'static str> {
+        if !self.ranks {
+            Some("ranking is switched off")
+        } else if self.arm.inverse.cost() == Cost::Numeric {
+            Some("the inverse kinematics of the arm is numeric")
+        } else if !self.arm.inverse.has_spin_families(attitudes) {
+            Some("the last joint does not rotate the tool alone")
+        } else if !self.setups[operation].evaluator.has_spin_bound() {
+            Some("its reading or sense has no bound over spins")
+        } else {
+            None
+        }
+    }
+}
