@@ -35,7 +35,7 @@ const MAX_HEADERS: usize = 100;
 const MAX_BODY_BYTES: usize = 64 << 10;
 /// Longest wait for the head of the first or the next request of a connection.
 const HEAD_TIME: Duration = Duration::from_secs(5);
-/// Longest wait for a body.
+/// Longest time that the server waits for the body of a request.
 const BODY_TIME: Duration = Duration::from_secs(10);
 /// Longest wait for a client that accepts no byte of a response.
 const SEND_TIME: Duration = Duration::from_secs(10);

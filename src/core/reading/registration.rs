@@ -152,8 +152,8 @@ impl Taught {
         taught
     }
 
-    /// Returns the rigid motion by which the errors of a sample move the taught frame. Reference point: the
-    /// origin of this frame.
+    /// Returns the rigid motion by which the errors of a sample move the taught frame. The reference point of the
+    /// motion is the origin of this frame.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
         let undo = |moved: &mut [Vector3<f64>; 3], back: &Displacement| {

@@ -179,7 +179,8 @@ impl<'a> MovablePiece<'a> {
         TwoLattices { domain, origin: (self.own.x, self.own.y), step, coarse }
     }
 
-    /// Returns the radius of the largest disc around the found placement inside the outline, and what ends it.
+    /// Returns the radius of the largest disc around the found placement inside the outline, and the reason that
+    /// limits it.
     fn room(&self, rings: &[Vec<PlanePoint>]) -> (f64, RoomEnd) {
         let at = (self.own.x, self.own.y);
         let edges = rings.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
@@ -277,7 +278,7 @@ impl Inside for MovablePiece<'_> {
     }
 }
 
-/// Interval around a found value in which everything holds, with what ends it on each side.
+/// Interval around a found value in which everything holds. Each end comes with the reason why it is the end.
 pub struct Interval {
     pub low: (f64, RoomEnd),
     pub high: (f64, RoomEnd),

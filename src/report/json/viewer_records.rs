@@ -136,7 +136,7 @@ pub struct FieldRecord<'a> {
 pub struct TakeRecord {
     pub lens: usize,
     pub error: String,
-    /// Values of all nodes: for each sense one text, the base64 of f32 numbers.
+    /// Values of all nodes: one text per sense, which is the base64 encoding of f32 numbers.
     pub values: Vec<String>,
     pub best: Option<usize>,
 }

@@ -41,9 +41,9 @@ struct SectionCell {
 impl ReachSection {
     /// Samples the points that three revolute joints reach.
     pub fn new(point: &ThreeJointPoint) -> Self {
-        let states = || (0..ANGLES * ANGLES).map(|k| point.section(&at(point, k as u32)));
+        let places: Vec<_> = (0..ANGLES * ANGLES).map(|k| point.section(&at(point, k as u32))).collect();
         let (mut low, mut high) = ((f64::INFINITY, f64::INFINITY), (0.0, f64::NEG_INFINITY));
-        for (radius, height) in states() {
+        for &(radius, height) in &places {
             low = (f64::min(low.0, radius), f64::min(low.1, height));
             high = (f64::max(high.0, radius), f64::max(high.1, height));
         }
@@ -56,7 +56,7 @@ impl ReachSection {
             cells: Vec::with_capacity(count[0] * count[1]),
         };
         let mut samples = vec![EMPTY; count[0] * count[1]];
-        for (k, place) in (0..).zip(states()) {
+        for (k, place) in (0..).zip(places) {
             samples[section.cell_at(place)] = k;
         }
         let nearest = nearest_filled(&samples, section.count);

@@ -14,7 +14,7 @@ use super::three_joint_point::{ThreeJointPoint, ThreeJointState};
 use crate::cell::JointKind::{Prismatic, Revolute};
 use crate::robot::{Link, Posture};
 use nalgebra::Vector3;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Largest distance of an accepted solution from its target, m.
 const ACCURACY: f64 = 1e-10;
@@ -27,8 +27,8 @@ pub(in crate::reach) struct ThreeJoints {
     forms: PointForms,
     r1: f64,
     point: ThreeJointPoint,
-    /// Table of distances, made when the first target is out of reach.
-    section: OnceLock<Arc<ReachSection>>,
+    /// Table of distances; None if a joint is prismatic.
+    section: Option<Arc<ReachSection>>,
 }
 
 /// Solution for joint 3: `a` is cos theta_3, and `b` is sin theta_3. For a prismatic joint, `a` is r_3, and
@@ -51,14 +51,16 @@ impl ThreeJoints {
     /// Fails if the joints cannot move the point in all directions, or if their geometry is nearly
     /// degenerate. The message states which of these is true.
     pub fn new(links: &[Link; 3], r4: f64) -> Result<Self, String> {
-        let arm = Self {
+        let mut arm = Self {
             forms: PointForms::new(links, r4),
             r1: links[0].r,
             point: ThreeJointPoint { links: *links, r4 },
-            section: OnceLock::new(),
+            section: None,
             fast: false,
         };
-        arm.check().map(|()| arm)
+        arm.check()?;
+        arm.section = arm.point.turns_only().then(|| Arc::new(ReachSection::new(&arm.point)));
+        Ok(arm)
     }
 
     /// Checks that the joints can move the point in all directions, and that their geometry is not nearly
@@ -129,23 +131,17 @@ impl ThreeJoints {
 
     /// Returns a lower bound of the distance, m, that [`Self::solve`] returns for a target in frame 0.
     pub fn bound(&self, p: &Vector3<f64>) -> f64 {
-        self.section().map_or(0.0, |section| section.bound(p))
+        self.section.as_ref().map_or(0.0, |section| section.bound(p))
     }
 
     /// Returns the least distance of the point from `p`, m, and the joints at that distance.
     fn nearest(&self, p: &Vector3<f64>) -> (f64, ThreeJointState) {
-        let Some(section) = self.section() else { return self.point.nearest(p) };
+        let Some(section) = &self.section else { return self.point.nearest(p) };
         let approached = section.starts(&self.point, p).map(|mut joints| {
             self.point.aim(p, &mut joints);
             self.point.approached(p, joints)
         });
         approached.reduce(|a, b| if b.0 < a.0 { b } else { a }).unwrap_or_else(|| self.point.nearest(p))
-    }
-
-    /// Returns the table of distances; None if a joint is prismatic.
-    fn section(&self) -> Option<&ReachSection> {
-        let made = || Arc::new(ReachSection::new(&self.point));
-        self.point.turns_only().then(|| self.section.get_or_init(made).as_ref())
     }
 
     fn write(&self, joints: &ThreeJointState, posture: &mut Posture) {

@@ -47,7 +47,7 @@ pub struct PoseMiss {
 }
 
 impl PoseMiss {
-    /// Nothing was tried.
+    /// Value for a goal that was not tried.
     pub const UNTRIED: Self = Self { position: f64::INFINITY, angle: f64::INFINITY };
 }
 
