@@ -20,7 +20,7 @@ const HOPELESS: f64 = 0.5;
 /// Number of times that the search for a reached value divides an interval.
 const MAX_PARTS: usize = 128;
 
-/// Smaller part of an interval that is divided by the golden section.
+/// Share of an interval that the golden section cuts off: the smaller part.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {

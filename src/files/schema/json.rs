@@ -254,7 +254,7 @@ fn when(key: &str, words: &[String], then: Value) -> Value {
     json!({ "if": { "properties": { key: { "enum": words } }, "required": [key] }, "then": then })
 }
 
-/// Returns the schema of a table that has none of these keys.
+/// Returns the schema of a table that has none of `keys`.
 fn without(keys: &[&str]) -> Value {
     let none: Map<_, _> = keys.iter().map(|key| (key.to_string(), json!(false))).collect();
     json!({ "properties": none })
