@@ -40,6 +40,7 @@
 //! | [`cell`] | model of the workcell | plain data, valid by construction |
 //! | [`robot`] | forward kinematics | joint coordinates to frames |
 //! | [`kinematic_error`] | error models | frames and a sample of errors to position and rotation error |
+//! | [`calibration`] | identification | measured positions to the errors of a robot, their covariance and rank |
 //! | [`reading`] | error figures | frames and a tolerance to worst case, percentiles, yield, budget |
 //! | [`reach`] | inverse kinematics | TCP target and orientation to all postures, or the reason for none; envelope |
 //! | [`clearance`] | collision check | layout and frames to the first contact, or none |
@@ -110,8 +111,9 @@
 
 #[doc(inline)]
 pub use sweetspot_core::{
-    assess, cell, clearance, colours, drawing, error_map, geometry, kinematic_error, layout, low_discrepancy,
-    mesh, motion, pose, proof, raster, reach, reading, region, robot, safe_text, search, svg_text, units,
+    assess, calibration, cell, clearance, colours, drawing, error_map, geometry, kinematic_error, layout,
+    low_discrepancy, mesh, motion, pose, proof, raster, reach, reading, region, robot, safe_text, search,
+    svg_text, units,
 };
 
 pub mod cli;

@@ -4,9 +4,10 @@ use super::packages::PackageFolders;
 use super::{Exit, output};
 use crate::files;
 use crate::files::{Fault, FaultKind, Loaded, LoadedRobot, Setting, shown};
+use flate2::read::GzDecoder;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -146,6 +147,31 @@ pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, 
         return Err(format!("its size is {} MB, more than {} MB", about.len() >> 20, MAX_BYTES >> 20));
     }
     std::fs::read(&real).map_err(|e| reason(&e))
+}
+
+/// Reads the text of a data file that the user names, also a gzip file.
+///
+/// Prints a message if the file cannot be read, is larger than an input file may be, or is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, Exit> {
+    read_unpacked(path).map_err(|why| {
+        output::error(&format!("cannot read {}: {why}", output::path_word(path)));
+        Exit::Io
+    })
+}
+
+fn read_unpacked(path: &Path) -> Result<String, String> {
+    let file = std::fs::File::open(path).map_err(|e| reason(&e))?;
+    if !file.metadata().map_err(|e| reason(&e))?.is_file() {
+        return Err("it is not a file".into());
+    }
+    let is_packed = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+    let file: Box<dyn Read> = if is_packed { Box::new(GzDecoder::new(file)) } else { Box::new(file) };
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(|e| reason(&e))?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(format!("its text is larger than {} MB", MAX_BYTES >> 20));
+    }
+    String::from_utf8(bytes).map_err(|_| "its text is not UTF-8".into())
 }
 
 fn reason(e: &std::io::Error) -> String {

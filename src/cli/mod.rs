@@ -75,6 +75,7 @@ pub fn run() -> ExitCode {
         Command::Explain(a) => commands::explain(&a),
         Command::Readings(a) => commands::readings(&a),
         Command::Robust(a) => commands::robust(&a),
+        Command::Calibrate(a) => commands::calibrate(&a),
         Command::Robots(a) => commands::robots(&a),
         Command::Robot(a) => commands::robot(&a),
         Command::Export(a) => commands::export(&a),

@@ -5,6 +5,7 @@
 //! compiler optimises the mathematics fully and spends little time on the code for files and reports.
 
 pub mod assess;
+pub mod calibration;
 pub mod cell;
 pub mod certificate;
 pub mod clearance;

@@ -3,6 +3,12 @@
 //! No other module converts units. Inside the crate every length is in m and every angle in rad. A name that
 //! carries a unit (`x_mm`, `yaw_deg`) holds a value of a file or a report.
 
+/// Length of an inch, m.
+pub const INCH: f64 = 0.0254;
+
+/// Length of a millimetre, m.
+pub const MILLIMETRE: f64 = 1e-3;
+
 /// Converts millimetres to metres.
 ///
 /// The function divides by 1000, because division rounds correctly and multiplication by 0.001 does not. So a

@@ -6,6 +6,7 @@
 
 pub mod fault;
 mod keys;
+pub mod measured;
 mod mesh;
 mod read;
 mod schema;

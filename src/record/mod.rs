@@ -8,6 +8,7 @@
 
 mod budget;
 mod buildability;
+mod calibration;
 mod cell_yield;
 mod check;
 mod comparison;
@@ -36,6 +37,9 @@ mod words;
 
 pub use budget::{BudgetDocument, OperationBudget, ShareEntry, TightenEntry, TotalEntry};
 pub use buildability::{AssumedEntry, CertifiedEntry};
+pub use calibration::{
+    AccuracyEntry, CALIBRATION_SCHEMA, CalibratedFile, CalibrationDocument, IdentifiedParameter, TestedFile,
+};
 pub use cell_yield::CellYieldEntry;
 pub use check::{
     CHECK_SCHEMA, CheckDocument, OperationOrderEntry, OwnPairEntry, PoseEntry, UrdfEntry, UrdfRow,

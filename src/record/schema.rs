@@ -1,9 +1,9 @@
 //! The published JSON Schema of every document, made from its record.
 
 use super::{
-    BudgetDocument, CheckDocument, ComparisonDocument, EnvelopeDocument, ExplanationDocument,
-    ManifestDocument, MapDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument, RobustDocument,
-    SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
+    BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument, EnvelopeDocument,
+    ExplanationDocument, ManifestDocument, MapDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument,
+    RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
 };
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -28,10 +28,11 @@ pub enum DocumentKind {
     Robots,
     RobotSheet,
     Envelope,
+    Calibration,
 }
 
 impl DocumentKind {
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::SearchResult,
         Self::Map,
         Self::Comparison,
@@ -48,6 +49,7 @@ impl DocumentKind {
         Self::Robots,
         Self::RobotSheet,
         Self::Envelope,
+        Self::Calibration,
     ];
 
     /// Returns the name of the schema.
@@ -69,6 +71,7 @@ impl DocumentKind {
             Self::Robots => "robots",
             Self::RobotSheet => "robot-sheet",
             Self::Envelope => "envelope",
+            Self::Calibration => "calibration",
         }
     }
 
@@ -91,6 +94,7 @@ impl DocumentKind {
             Self::Robots => of::<RobotsDocument>(),
             Self::RobotSheet => of::<RobotSheetDocument>(),
             Self::Envelope => of::<EnvelopeDocument>(),
+            Self::Calibration => of::<CalibrationDocument>(),
         }
     }
 }

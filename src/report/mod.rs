@@ -3,9 +3,11 @@
 pub mod chart;
 pub mod csv;
 pub mod dxf;
+
 pub mod figures;
 pub mod glb;
 pub mod json;
+pub mod measured_errors;
 pub mod page;
 #[cfg(feature = "parquet")]
 pub mod parquet;

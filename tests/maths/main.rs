@@ -24,6 +24,7 @@ mod kinematics;
 mod layout;
 mod library;
 mod low_discrepancy;
+mod measured_robots;
 mod meshes;
 mod misfit;
 mod motion;

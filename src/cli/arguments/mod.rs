@@ -1,5 +1,6 @@
 //! The command line: every command and its arguments.
 
+mod calibrate;
 mod files;
 mod layouts;
 mod outputs;
@@ -10,6 +11,7 @@ mod search;
 mod sweep;
 mod value_parsers;
 
+pub use calibrate::CalibrateArguments;
 pub use files::{InitArguments, SchemaArguments};
 pub use layouts::{CheckArguments, CompareArguments, MapArguments, ReadingsArguments, RobustArguments};
 pub use outputs::{ExportArguments, ExportFormat, FiguresArguments, ReportArguments, ViewArguments};
@@ -73,6 +75,9 @@ pub enum Command {
     /// Export a layout: CAD drawing, 3-D scene, scale drawing, table or picture
     #[command(before_help = "Example: sweetspot export results/hitachi_cell-001 --to dxf -o layout.dxf")]
     Export(ExportArguments),
+    /// Identify the kinematic errors of a robot from measured positions of its tool
+    #[command(before_help = "Example: sweetspot calibrate ur10 tracker.csv --test other-day.csv")]
+    Calibrate(CalibrateArguments),
     /// List the built-in robots
     #[command(before_help = "Example: sweetspot robots")]
     Robots(RobotsArguments),

@@ -1,6 +1,7 @@
 //! One function per command: it reads the input, calls the library, prints the result and suggests the next
 //! command.
 
+mod calibrate;
 mod check;
 mod export;
 mod figures;
@@ -21,6 +22,7 @@ mod view;
 #[path = "without_view.rs"]
 mod view;
 
+pub use calibrate::calibrate;
 pub use check::check;
 pub use export::export;
 pub use figures::figures;

@@ -166,7 +166,7 @@ fn is_bare(given: &Path) -> bool {
 }
 
 /// Reads a built-in robot by its name, or a robot file.
-fn read(given: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit> {
+pub fn read(given: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit> {
     let name = given.to_string_lossy();
     if library::text(&name).is_some() {
         return of_library(&name);

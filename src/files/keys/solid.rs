@@ -3,6 +3,7 @@
 use super::key::*;
 use super::parts::*;
 use crate::cell::MAX_JOINTS;
+use crate::units::{INCH, MILLIMETRE};
 use serde_json::{Value, json};
 
 /// Shapes that any solid may have.
@@ -33,9 +34,9 @@ impl MeshUnit {
     /// Returns the length of the unit, m.
     pub fn metres(self) -> f64 {
         match self {
-            Self::Millimetre => 1e-3,
+            Self::Millimetre => MILLIMETRE,
             Self::Metre => 1.0,
-            Self::Inch => 0.0254,
+            Self::Inch => INCH,
         }
     }
 }

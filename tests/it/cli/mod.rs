@@ -3,6 +3,7 @@
 //! Every test runs the real binary in a folder of its own.
 
 mod cache;
+mod calibrate;
 mod contract;
 mod damage;
 mod export;

@@ -20,8 +20,9 @@ const NUMERIC: [(&str, &[&str]); 13] = [
 ];
 
 /// Placeholders of options whose values are no numbers.
-const OTHERS: [&str; 17] = [
+const OTHERS: [&str; 19] = [
     "DIR",
+    "ERRORS",
     "FILE",
     "FORMAT",
     "GOAL,GOAL,...",
@@ -33,6 +34,7 @@ const OTHERS: [&str; 17] = [
     "PATH=VALUE",
     "PROGRESS",
     "QUANTITY",
+    "QUANTITY=NAME",
     "READING",
     "REGISTRATION",
     "SENSE",

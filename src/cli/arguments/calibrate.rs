@@ -1,0 +1,47 @@
+//! Arguments of `calibrate`.
+
+use crate::cli::packages::PackageFolders;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct CalibrateArguments {
+    /// Name of a built-in robot, or a robot file (TOML)
+    pub robot: PathBuf,
+    /// Tables of measured positions (CSV, also compressed as .csv.gz), one for each set-up of the instrument
+    #[arg(required = true)]
+    pub data: Vec<PathBuf>,
+    /// Judge the calibration by a table that is not part of the fit; can be given several times
+    #[arg(long, value_name = "FILE")]
+    pub test: Vec<PathBuf>,
+    /// Also identify the deflection of the joints by the weight of the links
+    #[arg(long)]
+    pub elastic: bool,
+    /// Take the standard deviations before the measurement from this error set of the robot; parameters
+    /// without a tolerance stay nominal [default: 0.5 mm, 0.5 degrees for zeros, 0.1 degrees for twists]
+    #[arg(long, value_name = "ERRORS")]
+    pub prior: Option<String>,
+    /// Use this many randomly drawn rows of every table [default: all]
+    #[arg(long, value_name = "N")]
+    pub poses: Option<usize>,
+    /// Seed of the random draw
+    #[arg(long, default_value_t = 1, requires = "poses")]
+    pub seed: u64,
+    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z); can be given several times
+    #[arg(long, value_name = "QUANTITY=NAME", value_parser = column)]
+    pub column: Vec<(String, String)>,
+    /// Print the identified errors as a table for the robot file
+    #[arg(long, conflicts_with = "json")]
+    pub toml: bool,
+    /// Print the calibration as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub packages: PackageFolders,
+}
+
+/// Parser of `QUANTITY=NAME`.
+fn column(text: &str) -> Result<(String, String), String> {
+    let parts = text.split_once('=').ok_or("write QUANTITY=NAME, for example q1=shoulder")?;
+    Ok((parts.0.trim().to_string(), parts.1.trim().to_string()))
+}

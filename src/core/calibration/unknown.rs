@@ -1,0 +1,108 @@
+//! Parameters that a calibration identifies, and their standard deviations before the measurement.
+
+use crate::cell::{JointKind, MAX_JOINTS, Parameter};
+use crate::kinematic_error::{ParameterSet, identifiable};
+use crate::robot::Chain;
+use crate::units::{m_from_mm, rad_from_deg};
+use nalgebra::Vector3;
+
+/// Error parameter of a robot that a calibration identifies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unknown {
+    /// Error of a Denavit-Hartenberg row.
+    Row(Parameter),
+    /// Deflection of joint `joint` by weight that link `link` carries.
+    ///
+    /// The deflection is the value of the unknown (rad/m) times the horizontal lever of the link (m): the
+    /// component along the joint axis of the torque by a unit weight, for a lever from the start of the link
+    /// to its end. The value is the compliance of the joint (rad/(N m)) times the weight (N) at and beyond
+    /// the end of the link.
+    Elastic { joint: usize, link: usize },
+}
+
+/// Unknown with its value and standard deviations, all in m, rad or rad/m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Identified {
+    pub unknown: Unknown,
+    pub value: f64,
+    /// Standard deviation before the measurement.
+    pub prior: f64,
+    /// Standard deviation after the measurement.
+    pub sigma: f64,
+}
+
+impl Identified {
+    /// Returns whether the data reduce the standard deviation of the parameter to less than half.
+    pub fn is_identified(&self) -> bool {
+        self.sigma < self.prior / 2.0
+    }
+}
+
+/// Ratio to the largest lever below which a lever is left out.
+const SHORT_LEVER: f64 = 0.2;
+
+/// Returns the unknowns of a chain; with the elastic terms if `elastic` is true.
+///
+/// A joint has an elastic term for each link that it carries and whose lever can turn it. Base and reflector
+/// of every session are found besides. They replace the errors dq and dr of the first row and all errors of
+/// the last row.
+pub fn unknowns(chain: &Chain, elastic: bool) -> Vec<Unknown> {
+    let last = chain.axes() - 1;
+    let is_free = |parameter: &Parameter| match *parameter {
+        Parameter::Dq(i) | Parameter::Dr(i) if i == 0 => chain.links[i].kind != JointKind::Revolute,
+        Parameter::Dq(i) => i != last || chain.links[i].kind != JointKind::Revolute,
+        Parameter::Dr(i) | Parameter::Dl(i) | Parameter::Dalpha(i) | Parameter::Dbeta(i) => i != last,
+        _ => false,
+    };
+    let rows = identifiable(chain, ParameterSet::FiveParameter).into_iter().filter(is_free);
+    let rows = rows.map(Unknown::Row);
+    match elastic {
+        true => rows.chain(elastic_terms(chain)).collect(),
+        false => rows.collect(),
+    }
+}
+
+/// Number of postures that decide which levers can turn a joint.
+const POSTURES: usize = 200;
+
+fn elastic_terms(chain: &Chain) -> Vec<Unknown> {
+    let axes = chain.axes();
+    let mut longest = [[0.0_f64; MAX_JOINTS]; MAX_JOINTS];
+    for k in 0..POSTURES {
+        let frames = chain.frames(&chain.posture(&chain.halton_sample(k)));
+        for joint in (0..axes).filter(|&j| chain.links[j].kind == JointKind::Revolute) {
+            for (link, longest) in longest[joint].iter_mut().enumerate().take(axes).skip(joint) {
+                *longest = longest.max(lever(&frames, joint, link).abs());
+            }
+        }
+    }
+    let short = SHORT_LEVER * longest.iter().flatten().fold(0.0_f64, |a, b| a.max(*b));
+    let terms = (0..axes).flat_map(|joint| (joint..axes).map(move |link| (joint, link)));
+    let terms = terms.filter(|&(joint, link)| longest[joint][link] > short);
+    terms.map(|(joint, link)| Unknown::Elastic { joint, link }).collect()
+}
+
+/// Returns the horizontal lever of a link about the axis of a joint, m: `z . (l x g)`.
+///
+/// Here z is the joint axis, l the vector from the frame before the link to the frame after it, and g the
+/// unit vector of gravity, -z of the base frame.
+pub fn lever(frames: &crate::robot::Frames, joint: usize, link: usize) -> f64 {
+    let axis = frames.links[joint].rotation.column(2).into_owned();
+    let along = frames.links[link + 1].translation - frames.links[link].translation;
+    axis.dot(&along.cross(&-Vector3::z()))
+}
+
+impl Unknown {
+    /// Returns the default standard deviation before the measurement, m, rad or rad/m.
+    ///
+    /// The values are ours: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1 degrees for twists, and
+    /// 3 mrad/m for elastic terms.
+    pub fn default_prior(self) -> f64 {
+        match self {
+            Self::Row(Parameter::Dr(_) | Parameter::Dl(_)) => m_from_mm(0.5),
+            Self::Row(Parameter::Dq(_)) => rad_from_deg(0.5),
+            Self::Row(_) => rad_from_deg(0.1),
+            Self::Elastic { .. } => 3e-3,
+        }
+    }
+}

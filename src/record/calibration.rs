@@ -1,0 +1,177 @@
+//! The document of `calibrate --json`.
+
+use super::numbers::{degrees, millimetres, nine_digits};
+use crate::calibration::{Accuracy, Calibration, Identified, Unknown};
+use crate::cell::{Convention, JointKind, Parameter, Robot};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `calibrate --json`.
+pub const CALIBRATION_SCHEMA: &str = "sweetspot/calibration/1";
+
+/// Share of an unidentified direction from which a parameter is named.
+const NAMED_SHARE: f64 = 0.3;
+
+/// Kinematic errors of a robot, identified from measured positions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationDocument {
+    #[schemars(extend("const" = CALIBRATION_SCHEMA))]
+    pub schema: String,
+    pub robot: String,
+    /// Files from which the parameters are identified.
+    pub sessions: Vec<CalibratedFile>,
+    /// Files that were not part of the fit. Base and reflector are fitted to each.
+    pub tests: Vec<TestedFile>,
+    /// Errors of predictions for blocks of the joint space that were left out of the fit. Null if the data do
+    /// not allow such a fit.
+    pub held_out: Option<AccuracyEntry>,
+    pub parameters: Vec<IdentifiedParameter>,
+    /// Number of combinations of parameters whose standard deviation the data reduce to less than half.
+    pub rank: usize,
+    /// Combinations of parameters that the data do not determine.
+    pub unidentified: Vec<String>,
+    /// Residual standard deviation per axis, mm.
+    pub residual_mm: f64,
+    /// Time of the fit and of the cross-validation, s.
+    pub seconds: f64,
+}
+
+/// File of measured positions in the fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedFile {
+    pub file: String,
+    /// Number of measured positions.
+    pub poses: usize,
+    /// Position errors of the nominal robot; base and reflector are fitted.
+    pub before: AccuracyEntry,
+    /// Position errors of the calibrated robot; base and reflector are fitted.
+    pub after: AccuracyEntry,
+}
+
+/// File of measured positions outside the fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TestedFile {
+    pub file: String,
+    /// Number of measured positions.
+    pub poses: usize,
+    /// Position errors of the nominal robot; base and reflector are fitted.
+    pub before: AccuracyEntry,
+    /// Position errors of the calibrated robot; base and reflector are fitted.
+    pub after: AccuracyEntry,
+    /// Share of the positions inside their predicted 95 % ellipsoids.
+    pub coverage_95: f64,
+}
+
+/// Statistics of position errors, mm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AccuracyEntry {
+    pub mean_mm: f64,
+    pub rms_mm: f64,
+    pub p95_mm: f64,
+    pub max_mm: f64,
+}
+
+/// Identified parameter of the robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IdentifiedParameter {
+    /// Name such as dq2 or dl3, or "q2 carries link 3" for an elastic term.
+    pub name: String,
+    pub value: f64,
+    /// Unit of the values: mm, deg, or deg/m for an elastic term.
+    pub unit: String,
+    /// Standard deviation before the measurement.
+    pub prior: f64,
+    /// Standard deviation after the measurement.
+    pub sigma: f64,
+    /// Whether the data reduce the standard deviation to less than half.
+    pub identified: bool,
+}
+
+impl AccuracyEntry {
+    pub fn new(accuracy: &Accuracy) -> Self {
+        Self {
+            mean_mm: millimetres(accuracy.mean),
+            rms_mm: millimetres(accuracy.rms),
+            p95_mm: millimetres(accuracy.p95),
+            max_mm: millimetres(accuracy.max),
+        }
+    }
+}
+
+impl IdentifiedParameter {
+    fn new(robot: &Robot, identified: &Identified) -> Self {
+        let is_length = match identified.unknown {
+            Unknown::Row(Parameter::Dr(_) | Parameter::Dl(_)) => true,
+            Unknown::Row(Parameter::Dq(i)) => robot.joints[i].kind == JointKind::Prismatic,
+            _ => false,
+        };
+        let shown = if is_length { millimetres } else { degrees };
+        let unit = match identified.unknown {
+            Unknown::Elastic { .. } => "deg/m",
+            _ if is_length => "mm",
+            _ => "deg",
+        };
+        Self {
+            name: unknown_name(robot, identified.unknown),
+            value: shown(identified.value),
+            unit: unit.into(),
+            prior: shown(identified.prior),
+            sigma: shown(identified.sigma),
+            identified: identified.is_identified(),
+        }
+    }
+}
+
+/// Returns the name of an unknown. Rows count from 1 and are those of the robot file.
+fn unknown_name(robot: &Robot, unknown: Unknown) -> String {
+    let modified = robot.convention == Convention::Modified;
+    match unknown {
+        // The common normal at the end of a standard row begins the next modified row.
+        Unknown::Row(Parameter::Dl(i)) if modified => Parameter::Dl(i + 1).name(),
+        Unknown::Row(Parameter::Dalpha(i)) if modified => Parameter::Dalpha(i + 1).name(),
+        Unknown::Row(Parameter::Dbeta(i)) if modified => Parameter::Dbeta(i + 1).name(),
+        Unknown::Row(parameter) => parameter.name(),
+        Unknown::Elastic { joint, link } => format!("q{} carries link {}", joint + 1, link + 1),
+    }
+}
+
+impl CalibrationDocument {
+    pub fn new(
+        robot: &Robot,
+        calibration: &Calibration,
+        sessions: Vec<CalibratedFile>,
+        tests: Vec<TestedFile>,
+        seconds: f64,
+    ) -> Self {
+        let parameters: Vec<_> =
+            calibration.identified.iter().map(|i| IdentifiedParameter::new(robot, i)).collect();
+        let unidentified = calibration.unidentified.iter().map(|direction| {
+            let mut shares: Vec<_> = direction.iter().zip(&parameters).collect();
+            shares.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+            let named = shares.iter().filter(|(share, _)| share.abs() > NAMED_SHARE);
+            let names: Vec<_> = named.map(|(_, parameter)| parameter.name.as_str()).collect();
+            match names[..] {
+                [] => "a combination of many parameters".into(),
+                [one] => one.to_string(),
+                _ => format!("a combination of {}", names.join(", ")),
+            }
+        });
+        Self {
+            schema: CALIBRATION_SCHEMA.into(),
+            robot: robot.name.clone(),
+            sessions,
+            tests,
+            held_out: calibration.held_out.as_ref().map(AccuracyEntry::new),
+            rank: calibration.rank,
+            unidentified: unidentified.collect(),
+            parameters,
+            residual_mm: millimetres(calibration.residual),
+            seconds: nine_digits(seconds),
+        }
+    }
+}

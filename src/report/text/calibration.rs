@@ -1,0 +1,78 @@
+//! Text of a calibration.
+
+use super::fixed;
+use super::table::TextTable;
+use crate::files::shown;
+use crate::record::{AccuracyEntry, CalibrationDocument};
+use std::fmt::Write;
+
+/// Returns accuracy before and after, identified parameters and their rank.
+pub fn calibration(document: &CalibrationDocument) -> String {
+    let mut out = format!(
+        "{}: calibrated with {} positions, residual {} mm per axis\n\nPosition error, mm\n",
+        shown(&document.robot),
+        document.sessions.iter().map(|s| s.poses).sum::<usize>(),
+        fixed(document.residual_mm, 3)
+    );
+    let mut accuracy = TextTable::indented(2);
+    accuracy.row(["", "", "positions", "mean", "rms", "95 %", "max", "in 95 % ellipsoid"]);
+    let mut rows = |file: &str,
+                    poses: usize,
+                    before: &AccuracyEntry,
+                    after: &AccuracyEntry,
+                    share: String| {
+        let figures = |of: &AccuracyEntry| {
+            [of.mean_mm, of.rms_mm, of.p95_mm, of.max_mm].into_iter().map(|mm| fixed(mm, 3))
+        };
+        accuracy.labelled(&shown(file), "nominal", [poses.to_string()].into_iter().chain(figures(before)));
+        let after = [String::new()].into_iter().chain(figures(after)).chain([share]);
+        accuracy.labelled("", "calibrated", after);
+    };
+    for s in &document.sessions {
+        rows(&s.file, s.poses, &s.before, &s.after, String::new());
+    }
+    for t in &document.tests {
+        let share = format!("{} %", fixed(t.coverage_95 * 100.0, 1));
+        rows(&format!("test {}", t.file), t.poses, &t.before, &t.after, share);
+    }
+    out.push_str(&accuracy.render());
+    // Writing to a String cannot fail.
+    let _ = match &document.held_out {
+        Some(of) => writeln!(
+            out,
+            "\nCross-validation: each block of the joint space is predicted by a fit without it. The error \
+             has mean {} mm, rms {} mm, 95 % {} mm, max {} mm.",
+            fixed(of.mean_mm, 3),
+            fixed(of.rms_mm, 3),
+            fixed(of.p95_mm, 3),
+            fixed(of.max_mm, 3)
+        ),
+        None => writeln!(out, "\nCross-validation: too few positions for a fit without a block."),
+    };
+    out.push_str("\nParameters\n");
+    let mut parameters = TextTable::indented(1);
+    parameters.row(["", "value", "unit", "sigma before", "sigma after", "identified"]);
+    for p in &document.parameters {
+        let identified = if p.identified { "yes" } else { "no" };
+        parameters.row([
+            p.name.clone(),
+            fixed(p.value, 4),
+            p.unit.clone(),
+            fixed(p.prior, 4),
+            fixed(p.sigma, 4),
+            identified.into(),
+        ]);
+    }
+    out.push_str(&parameters.render());
+    let _ = writeln!(
+        out,
+        "\nRank {} of {}: the number of combinations whose standard deviation the data reduce to less than \
+         half.",
+        document.rank,
+        document.parameters.len()
+    );
+    for direction in &document.unidentified {
+        let _ = writeln!(out, "  not determined: {direction}");
+    }
+    out
+}

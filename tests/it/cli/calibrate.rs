@@ -1,0 +1,104 @@
+//! Tests `calibrate` with measured positions of a real arm (tests/data/ipa_ur10) and with wrong tables.
+
+use crate::cli::sandbox::{Sandbox, items, number, text};
+use crate::common::root;
+use sweetspot::record::{CalibrationDocument, DocumentKind};
+
+fn series(name: &str) -> String {
+    root().join(format!("tests/data/ipa_ur10/{name}.csv.gz")).to_string_lossy().into_owned()
+}
+
+/// The series were measured in other months than the positions of the fit.
+#[test]
+fn a_calibration_of_a_real_arm_predicts_other_series() {
+    let shop = Sandbox::new();
+    let (c, a, d) = (series("C"), series("A"), series("D"));
+    let document =
+        shop.json(&["calibrate", "ur10", &c, "--elastic", "--poses", "300", "--test", &a, "--test", &d]);
+    let mean = |of: &serde_json::Value, when: &str| number(&of[when]["mean_mm"]);
+    let session = &items(&document["sessions"])[0];
+    assert!(mean(session, "after") < 0.55 * mean(session, "before"), "{session}");
+    for test in items(&document["tests"]) {
+        assert!(mean(test, "after") < 0.9 * mean(test, "before"), "{test}");
+        assert!(number(&test["coverage_95"]) > 0.9, "{test}");
+    }
+    assert_eq!(number(&items(&document["tests"])[0]["poses"]), 11_911.0);
+    let validator = jsonschema::draft7::new(&DocumentKind::Calibration.schema()).unwrap();
+    assert!(validator.is_valid(&document));
+    let read: CalibrationDocument = serde_json::from_value(document.clone()).unwrap();
+    assert_eq!(serde_json::to_value(&read).unwrap(), document);
+    // The draw of the rows depends on the seed alone.
+    let again = shop.json(&["calibrate", "ur10", &c, "--elastic", "--poses", "300"]);
+    assert_eq!(again["parameters"], document["parameters"]);
+    let other = shop.json(&["calibrate", "ur10", &c, "--elastic", "--poses", "300", "--seed", "2"]);
+    assert_ne!(other["parameters"], document["parameters"]);
+}
+
+#[test]
+fn the_table_of_measured_errors_is_ready_for_the_robot_file() {
+    let shop = Sandbox::new();
+    let table = shop.done(&["calibrate", "ur10", &series("D"), "--toml"]).out;
+    assert!(table.starts_with("[errors.measured]\n"), "{table}");
+    let robot = shop.done(&["robot", "ur10", "--toml"]).out;
+    shop.write("measured.toml", &format!("{robot}\n{table}"));
+    let sheet = shop.done(&["robot", "measured.toml"]);
+    assert!(sheet.out.contains("measured"), "{}", sheet.out);
+    let words = shop.done(&["calibrate", "ur10", &series("D")]);
+    assert!(
+        words.out.contains("Rank ") && words.err.contains("next: sweetspot calibrate ur10"),
+        "{}",
+        words.err
+    );
+    assert!(words.err.contains("joints shoulder_pan_joint") && words.err.contains("in rad"), "{}", words.err);
+}
+
+/// Rows of a table with decimal commas, in the columns of a user.
+const ROWS: &str = "A1;A2;A3;A4;A5;A6;px;py;pz\n0,1;0,2;0,3;0,4;0,5;0,6;1,5;2;3\n";
+
+#[test]
+fn wrong_tables_are_refused_with_their_place() {
+    let shop = Sandbox::new();
+    let refused = |name: &str, content: &str, options: &[&str], said: &[&str]| {
+        shop.write(name, content);
+        let ran = shop.run(&[&["calibrate", "ur10", name][..], options].concat());
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{name}: {}", ran.err);
+        ran.no_panic();
+        for words in said {
+            assert!(ran.err.contains(words), "{name}: no {words:?} in {}", ran.err);
+        }
+    };
+    refused("columns.csv", ROWS, &[], &["no column is named as `x`", "--column x=NAME", "px"]);
+    let named = ["--column", "x=px", "--column", "y=py", "--column", "z=pz"];
+    refused("few.csv", ROWS, &named, &["few.csv"]);
+    refused("unknown.csv", ROWS, &["--column", "q7=px"], &["`q7` is not a quantity of this arm"]);
+    refused("missing.csv", ROWS, &["--column", "x=pq"], &["no column `pq`"]);
+    let header = "q1,q2,q3,q4,q5,q6,x,y,z\n";
+    let bad = format!("{header}0,0,0,0,0,0,1,2,3\n0,0,nan,0,0,0,1,2,3\n0,0,0,0,0,0,1,2,far\n");
+    refused("numbers.csv", &bad, &[], &["numbers.csv:3:1", "`nan`", "numbers.csv:4:1", "`far`"]);
+    refused("short.csv", &format!("{header}0,0,0\n"), &[], &["short.csv:2"]);
+    refused("empty.csv", header, &[], &["no row of numbers"]);
+    refused("nothing.csv", "", &[], &["no column"]);
+    // Positions of no arm.
+    let random: String = (0..60)
+        .map(|i| format!("{i},{},{},0,0,{i},{},{},{}\n", i % 7, i % 5, i * 31 % 97, i * 17 % 89, i))
+        .collect();
+    refused("noise.csv", &format!("{header}{random}"), &[], &["do not fit the arm"]);
+    assert_eq!(shop.run(&["calibrate", "ur10", "nowhere.csv"]).code, Some(3));
+    let unknown = shop.run(&["calibrate", "ur10", &series("D"), "--prior", "placehoder"]);
+    assert!(unknown.code == Some(2) && unknown.err.contains("did you mean placeholder?"), "{}", unknown.err);
+    assert_eq!(shop.run(&["calibrate", "ur1O", "few.csv"]).code, Some(2));
+}
+
+#[test]
+fn every_parameter_has_a_name_and_a_unit() {
+    let shop = Sandbox::new();
+    let document = shop.json(&["calibrate", "ur10", &series("B"), "--poses", "100", "--elastic"]);
+    let parameters = items(&document["parameters"]);
+    let narrow = shop.json(&["calibrate", "ur10", &series("B"), "--prior", "placeholder"]);
+    let dl1 = &items(&narrow["parameters"])[0];
+    assert!(text(&dl1["name"]) == "dl1" && (number(&dl1["prior"]) - 0.1 / 3.0).abs() < 1e-9, "{dl1}");
+    let units: Vec<_> = parameters.iter().map(|p| (text(&p["name"]), text(&p["unit"]))).collect();
+    assert!(units.contains(&("dl2", "mm")) && units.contains(&("dbeta2", "deg")), "{units:?}");
+    assert!(units.contains(&("q2 carries link 3", "deg/m")), "{units:?}");
+    assert_eq!(number(&document["rank"]) as usize + items(&document["unidentified"]).len(), parameters.len());
+}

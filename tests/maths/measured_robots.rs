@@ -1,0 +1,183 @@
+//! Tests the calibration with simulated arms: exact derivatives, known parameters, units and joint signs.
+
+use crate::common::robots;
+use crate::kinematics::product::{position, product};
+use nalgebra::{Rotation3, Vector3};
+use num_dual::Dual64;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use statrs::distribution::{ContinuousCDF, Normal};
+use sweetspot::calibration::{
+    Calibration, Deformed, MeasuredPosition, MeasuringSession, Unknown, calibrate, explain, unknowns,
+};
+use sweetspot::cell::{JointVector, Parameter, Robot};
+use sweetspot::pose::Pose;
+use sweetspot::robot::Chain;
+
+/// Reflector in the frame of the mechanical interface, m.
+const REFLECTOR: Vector3<f64> = Vector3::new(0.04, -0.03, 0.11);
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    Normal::standard().inverse_cdf(rng.random_range(1e-12..1.0))
+}
+
+/// Returns a robot whose TCP is the mechanical interface.
+fn without_tool(mut robot: Robot) -> Robot {
+    robot.tool = Pose::identity();
+    robot
+}
+
+/// Returns values of the unknowns, drawn from their distribution before the measurement.
+fn truth(unknowns: &[Unknown], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    unknowns.iter().map(|u| u.default_prior() * normal(rng)).collect()
+}
+
+/// Returns positions that an instrument measures at random postures, with noise (m) on every axis.
+fn session(
+    chain: &Chain,
+    unknowns: &[Unknown],
+    values: &[f64],
+    count: usize,
+    noise: f64,
+    seed: u64,
+) -> MeasuringSession {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let rotation = Rotation3::from_euler_angles(0.02, -0.01, 2.0).into_inner();
+    let base = Pose { rotation, translation: Vector3::new(3.0, -2.0, 0.4) };
+    let measured = (1..=count).map(|row| {
+        let joints: JointVector = std::array::from_fn(|i| match chain.links.get(i) {
+            Some(link) => rng.random_range(link.limits.0.max(-3.0)..=link.limits.1.min(3.0)),
+            None => 0.0,
+        });
+        let interface = Deformed::new(chain, &joints, unknowns, values).interface;
+        let noise = Vector3::from_fn(|_, _| noise * normal(&mut rng));
+        MeasuredPosition { row, joints, position: base.transform(&interface.transform(&REFLECTOR)) + noise }
+    });
+    MeasuringSession { name: "simulated".into(), measured: measured.collect() }
+}
+
+fn default_priors(unknowns: &[Unknown]) -> Vec<f64> {
+    unknowns.iter().map(|u| u.default_prior()).collect()
+}
+
+fn calibrated(chain: &Chain, session: &MeasuringSession, unknowns: &[Unknown]) -> Calibration {
+    calibrate(chain, std::slice::from_ref(session), unknowns, &default_priors(unknowns)).unwrap()
+}
+
+/// The reference is a product of textbook matrices, whose dual part is the derivative.
+#[test]
+fn the_deformed_chain_and_its_derivatives_agree_with_dual_numbers() {
+    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    for (name, robot) in robots() {
+        let robot = without_tool(robot);
+        let chain = Chain::new(&robot);
+        let all: Vec<_> = Parameter::of_robot(robot.axes()).collect();
+        let rows: Vec<_> = all[..5 * robot.axes()].iter().map(|p| Unknown::Row(*p)).collect();
+        let values = truth(&rows, &mut rng);
+        let q = chain.halton_sample(rng.random_range(0..1000));
+        let deformed = Deformed::new(&chain, &q, &rows, &values);
+        for (k, unknown) in rows.iter().enumerate() {
+            let mut errors = vec![Dual64::from(0.0); all.len()];
+            errors.iter_mut().zip(&values).for_each(|(e, v)| *e = Dual64::from(*v));
+            errors[k].eps = 1.0;
+            let t = product(&robot, &q, &errors);
+            let exact = robot.mount.transform(&position(&t.map(|d| d.re)));
+            let slope = robot.mount.rotation * position(&t.map(|d| d.eps));
+            let at = deformed.interface.translation;
+            assert!((at - exact).norm() < 1e-13, "{name}: {:e} m", (at - exact).norm());
+            let off = (deformed.motion(&chain, *unknown, &at).slope - slope).norm();
+            assert!(off < 1e-12, "{name}: derivative {k} is wrong by {off:e}");
+        }
+    }
+}
+
+/// A UR10 whose upper arm is at angle q2 to the horizontal carries it at the lever `612 mm cos q2`.
+#[test]
+fn an_elastic_joint_turns_in_proportion_to_its_horizontal_lever() {
+    let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
+    let chain = Chain::new(&without_tool(robot));
+    let term = [Unknown::Elastic { joint: 1, link: 1 }];
+    for q2 in [-2.5_f64, -1.0, 0.0, 0.4, 1.2] {
+        let q = [0.7, q2, -0.3, 0.2, 1.0, 0.5, 0.0, 0.0];
+        let at = |q: &JointVector, c: f64| Deformed::new(&chain, q, &term, &[c]).interface.translation;
+        let moved = at(&q, 1e-3);
+        let mut turned = q;
+        // Gravity lowers the arm: its lever points along -x for the negative common normal of row 2.
+        turned[1] += 1e-3 * 0.612 * q2.cos();
+        let off = (at(&turned, 0.0) - moved).norm();
+        assert!(off < 1e-14, "q2 = {q2}: {off:e} m");
+    }
+}
+
+/// The unknowns are drawn from the assumed distribution, so 95 % of their intervals contain the truth.
+#[test]
+fn identified_parameters_of_simulated_arms_lie_in_their_intervals() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let (mut inside, mut count) = (0, 0);
+    for (k, (name, robot)) in robots().into_iter().enumerate() {
+        let chain = Chain::new(&without_tool(robot));
+        for draw in 0..4 {
+            let unknowns = unknowns(&chain, draw % 2 == 1);
+            let truth = truth(&unknowns, &mut rng);
+            let session = session(&chain, &unknowns, &truth, 60, 3e-5, 10 * k as u64 + draw);
+            let result = calibrated(&chain, &session, &unknowns);
+            for (identified, truth) in result.identified.iter().zip(&truth).filter(|(i, _)| i.is_identified())
+            {
+                count += 1;
+                let off = (identified.value - truth).abs();
+                inside += usize::from(off < 1.96 * identified.sigma);
+                assert!(off < 6.0 * identified.sigma, "{name}: {:?} is off", identified.unknown);
+            }
+        }
+    }
+    let share = inside as f64 / f64::from(count);
+    assert!(count > 500, "{count} identified parameters");
+    assert!((0.92..0.98).contains(&share), "{share} of {count} intervals contain the truth");
+}
+
+/// A joint that does not move, and axes that only it moves, leave combinations unknown.
+#[test]
+fn parameters_that_the_data_do_not_determine_are_not_identified() {
+    let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
+    let mut chain = Chain::new(&without_tool(robot));
+    let unknowns = unknowns(&chain, false);
+    let moving =
+        calibrated(&chain, &session(&chain, &unknowns, &vec![0.0; unknowns.len()], 80, 1e-5, 3), &unknowns);
+    assert_eq!((moving.rank, moving.unidentified.len()), (unknowns.len(), 0));
+    chain.links[2].limits = (0.5, 0.5);
+    let held =
+        calibrated(&chain, &session(&chain, &unknowns, &vec![0.0; unknowns.len()], 80, 1e-5, 3), &unknowns);
+    let is_known =
+        |wanted| held.identified.iter().find(|i| i.unknown == Unknown::Row(wanted)).unwrap().is_identified();
+    assert!(held.rank < unknowns.len());
+    // With the elbow held, the forearm is part of the upper arm.
+    assert!(!is_known(Parameter::Dl(1)) && !is_known(Parameter::Dl(2)) && is_known(Parameter::Dq(1)));
+}
+
+#[test]
+fn units_and_joint_signs_of_measured_data_are_found() {
+    let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
+    let chain = Chain::new(&without_tool(robot.clone()));
+    let unknowns = unknowns(&chain, false);
+    let truth = truth(&unknowns, &mut ChaCha8Rng::seed_from_u64(8));
+    let clean = session(&chain, &unknowns, &truth, 60, 1e-5, 4);
+    for (degrees, unit) in [(true, 0.0254), (false, 1e-3), (true, 1.0)] {
+        for flipped in [&[][..], &[1, 4], &[2]] {
+            let mut raw = clean.measured.clone();
+            for m in &mut raw {
+                m.position /= unit;
+                for (i, q) in m.joints.iter_mut().enumerate() {
+                    *q = if degrees { q.to_degrees() } else { *q };
+                    *q = if flipped.contains(&i) { -*q } else { *q };
+                }
+            }
+            let reading = explain(&chain, &raw, robot.reach()).unwrap();
+            assert_eq!((reading.degrees, reading.unit), (degrees, unit), "{flipped:?}");
+            let found: Vec<_> = (0..6).filter(|&i| reading.signs[i] < 0.0).collect();
+            assert_eq!(found, flipped);
+            assert!(reading.is_plausible(robot.reach()));
+            let again = reading.applied(&chain, &raw[7]);
+            assert!((again.position - clean.measured[7].position).norm() < 1e-12);
+        }
+    }
+}
