@@ -17,6 +17,8 @@ pub struct MeasuredTable {
     pub joints: Vec<String>,
     /// Names of the columns of the position.
     pub position: [String; 3],
+    /// Names of the reflectors; one without a name if the table has no column of reflectors.
+    pub reflectors: Vec<String>,
 }
 
 /// Largest number of faults listed for one file.
@@ -24,6 +26,12 @@ const MAX_FAULTS: usize = 20;
 
 /// Beginnings of the names of position columns, the most telling first.
 const POSITION_NAMES: [&str; 5] = ["measurement_", "measured_", "meas_", "tracker_", ""];
+
+/// Names of a column that states the reflector of a row.
+const REFLECTOR_NAMES: [&str; 4] = ["reflector", "target", "smr", "point"];
+
+/// Largest number of reflectors of one table.
+const MAX_REFLECTORS: usize = 20;
 
 /// Reads a table of measured positions of an arm whose joints have the given names.
 ///
@@ -55,6 +63,8 @@ pub fn read(
     };
     let (places, names) =
         find_columns(&header, joints, columns).map_err(|(message, help)| vec![fault(1, message, &help)])?;
+    let reflector_column = header.iter().position(|name| REFLECTOR_NAMES.contains(&&*name.to_lowercase()));
+    let mut reflectors: Vec<String> = Vec::new();
     let (mut rows, mut faults) = (Vec::new(), Vec::new());
     for (k, record) in reader.records().enumerate() {
         let row = k + 1;
@@ -90,17 +100,28 @@ pub fn read(
         if let ([q @ .., x, y, z], true) = (&numbers[..], numbers.len() == places.len()) {
             let mut all = [0.0; MAX_JOINTS];
             all[..q.len()].copy_from_slice(q);
-            rows.push(MeasuredPosition { row, joints: all, position: Vector3::new(*x, *y, *z) });
+            let name = reflector_column.and_then(|k| record.get(k)).unwrap_or("");
+            let known = reflectors.iter().position(|known| known == name);
+            let reflector = known.unwrap_or(reflectors.len());
+            if known.is_none() {
+                reflectors.push(name.to_string());
+            }
+            rows.push(MeasuredPosition { row, joints: all, reflector, position: Vector3::new(*x, *y, *z) });
         }
     }
     if faults.is_empty() && rows.is_empty() {
         faults.push(fault(1, "the file has no row of numbers".into(), "give one row per measured posture"));
     }
+    if let Some(column) = reflector_column.filter(|_| reflectors.len() > MAX_REFLECTORS) {
+        let message =
+            format!("column `{}` names more than {MAX_REFLECTORS} reflectors", shown(&header[column]));
+        faults.push(fault(1, message, "rename the column if it does not name the reflector of a row"));
+    }
     if !faults.is_empty() {
         return Err(faults);
     }
     let position = [0, 1, 2].map(|k| names[joints.len() + k].clone());
-    Ok(MeasuredTable { rows, joints: names[..joints.len()].to_vec(), position })
+    Ok(MeasuredTable { rows, joints: names[..joints.len()].to_vec(), position, reflectors })
 }
 
 /// Places and names of the columns of the joints and of the position.

@@ -51,7 +51,12 @@ fn session(
         });
         let interface = Deformed::new(chain, &joints, unknowns, values).interface;
         let noise = Vector3::from_fn(|_, _| noise * normal(&mut rng));
-        MeasuredPosition { row, joints, position: base.transform(&interface.transform(&REFLECTOR)) + noise }
+        MeasuredPosition {
+            row,
+            joints,
+            reflector: 0,
+            position: base.transform(&interface.transform(&REFLECTOR)) + noise,
+        }
     });
     MeasuringSession { name: "simulated".into(), measured: measured.collect() }
 }
@@ -180,4 +185,39 @@ fn units_and_joint_signs_of_measured_data_are_found() {
             assert!((again.position - clean.measured[7].position).norm() < 1e-12);
         }
     }
+}
+
+/// Three reflectors determine parameters of the last joints that one reflector near the axis leaves unknown.
+#[test]
+fn several_reflectors_share_one_base() {
+    let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
+    let chain = Chain::new(&without_tool(robot));
+    let unknowns = unknowns(&chain, false);
+    let truth = truth(&unknowns, &mut ChaCha8Rng::seed_from_u64(21));
+    let mut session = session(&chain, &unknowns, &truth, 50, 0.0, 6);
+    let rotation = Rotation3::from_euler_angles(0.02, -0.01, 2.0).into_inner();
+    let base = Pose { rotation, translation: Vector3::new(3.0, -2.0, 0.4) };
+    let places = [REFLECTOR, Vector3::new(-0.1, 0.02, 0.05), Vector3::new(0.0, 0.12, 0.01)];
+    let one = session.measured.clone();
+    session.measured = one
+        .iter()
+        .flat_map(|m| {
+            let interface = Deformed::new(&chain, &m.joints, &unknowns, &truth).interface;
+            let at = |place: &Vector3<f64>| base.transform(&interface.transform(place));
+            let all = places.iter().enumerate();
+            all.map(|(reflector, place)| MeasuredPosition { reflector, position: at(place), ..*m })
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    let result = calibrated(&chain, &session, &unknowns);
+    let frames = &result.sessions[0].frames;
+    for (found, place) in frames.reflectors.iter().zip(&places) {
+        // Errors of the last row are part of the reflectors.
+        assert!((found - place).norm() < 1e-5, "{found} {place}");
+    }
+    assert!((frames.base.translation - base.translation).norm() < 1e-5);
+    for (identified, truth) in result.identified.iter().zip(&truth) {
+        assert!((identified.value - truth).abs() < 1e-5, "{:?}", identified.unknown);
+    }
+    assert!(result.sessions[0].distances.len() == 150 && result.residual < 1e-7);
 }

@@ -166,7 +166,7 @@ const OTHER_POSTURE: f64 = 0.01;
 fn stuck(measured: &[MeasuredPosition]) -> Vec<usize> {
     let pairs = measured.windows(2).filter(|pair| {
         let moved = pair[0].joints.iter().zip(pair[1].joints).any(|(a, b)| (a - b).abs() > OTHER_POSTURE);
-        moved && pair[0].position == pair[1].position
+        moved && pair[0].position == pair[1].position && pair[0].reflector == pair[1].reflector
     });
     pairs.map(|pair| pair[1].row).collect()
 }
@@ -181,6 +181,9 @@ fn in_words(name: &str, table: &MeasuredTable, reading: &DataReading, axes: usiz
         table.joints.join(", "),
         unit_name(reading.unit)
     );
+    if table.reflectors.len() > 1 {
+        said += &format!("; reflectors {}", table.reflectors.join(", "));
+    }
     if reading.has_flipped_signs() {
         let flipped = (0..axes).filter(|&i| reading.signs[i] < 0.0).map(|i| table.joints[i].clone());
         let flipped: Vec<_> = flipped.collect();

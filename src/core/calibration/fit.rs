@@ -5,7 +5,7 @@ use super::deformed::{Deformed, PointMotion};
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
 use super::unknown::{Identified, Unknown};
-use crate::cell::JointVector;
+use crate::cell::{JointVector, MAX_JOINTS};
 use crate::robot::Chain;
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 use std::cmp::Ordering;
@@ -65,7 +65,8 @@ pub fn calibrate(
     priors: &[f64],
 ) -> Result<Calibration, String> {
     let equations: usize = sessions.iter().map(|s| 3 * s.measured.len()).sum();
-    let count = unknowns.len() + SessionFrames::UNKNOWNS * sessions.len();
+    let of_sessions = sessions.iter().map(|s| SessionFrames::unknowns(&s.measured)).sum::<usize>();
+    let count = unknowns.len() + of_sessions;
     if equations < count {
         return Err(format!("{equations} measured coordinates cannot determine {count} unknowns"));
     }
@@ -87,7 +88,7 @@ pub fn calibrate(
         weak.map(|k| eigen.eigenvectors.column(k).iter().copied().collect()).collect();
     let fitted = sessions.iter().zip(&fit.frames).map(|(session, frames)| {
         let residuals = fit.residuals(&session.measured, frames);
-        FittedSession { frames: *frames, distances: residuals.iter().map(Vector3::norm).collect() }
+        FittedSession { frames: frames.clone(), distances: residuals.iter().map(Vector3::norm).collect() }
     });
     Ok(Calibration {
         identified: identified.collect(),
@@ -121,7 +122,7 @@ impl Calibration {
         let (mut distances, mut inside) = (Vec::new(), 0);
         for (pose, measured) in poses.iter().zip(measured) {
             let residual = frames.residual(&pose.interface, measured);
-            let at = frames.reached(&pose.interface);
+            let at = frames.reached(&pose.interface, measured.reflector);
             let columns: Vec<_> = unknowns.iter().map(|u| pose.motion(&self.chain, *u, &at).slope).collect();
             let jacobian = DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i]);
             let spread = &jacobian * &self.covariance * jacobian.transpose();
@@ -130,7 +131,7 @@ impl Calibration {
             inside += usize::from(squared <= CHI_SQUARED_95);
             distances.push(residual.norm());
         }
-        let share = inside as f64 / measured.len() as f64;
+        let share = inside as f64 / distances.len() as f64;
         Some((FittedSession { frames, distances }, share))
     }
 
@@ -178,8 +179,11 @@ impl<'a> Fit<'a> {
             let step = factor.solve(&right);
             let (of_unknowns, of_sessions) = step.as_slice().split_at(unknowns.len());
             fit.values.iter_mut().zip(of_unknowns).for_each(|(value, by)| *value += by);
-            for (frames, by) in fit.frames.iter_mut().zip(of_sessions.chunks(SessionFrames::UNKNOWNS)) {
-                *frames = frames.moved(by);
+            let mut left = of_sessions;
+            for (session, frames) in sessions.iter().zip(&mut fit.frames) {
+                let (own, others) = left.split_at(SessionFrames::unknowns(&session.measured));
+                frames.take_step(own);
+                left = others;
             }
             let before = fit.sigma;
             fit.sigma = fit.spread(sessions).max(FINEST);
@@ -217,7 +221,8 @@ impl<'a> Fit<'a> {
                 count += 3.0 * weight;
             }
         }
-        let unknowns = self.values.len() + SessionFrames::UNKNOWNS * sessions.len();
+        let of_sessions = sessions.iter().map(|s| SessionFrames::unknowns(&s.measured)).sum::<usize>();
+        let unknowns = self.values.len() + of_sessions;
         (squares / (count - unknowns as f64).max(1.0)).sqrt()
     }
 
@@ -231,21 +236,24 @@ impl<'a> Fit<'a> {
         priors: &[f64],
         newton: f64,
     ) -> (DMatrix<f64>, DVector<f64>) {
-        let (common, own) = (self.unknowns.len(), SessionFrames::UNKNOWNS);
-        let size = common + own * sessions.len();
+        let common = self.unknowns.len();
+        let owns: Vec<_> = sessions.iter().map(|s| SessionFrames::unknowns(&s.measured)).collect();
+        let size = common + owns.iter().sum::<usize>();
         let (mut normal, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
-        for (s, (session, frames)) in sessions.iter().zip(&self.frames).enumerate() {
+        let mut first = common;
+        for ((session, frames), own) in sessions.iter().zip(&self.frames).zip(owns) {
             let count = 3 * session.measured.len();
             let mut rows = DMatrix::zeros(common + own, count);
             let mut residuals = DVector::zeros(count);
             let mut bent = DMatrix::zeros(common + own, common + own);
             for (i, measured) in session.measured.iter().enumerate() {
                 let pose = self.deformed(measured);
-                let at = frames.reached(&pose.interface);
+                let at = frames.reached(&pose.interface, measured.reflector);
                 let residual = frames.residual(&pose.interface, measured);
                 let scale = self.weight(&residual).sqrt() / self.sigma;
                 let of_chain = self.unknowns.iter().map(|u| pose.motion(self.chain, *u, &at));
-                let motions: Vec<_> = of_chain.chain(frames.motions(&pose.interface)).collect();
+                let motions: Vec<_> =
+                    of_chain.chain(frames.motions(&pose.interface, measured.reflector)).collect();
                 for (k, motion) in motions.iter().enumerate() {
                     let column = motion.slope * scale;
                     rows.fixed_view_mut::<1, 3>(k, 3 * i).copy_from(&column.transpose());
@@ -254,25 +262,25 @@ impl<'a> Fit<'a> {
                 add_curvature(&mut bent, &motions, &(residual * scale.powi(2)));
             }
             let (square, along) = (&rows * rows.transpose() - bent * newton, &rows * &residuals);
-            let place = |k: usize| if k < common { k } else { k + own * s };
+            let place = |k: usize| if k < common { k } else { k - common + first };
             for i in 0..common + own {
                 right[place(i)] += along[i];
                 for j in 0..common + own {
                     normal[(place(i), place(j))] += square[(i, j)];
                 }
             }
+            // Without this, an arm whose tool is always upright leaves the height of its reflector undetermined.
+            let coordinates = frames.reflectors.iter().flat_map(|r| r.iter().copied());
+            for (k, coordinate) in coordinates.enumerate() {
+                let k = first + SessionFrames::OF_BASE + k;
+                normal[(k, k)] += FARTHEST_REFLECTOR.powi(-2);
+                right[k] -= coordinate / FARTHEST_REFLECTOR.powi(2);
+            }
+            first += own;
         }
         for (k, prior) in priors.iter().enumerate() {
             normal[(k, k)] += prior.powi(-2);
             right[k] -= self.values[k] / prior.powi(2);
-        }
-        // Without this, an arm whose tool is always upright leaves the height of its reflector undetermined.
-        for (s, frames) in self.frames.iter().enumerate() {
-            for c in 0..3 {
-                let k = common + own * s + 6 + c;
-                normal[(k, k)] += FARTHEST_REFLECTOR.powi(-2);
-                right[k] -= frames.reflector[c] / FARTHEST_REFLECTOR.powi(2);
-            }
         }
         (normal, right)
     }
@@ -331,23 +339,27 @@ fn cross_validated(
     (accuracy, accuracy.map(|_| spread))
 }
 
-/// Returns the number of the block of every position. The blocks have equal counts; each cut is at the median
-/// of the joint coordinate with the greatest variance.
+/// Returns the number of the block of every position. The blocks have about equal numbers of positions; each
+/// cut is at the median of the joint coordinate with the greatest variance.
+///
+/// Positions of different reflectors at one posture are in one block.
 fn blocks(measured: &[MeasuredPosition]) -> Vec<usize> {
     let mut number = vec![0; measured.len()];
     let mut count = 1;
     while count < BLOCKS {
         for block in 0..count {
-            let mut members: Vec<usize> = (0..measured.len()).filter(|&i| number[i] == block).collect();
+            let members: Vec<usize> = (0..measured.len()).filter(|&i| number[i] == block).collect();
+            let coordinates = |joint: usize| members.iter().map(move |&i| measured[i].joints[joint]);
             let variance = |joint: usize| {
-                let mean =
-                    members.iter().map(|&i| measured[i].joints[joint]).sum::<f64>() / members.len() as f64;
-                members.iter().map(|&i| (measured[i].joints[joint] - mean).powi(2)).sum::<f64>()
+                let mean = coordinates(joint).sum::<f64>() / members.len() as f64;
+                coordinates(joint).map(|q| (q - mean).powi(2)).sum::<f64>()
             };
-            let axes = measured.first().map_or(0, |m| m.joints.len());
-            let widest = (0..axes).max_by(|a, b| variance(*a).total_cmp(&variance(*b))).unwrap_or(0);
-            members.sort_by(|&a, &b| measured[a].joints[widest].total_cmp(&measured[b].joints[widest]));
-            members.iter().skip(members.len() / 2).for_each(|&i| number[i] = block + count);
+            let widest = (0..MAX_JOINTS).max_by(|a, b| variance(*a).total_cmp(&variance(*b))).unwrap_or(0);
+            let mut sorted: Vec<f64> = coordinates(widest).collect();
+            sorted.sort_by(f64::total_cmp);
+            let Some(median) = sorted.get(sorted.len() / 2) else { continue };
+            let upper = members.iter().filter(|&&i| measured[i].joints[widest] >= *median);
+            upper.for_each(|&i| number[i] = block + count);
         }
         count *= 2;
     }

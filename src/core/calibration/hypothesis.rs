@@ -41,7 +41,7 @@ impl DataReading {
                 JointKind::Prismatic => *q *= self.unit,
             }
         }
-        MeasuredPosition { row: raw.row, joints, position: raw.position * self.unit }
+        MeasuredPosition { joints, position: raw.position * self.unit, ..*raw }
     }
 
     /// Returns whether the nominal arm explains the data, `reach` in m.

@@ -1,7 +1,7 @@
 //! Calibration: identifies the kinematic errors of a robot from measured positions of its tool.
 //!
-//! A session is one set-up of the measuring instrument and the reflector. Let B be the pose of the robot base
-//! in the frame of the instrument, f the reflector in the frame of the mechanical interface, and T(q) the
+//! A session is one set-up of the measuring instrument and the reflectors. Let B be the pose of the robot base
+//! in the frame of the instrument, f a reflector in the frame of the mechanical interface, and T(q) the
 //! pose of that interface with errors. The model of the measured position is
 //!
 //! ```text

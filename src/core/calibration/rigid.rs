@@ -1,72 +1,64 @@
-//! Pose of the robot base and place of the reflector of one session.
+//! Pose of the robot base and places of the reflectors of one session.
 
 use super::deformed::{Deformed, PointMotion};
-use super::session::MeasuredPosition;
+use super::session::{MeasuredPosition, reflectors};
 use crate::pose::{Pose, SmallRotation};
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Frames of one session that the calibration finds.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SessionFrames {
     /// Pose of the robot base in the frame of the instrument.
     pub base: Pose,
-    /// Reflector in the frame of the mechanical interface, m.
-    pub reflector: Vector3<f64>,
+    /// Reflectors in the frame of the mechanical interface, m.
+    pub reflectors: Vec<Vector3<f64>>,
 }
 
 impl SessionFrames {
-    /// Number of unknowns: translation and rotation of the base, and the three coordinates of the reflector.
-    pub const UNKNOWNS: usize = 9;
+    /// Number of unknowns of the base: translation and rotation.
+    pub const OF_BASE: usize = 6;
 
-    /// Returns the reflector in the base frame, m, for a pose of the mechanical interface.
-    pub fn reached(&self, interface: &Pose) -> Vector3<f64> {
-        interface.transform(&self.reflector)
+    /// Returns the number of unknowns of a session: those of the base, and three for each reflector.
+    pub fn unknowns(measured: &[MeasuredPosition]) -> usize {
+        Self::OF_BASE + 3 * reflectors(measured)
+    }
+
+    /// Returns a reflector in the base frame, m, for a pose of the mechanical interface.
+    pub fn reached(&self, interface: &Pose, reflector: usize) -> Vector3<f64> {
+        interface.transform(&self.reflectors[reflector])
     }
 
     /// Returns the measured position minus the predicted one, m, base frame.
     pub fn residual(&self, interface: &Pose, measured: &MeasuredPosition) -> Vector3<f64> {
-        self.base.inverse().transform(&measured.position) - self.reached(interface)
+        self.base.inverse().transform(&measured.position) - self.reached(interface, measured.reflector)
     }
 
-    /// Returns the derivatives of the predicted position with respect to the unknowns of the session.
+    /// Returns the motions of a reflector by the unknowns of the session, base frame.
     ///
-    /// The columns are the translation of the base, its rotation about the axes of the base frame (rad), and
-    /// the reflector.
-    pub fn derivatives(&self, interface: &Pose) -> SMatrix<f64, 3, 9> {
-        let reached = self.reached(interface);
-        let mut columns = SMatrix::<f64, 3, 9>::zeros();
-        for k in 0..3 {
-            let axis = Vector3::ith(k, 1.0);
-            columns.set_column(k, &axis);
-            columns.set_column(3 + k, &axis.cross(&reached));
-            columns.set_column(6 + k, &interface.rotation.column(k));
-        }
-        columns
+    /// The unknowns are the translation of the base, its rotation about the axes of the base frame (rad), and
+    /// the coordinates of every reflector.
+    pub fn motions(&self, interface: &Pose, reflector: usize) -> Vec<PointMotion> {
+        let reached = self.reached(interface, reflector);
+        let axes = [0, 1, 2].map(|k| Vector3::ith(k, 1.0));
+        let slides = axes.map(|slope| PointMotion { slope, ..PointMotion::none(0) });
+        let turns = axes.map(|axis| PointMotion { slope: axis.cross(&reached), axis, place: 1 });
+        let own = (0..3 * self.reflectors.len()).map(|k| {
+            let is_own = k / 3 == reflector;
+            let slope = if is_own { interface.rotation.column(k % 3).into_owned() } else { Vector3::zeros() };
+            PointMotion { slope, ..PointMotion::none(usize::MAX) }
+        });
+        slides.into_iter().chain(turns).chain(own).collect()
     }
 
-    /// Returns the motions of the reflector by the unknowns of the session, in the order of
-    /// [`Self::derivatives`].
-    pub fn motions(&self, interface: &Pose) -> [PointMotion; 9] {
-        let columns = self.derivatives(interface);
-        std::array::from_fn(|k| {
-            let (axis, place) = match k / 3 {
-                0 => (Vector3::zeros(), 0),
-                1 => (Vector3::ith(k - 3, 1.0), 1),
-                _ => (Vector3::zeros(), usize::MAX),
-            };
-            PointMotion { slope: columns.column(k).into_owned(), axis, place }
-        })
-    }
-
-    /// Returns the frames after a step of the unknowns, in the order of [`Self::derivatives`].
-    pub fn moved(&self, step: &[f64]) -> Self {
+    /// Moves the frames by a step of the unknowns, in the order of [`Self::motions`].
+    pub fn take_step(&mut self, step: &[f64]) {
         let v = |k: usize| Vector3::new(step[k], step[k + 1], step[k + 2]);
-        let rotation = v(3);
-        let small = SmallRotation::of(&rotation);
+        let small = SmallRotation::of(&v(3));
         let turned = |axis: Vector3<f64>| axis + small.moved(&axis);
         let columns = [0, 1, 2].map(|k| turned(Vector3::ith(k, 1.0)));
-        let by = Pose { rotation: Matrix3::from_columns(&columns), translation: v(0) };
-        Self { base: self.base * by, reflector: self.reflector + v(6) }
+        self.base = self.base * Pose { rotation: Matrix3::from_columns(&columns), translation: v(0) };
+        let own = self.reflectors.iter_mut().enumerate();
+        own.for_each(|(k, reflector)| *reflector += v(Self::OF_BASE + 3 * k));
     }
 }
 
@@ -80,19 +72,23 @@ const CONVERGED: f64 = 1e-10;
 /// The first estimate of the base is the rigid motion (Kabsch 1976) from the mechanical interface to the
 /// measured positions. Returns None if the positions do not determine it.
 pub fn aligned(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<SessionFrames> {
-    let base =
-        superposed(poses.iter().map(|p| p.interface.translation).zip(measured.iter().map(|m| m.position)))?;
-    let mut frames = SessionFrames { base, reflector: Vector3::zeros() };
+    let pairs = poses.iter().zip(measured).map(|(pose, m)| (pose.interface.translation, m.position));
+    let base = superposed(pairs)?;
+    let mut frames = SessionFrames { base, reflectors: vec![Vector3::zeros(); reflectors(measured)] };
+    let size = SessionFrames::unknowns(measured);
     for _ in 0..STEPS {
-        let mut normal = SMatrix::<f64, 9, 9>::identity() * 1e-12;
-        let mut right = SVector::<f64, 9>::zeros();
+        let mut normal = DMatrix::identity(size, size) * 1e-12;
+        let mut right = DVector::zeros(size);
         for (pose, measured) in poses.iter().zip(measured) {
-            let columns = frames.derivatives(&pose.interface);
-            normal += columns.transpose() * columns;
-            right += columns.transpose() * frames.residual(&pose.interface, measured);
+            let motions = frames.motions(&pose.interface, measured.reflector);
+            let residual = frames.residual(&pose.interface, measured);
+            for (j, a) in motions.iter().enumerate() {
+                right[j] += a.slope.dot(&residual);
+                motions.iter().enumerate().for_each(|(k, b)| normal[(j, k)] += a.slope.dot(&b.slope));
+            }
         }
         let step = normal.cholesky()?.solve(&right);
-        frames = frames.moved(step.as_slice());
+        frames.take_step(step.as_slice());
         if step.amax() < CONVERGED {
             break;
         }

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::seq::index::sample;
 use rand_chacha::ChaCha8Rng;
+use std::collections::HashSet;
 
 /// Measured position of the reflector at one posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,22 +14,31 @@ pub struct MeasuredPosition {
     pub row: usize,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,
+    /// Number of the reflector among those of the session.
+    pub reflector: usize,
     /// Position of the reflector in the frame of the instrument, m.
     pub position: Vector3<f64>,
 }
 
-/// Measured positions that share one pose of the robot base and one reflector.
+/// Measured positions that share one pose of the robot base and the same reflectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuringSession {
     pub name: String,
     pub measured: Vec<MeasuredPosition>,
 }
 
-/// Returns `count` positions drawn at random without repetition, in the order of the rows; all positions if
-/// there are not more.
+/// Returns the number of reflectors of measured positions.
+pub fn reflectors(measured: &[MeasuredPosition]) -> usize {
+    measured.iter().map(|m| m.reflector + 1).max().unwrap_or(0)
+}
+
+/// Returns the positions of `count` rows drawn at random without repetition, in the order of the rows; all
+/// positions if there are not more rows.
 pub fn drawn(measured: &[MeasuredPosition], count: usize, seed: u64) -> Vec<MeasuredPosition> {
+    let mut rows: Vec<_> = measured.iter().map(|m| m.row).collect();
+    rows.dedup();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut places = sample(&mut rng, measured.len(), count.min(measured.len())).into_vec();
-    places.sort_unstable();
-    places.into_iter().map(|i| measured[i]).collect()
+    let chosen: HashSet<_> =
+        sample(&mut rng, rows.len(), count.min(rows.len())).into_iter().map(|i| rows[i]).collect();
+    measured.iter().filter(|m| chosen.contains(&m.row)).copied().collect()
 }

@@ -102,3 +102,46 @@ fn every_parameter_has_a_name_and_a_unit() {
     assert!(units.contains(&("q2 carries link 3", "deg/m")), "{units:?}");
     assert_eq!(number(&document["rank"]) as usize + items(&document["unidentified"]).len(), parameters.len());
 }
+
+/// The second table has every row twice, under the names of two reflectors.
+#[test]
+fn a_column_names_the_reflector_of_each_row() {
+    let shop = Sandbox::new();
+    let header = "q1,q2,q3,q4,q5,q6,x,y,z";
+    let rows: Vec<String> = (0..60)
+        .map(|i| {
+            let q = [1.1, 0.7, 0.9, 1.3, 0.4, 0.8].map(|f| 1.5 * (f * f64::from(i * i)).sin());
+            // An arm of the UR10's rows; the reflector is at the flange, and the base is that of the tracker.
+            let t =
+                q.iter().zip(ROWS_OF_UR10).fold(nalgebra::Isometry3::identity(), |t, (q, (r, l, alpha))| {
+                    let along = nalgebra::Isometry3::translation(0.0, 0.0, r)
+                        * nalgebra::Isometry3::rotation(nalgebra::Vector3::z() * *q);
+                    t * along
+                        * nalgebra::Isometry3::translation(l, 0.0, 0.0)
+                        * nalgebra::Isometry3::rotation(nalgebra::Vector3::x() * alpha)
+                });
+            let p = t.translation.vector;
+            format!("{},{},{},{}", q.map(|q| q.to_string()).join(","), p.x, p.y, p.z)
+        })
+        .collect();
+    shop.write("one.csv", &format!("{header}\n{}\n", rows.join("\n")));
+    let twice: Vec<_> = rows.iter().map(|row| format!("{row},left\n{row},right\n")).collect();
+    shop.write("two.csv", &format!("{header},reflector\n{}", twice.concat()));
+    let (one, two) =
+        (shop.json(&["calibrate", "ur10", "one.csv"]), shop.json(&["calibrate", "ur10", "two.csv"]));
+    let before = |of: &serde_json::Value| number(&items(&of["sessions"])[0]["before"]["max_mm"]);
+    assert!(before(&one) < 1e-6 && before(&two) < 1e-6, "{one}");
+    assert_eq!(number(&items(&two["sessions"])[0]["poses"]), 120.0);
+    let words = shop.done(&["calibrate", "ur10", "two.csv"]);
+    assert!(words.err.contains("reflectors left, right") && words.err.contains("in m"), "{}", words.err);
+}
+
+/// Offset r (m), common normal l (m) and twist alpha (rad) of the rows of the UR10.
+const ROWS_OF_UR10: [(f64, f64, f64); 6] = [
+    (0.1273, 0.0, std::f64::consts::FRAC_PI_2),
+    (0.0, -0.612, 0.0),
+    (0.0, -0.5723, 0.0),
+    (0.163941, 0.0, std::f64::consts::FRAC_PI_2),
+    (0.1157, 0.0, -std::f64::consts::FRAC_PI_2),
+    (0.0922, 0.0, 0.0),
+];
