@@ -106,7 +106,15 @@ pub fn read(
             if known.is_none() {
                 reflectors.push(name.to_string());
             }
-            rows.push(MeasuredPosition { row, joints: all, reflector, position: Vector3::new(*x, *y, *z) });
+            let position = Vector3::new(*x, *y, *z);
+            rows.push(MeasuredPosition {
+                row,
+                joints: all,
+                reflector,
+                position,
+                rotation: None,
+                sigma: None,
+            });
         }
     }
     if faults.is_empty() && rows.is_empty() {

@@ -56,6 +56,8 @@ fn session(
             joints,
             reflector: 0,
             position: base.transform(&interface.transform(&REFLECTOR)) + noise,
+            rotation: None,
+            sigma: None,
         }
     });
     MeasuringSession { name: "simulated".into(), measured: measured.collect() }

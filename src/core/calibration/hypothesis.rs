@@ -41,7 +41,8 @@ impl DataReading {
                 JointKind::Prismatic => *q *= self.unit,
             }
         }
-        MeasuredPosition { joints, position: raw.position * self.unit, ..*raw }
+        let (position, sigma) = (raw.position * self.unit, raw.sigma.map(|sigma| sigma * self.unit));
+        MeasuredPosition { joints, position, sigma, ..*raw }
     }
 
     /// Returns whether the nominal arm explains the data, `reach` in m.

@@ -1,7 +1,7 @@
 //! Measured positions of one set-up of instrument and reflector.
 
 use crate::cell::JointVector;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand::seq::index::sample;
 use rand_chacha::ChaCha8Rng;
@@ -18,6 +18,10 @@ pub struct MeasuredPosition {
     pub reflector: usize,
     /// Position of the reflector in the frame of the instrument, m.
     pub position: Vector3<f64>,
+    /// Orientation of the target in the frame of the instrument, if it was measured.
+    pub rotation: Option<Matrix3<f64>>,
+    /// Stated standard deviation of the position per axis, m.
+    pub sigma: Option<f64>,
 }
 
 /// Measured positions that share one pose of the robot base and the same reflectors.
