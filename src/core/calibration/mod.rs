@@ -13,24 +13,30 @@
 //! terms. The fit minimises, with Huber's loss,
 //!
 //! ```text
-//! sum_i rho(|p_i - B T(q_i) f| / sigma) + sum_k (a_k / s_k)^2
+//! sum_i r_i^T S_i^-1 r_i / c + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f
 //! ```
 //!
 //! by Newton's method with exact derivatives. Here `s_k` is the standard deviation of parameter `a_k`
-//! before the measurement, and sigma is the residual standard deviation per axis, estimated in the fit.
+//! before the measurement, and `S_i` the covariance of what the parameters do not explain (see `misfit`): no
+//! model is complete, and the remaining errors of a real arm are those of its joints. Such errors are
+//! correlated between near postures. The ratio c makes up for this; the cross-validation finds it.
 
 mod accuracy;
 mod deformed;
 mod fit;
 mod hypothesis;
+mod misfit;
+mod result;
 mod rigid;
 mod session;
 mod unknown;
+mod validation;
 
 pub use accuracy::Accuracy;
 pub use deformed::{Deformed, PointMotion};
-pub use fit::{Calibration, FittedSession, calibrate};
 pub use hypothesis::{DataReading, LENGTH_UNITS, explain, unit_name};
+pub use misfit::Misfit;
+pub use result::{Calibration, FittedSession, calibrate};
 pub use rigid::{SessionFrames, aligned};
 pub use session::{MeasuredPosition, MeasuringSession, drawn};
 pub use unknown::{Identified, Unknown, unknowns};

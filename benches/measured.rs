@@ -1,0 +1,261 @@
+//! Figures of results/measured, from the tracker data of a real UR10: `cargo bench --bench measured [-- STUDY ...]`.
+//!
+//! The studies are `transfer` (one series predicts the others), `pooled` (all four series), `rank` (does the error
+//! map name the accurate spots) and `speed`. Every study draws its poses with seeds 1 to 20 and prints medians.
+
+#![allow(clippy::expect_used, clippy::print_stdout)] // without the data there is nothing to measure
+
+use flate2::read::GzDecoder;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::Path;
+use std::time::Instant;
+use sweetspot::calibration::{
+    Calibration, Deformed, MeasuredPosition, MeasuringSession, Unknown, aligned, calibrate, drawn, explain,
+    unknowns,
+};
+use sweetspot::files;
+use sweetspot::robot::Chain;
+
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=20;
+const SERIES: [&str; 4] = ["A", "B", "C", "D"];
+/// Least number of poses of a spot.
+const POSES_OF_SPOT: usize = 10;
+
+/// Arm and its four series of measured positions.
+struct Data {
+    chain: Chain,
+    series: Vec<Vec<MeasuredPosition>>,
+    /// Spot of every pose of series A: its commanded position in units of 0.1 m.
+    spots: Vec<[i64; 3]>,
+}
+
+fn text_of(series: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../tests/data/ipa_ur10/{series}.csv.gz"));
+    let packed = std::fs::read(path).expect("the data of the UR10");
+    let mut text = String::new();
+    GzDecoder::new(&packed[..]).read_to_string(&mut text).expect("text");
+    text
+}
+
+impl Data {
+    fn new() -> Self {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cells/robots");
+        let read = &mut |path: &str| std::fs::read(folder.join(path)).map_err(|e| e.to_string());
+        let robot = files::load_robot("ur10.toml", read).expect("the robot file").robot;
+        let chain = Chain::new(&robot);
+        let joints: Vec<_> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+        let table = |series: &&str| {
+            let table = files::measured::read(series, &text_of(series), &joints, &[]).expect("a table");
+            let reading = explain(&chain, &table.rows, robot.reach()).expect("a reading");
+            table.rows.iter().map(|raw| reading.applied(&chain, raw)).collect()
+        };
+        let series = SERIES.iter().map(table).collect();
+        let a = text_of("A");
+        let spots = a.lines().skip(1).filter(|line| !line.trim().is_empty()).map(|line| {
+            let mut fields =
+                line.split(';').skip(1).map(|f| f.replace(',', ".").parse::<f64>().expect("a number"));
+            std::array::from_fn(|_| (fields.next().expect("a coordinate") * 10.0).round() as i64)
+        });
+        Self { spots: spots.collect(), series, chain }
+    }
+
+    fn calibrated(&self, sessions: &[(usize, usize)], seed: u64, terms: Terms) -> Calibration {
+        let session = |&(series, count): &(usize, usize)| MeasuringSession {
+            name: SERIES[series].into(),
+            measured: drawn(&self.series[series], count, seed),
+        };
+        let sessions: Vec<_> = sessions.iter().map(session).collect();
+        let unknowns = unknowns(&self.chain, terms == Terms::Elastic);
+        let priors: Vec<_> = unknowns.iter().map(|u: &Unknown| u.default_prior()).collect();
+        calibrate(&self.chain, &sessions, &unknowns, &priors).expect("a calibration")
+    }
+
+    /// Returns the mean measured error of every spot of series A with enough poses, by a function of its poses.
+    fn of_spots(&self, errors: &[f64]) -> Vec<f64> {
+        let mut sums: BTreeMap<[i64; 3], (f64, usize)> = BTreeMap::new();
+        for (spot, error) in self.spots.iter().zip(errors) {
+            let sum = sums.entry(*spot).or_default();
+            *sum = (sum.0 + error, sum.1 + 1);
+        }
+        sums.values()
+            .filter(|(_, count)| *count >= POSES_OF_SPOT)
+            .map(|(sum, count)| sum / *count as f64)
+            .collect()
+    }
+
+    /// Returns the errors of the nominal arm at postures of series A whose positions are `positions`.
+    fn nominal_errors(&self, positions: impl Iterator<Item = Vector3<f64>>) -> Vec<f64> {
+        let a = &self.series[0];
+        let measured: Vec<_> =
+            a.iter().zip(positions).map(|(m, position)| MeasuredPosition { position, ..*m }).collect();
+        let poses: Vec<_> = a.iter().map(|m| Deformed::new(&self.chain, &m.joints, &[], &[])).collect();
+        let frames = aligned(&poses, &measured).expect("a base");
+        poses.iter().zip(&measured).map(|(p, m)| frames.residual(&p.interface, m).norm() * 1e3).collect()
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Terms {
+    Rows,
+    Elastic,
+}
+
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let place = share * (sorted.len() - 1) as f64;
+    let (low, high) = (place.floor() as usize, place.ceil() as usize);
+    (sorted[low] + sorted[high]) / 2.0
+}
+
+fn median(values: &[f64]) -> f64 {
+    quantile(values, 0.5)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Prints how a calibration with some poses of one series predicts the other series.
+fn transfer(data: &Data) {
+    println!("\ntransfer: mean error in mm | share in the 95 % ellipsoid in %, least to largest");
+    println!("{:<22}{:>12}{:>28}", "trained on", "ratio c", "series: mean | share (range)");
+    for terms in [Terms::Rows, Terms::Elastic] {
+        for (series, count) in [(2, 300), (2, 50), (1, 300), (1, 50), (0, 300), (0, 50), (3, 300), (3, 50)] {
+            let results: Vec<_> =
+                SEEDS.map(|seed| data.calibrated(&[(series, count)], seed, terms)).collect();
+            let ratios: Vec<_> = results.iter().map(|r| r.correlation).collect();
+            print!("{:<22}{:>8.2}", format!("{count} of {} {terms:?}", SERIES[series]), median(&ratios));
+            for other in (0..4).filter(|other| *other != series) {
+                let tested = results.iter().map(|r| r.tested(&data.series[other]).expect("a test"));
+                let (means, shares): (Vec<_>, Vec<_>) =
+                    tested.map(|(t, share)| (mean(&t.distances) * 1e3, share * 100.0)).unzip();
+                let (least, most) = (quantile(&shares, 0.0), quantile(&shares, 1.0));
+                print!(
+                    "  {}: {:.3} | {:.1} ({least:.1}-{most:.1})",
+                    SERIES[other],
+                    median(&means),
+                    median(&shares)
+                );
+            }
+            println!();
+        }
+    }
+}
+
+/// Prints the errors after a calibration with 300 poses of each series.
+fn pooled(data: &Data) {
+    println!("\npooled: 300 poses of each series, mean error in mm | share in the 95 % ellipsoid in %");
+    for terms in [Terms::Rows, Terms::Elastic] {
+        let all = [(0, 300), (1, 300), (2, 300), (3, 300)];
+        let results: Vec<_> = (1..=5).map(|seed| data.calibrated(&all, seed, terms)).collect();
+        print!("{terms:?}");
+        for (other, name) in SERIES.iter().enumerate() {
+            let tested = results.iter().map(|r| r.tested(&data.series[other]).expect("a test"));
+            let (means, shares): (Vec<_>, Vec<_>) =
+                tested.map(|(t, share)| (mean(&t.distances) * 1e3, share * 100.0)).unzip();
+            print!("  {name}: {:.3} | {:.1}", median(&means), median(&shares));
+        }
+        println!();
+    }
+}
+
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut ranks = vec![0.0; values.len()];
+    order.iter().enumerate().for_each(|(rank, &i)| ranks[i] = rank as f64);
+    ranks
+}
+
+/// Returns Spearman's rank correlation.
+fn spearman(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (ranks(a), ranks(b));
+    let (ma, mb) = (mean(&a), mean(&b));
+    let sum = |f: &dyn Fn(f64, f64) -> f64| a.iter().zip(&b).map(|(x, y)| f(x - ma, y - mb)).sum::<f64>();
+    sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
+}
+
+/// Prints whether calibrations with poses of series B rank the spots of series A as the tracker does.
+fn rank(data: &Data) {
+    let measured = data.of_spots(&data.nominal_errors(data.series[0].iter().map(|m| m.position)));
+    let (least, most) = (quantile(&measured, 0.0), quantile(&measured, 1.0));
+    println!(
+        "\nrank: {} spots of series A, measured error {:.3} mm in the mean, {least:.3} to {most:.3} mm",
+        measured.len(),
+        mean(&measured)
+    );
+    let judged = |predicted: &[f64]| {
+        let best =
+            (0..predicted.len()).min_by(|&a, &b| predicted[a].total_cmp(&predicted[b])).expect("a spot");
+        (spearman(predicted, &measured), measured[best])
+    };
+    for terms in [Terms::Rows, Terms::Elastic] {
+        for count in [30, 50, 100, 300] {
+            let one = |seed: u64| {
+                let result = data.calibrated(&[(1, count)], seed, terms);
+                let (fitted, _) = result.tested(&data.series[0]).expect("a test");
+                let positions = data.series[0].iter().map(|m| {
+                    fitted
+                        .frames
+                        .base
+                        .transform(&fitted.frames.reached(&result.deformed(&m.joints).interface, 0))
+                });
+                judged(&data.of_spots(&data.nominal_errors(positions)))
+            };
+            let (correlations, spots): (Vec<_>, Vec<_>) = SEEDS.map(one).unzip();
+            println!(
+                "{:<18} Spearman {:.3} (least {:.3}); spot predicted best: {:.3} mm, at most 0.25 mm in {} of {}",
+                format!("{count} of B {terms:?}"),
+                median(&correlations),
+                quantile(&correlations, 0.0),
+                median(&spots),
+                spots.iter().filter(|s| **s <= 0.25).count(),
+                spots.len()
+            );
+        }
+    }
+    let commanded = |f: &dyn Fn(&Vector3<f64>) -> f64| {
+        let poses = data.series[0].iter();
+        let errors: Vec<_> = poses
+            .map(|m| f(&Deformed::new(&data.chain, &m.joints, &[], &[]).interface.translation))
+            .collect();
+        judged(&data.of_spots(&errors))
+    };
+    let shoulder = Vector3::new(0.0, 0.0, 0.1273);
+    let rules: [(&str, &dyn Fn(&Vector3<f64>) -> f64); 3] = [
+        ("radius", &|p| p.xy().norm()),
+        ("distance from the shoulder", &|p| (p - shoulder).norm()),
+        ("height", &|p| p.z),
+    ];
+    for (name, rule) in rules {
+        let (correlation, spot) = commanded(rule);
+        println!("rule of thumb: {name:<28} Spearman {correlation:.3}; spot {spot:.3} mm");
+    }
+}
+
+/// Prints the time of a fit of 1000 poses.
+fn speed(data: &Data) {
+    let times: Vec<_> = (1..=5)
+        .map(|seed| {
+            let begun = Instant::now();
+            std::hint::black_box(data.calibrated(&[(2, 1000)], seed, Terms::Elastic));
+            begun.elapsed().as_secs_f64()
+        })
+        .collect();
+    println!("\nspeed: fit of 1000 poses with cross-validation: {:.2} s", median(&times));
+}
+
+fn main() {
+    let data = Data::new();
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let studies: [(&str, fn(&Data)); 4] =
+        [("transfer", transfer), ("pooled", pooled), ("rank", rank), ("speed", speed)];
+    for (name, study) in studies {
+        if wanted.is_empty() || wanted.iter().any(|w| w == name) {
+            study(&data);
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! What the identified parameters do not explain: random errors of every joint, and of every position.
+//!
+//! Gears and bearings add an error to each actuator coordinate that depends on the posture in a way that no
+//! parameter describes. The model of the remaining error of a measured position is
+//!
+//! ```text
+//! r ~ N(0, sum_j v_j g_j g_j^T + (v_0 + u^2) I)
+//! ```
+//!
+//! Here `g_j` is the displacement of the point per unit of actuator j, and u the stated standard deviation of
+//! the measurement. The variances `v_j` and `v_0` are found by restricted maximum likelihood with Fisher's
+//! scoring (Harville 1977).
+
+use crate::cell::{JointKind, MAX_JOINTS};
+use crate::robot::Chain;
+use crate::units::m_from_mm;
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+/// Largest number of variances.
+const MAX_VARIANCES: usize = MAX_JOINTS + 1;
+/// Standard deviation of a revolute joint that is expected without data, rad.
+const EXPECTED_ANGLE: f64 = 3e-4;
+/// Smallest standard deviation of a joint, rad or m.
+const FINEST_JOINT: f64 = 1e-7;
+/// Smallest standard deviation of a position, m.
+const FINEST_POSITION: f64 = 1e-9;
+/// Least ratio of a variance to that of the step before.
+const STEEPEST: f64 = 0.1;
+
+/// Variances of the errors that the identified parameters do not explain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Misfit {
+    /// Variance of every actuator coordinate, rad^2 or m^2.
+    pub joints: Vec<f64>,
+    /// Variance of a position per axis, m^2.
+    pub position: f64,
+    expected: Vec<f64>,
+}
+
+impl Misfit {
+    /// Returns the variances to begin with; `spread` is the standard deviation of a position per axis, m.
+    pub fn expected(chain: &Chain, spread: f64) -> Self {
+        let of_joint = |kind| match kind {
+            JointKind::Revolute => EXPECTED_ANGLE.powi(2),
+            JointKind::Prismatic => m_from_mm(0.1).powi(2),
+        };
+        let expected: Vec<_> = chain.links.iter().map(|link| of_joint(link.kind)).collect();
+        Self { joints: expected.clone(), position: spread.max(FINEST_POSITION).powi(2), expected }
+    }
+
+    /// Returns the covariance of a remaining error, m^2.
+    ///
+    /// `drives` holds the displacement of the point per unit of every actuator, and `stated` the stated
+    /// standard deviation of the measurement per axis, m.
+    pub fn covariance(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
+        let own = Matrix3::identity() * (self.position + stated.unwrap_or(0.0).powi(2));
+        drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)
+    }
+
+    /// Returns the variances after one step of the scoring, and their largest relative change.
+    pub fn improved(&self, scores: &Scores) -> (Self, f64) {
+        let count = self.joints.len() + 1;
+        let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);
+        let mut gradient = DVector::from_fn(count, |i, _| scores.gradient[i]);
+        // The expectation counts as much as two joint errors; it decides where the data tell nothing.
+        for (k, (v, expected)) in self.joints.iter().zip(&self.expected).enumerate() {
+            information[(k, k)] += expected.powi(-2);
+            gradient[k] += (expected - v) / expected.powi(2);
+        }
+        // Units differ by many orders, so the system is scaled to a unit diagonal.
+        let scale: Vec<f64> = (0..count).map(|i| information[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
+        let scaled = DMatrix::from_fn(count, count, |i, j| information[(i, j)] / (scale[i] * scale[j]));
+        let right = DVector::from_fn(count, |i, _| gradient[i] / scale[i]);
+        let Some(step) = scaled.cholesky().map(|factor| factor.solve(&right)) else {
+            return (self.clone(), 0.0);
+        };
+        let mut next = self.clone();
+        let mut change = 0.0_f64;
+        let finest = std::iter::repeat_n(FINEST_JOINT, count - 1).chain([FINEST_POSITION]);
+        let variances = next.joints.iter_mut().chain([&mut next.position]);
+        for (k, (v, finest)) in variances.zip(finest).enumerate() {
+            let moved = (*v + step[k] / scale[k]).max(STEEPEST * *v).max(finest.powi(2));
+            change = change.max((moved / *v - 1.0).abs());
+            *v = moved;
+        }
+        (next, change)
+    }
+}
+
+/// Derivatives of the restricted likelihood with respect to the variances.
+#[derive(Debug, Clone)]
+pub struct Scores {
+    gradient: [f64; MAX_VARIANCES],
+    information: [[f64; MAX_VARIANCES]; MAX_VARIANCES],
+}
+
+impl Scores {
+    pub fn none() -> Self {
+        Self { gradient: [0.0; MAX_VARIANCES], information: [[0.0; MAX_VARIANCES]; MAX_VARIANCES] }
+    }
+
+    /// Adds one measured position.
+    ///
+    /// `inverse` is the inverse of its covariance, and `scatter` the square of the remaining error plus the
+    /// covariance of the fitted position.
+    pub fn add(&mut self, drives: &[Vector3<f64>], inverse: &Matrix3<f64>, scatter: &Matrix3<f64>) {
+        let last = drives.len();
+        for (k, g) in drives.iter().enumerate() {
+            let weighed = inverse * g;
+            self.gradient[k] += (weighed.dot(&(scatter * weighed)) - g.dot(&weighed)) / 2.0;
+            for (l, other) in drives.iter().enumerate() {
+                self.information[k][l] += weighed.dot(other).powi(2) / 2.0;
+            }
+            self.information[k][last] += weighed.norm_squared() / 2.0;
+            self.information[last][k] += weighed.norm_squared() / 2.0;
+        }
+        self.gradient[last] += ((inverse * scatter * inverse).trace() - inverse.trace()) / 2.0;
+        self.information[last][last] += inverse.norm_squared() / 2.0;
+    }
+}

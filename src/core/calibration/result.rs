@@ -1,0 +1,198 @@
+//! Calibration of a robot, and its judgement by other measured positions.
+
+use super::accuracy::Accuracy;
+use super::deformed::Deformed;
+use super::fit::{Fit, Question, Residual, drives};
+use super::misfit::Misfit;
+use super::rigid::{SessionFrames, aligned};
+use super::session::{MeasuredPosition, MeasuringSession};
+use super::unknown::{Identified, Unknown};
+use super::validation::{CHI_SQUARED_95, correlation, held_out};
+use crate::cell::JointVector;
+use crate::robot::Chain;
+use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
+
+/// Normalised residual above which a position is an outlier.
+const OUTLIER: f64 = 6.0;
+
+/// One session after the fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedSession {
+    pub frames: SessionFrames,
+    /// Distance of every measured position from the predicted one, m.
+    pub distances: Vec<f64>,
+    /// Rows whose distance the misfit does not explain, with the distance, m.
+    pub outliers: Vec<(usize, f64)>,
+}
+
+/// Result of a calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    pub identified: Vec<Identified>,
+    /// Covariance of the unknowns, in products of their units (m, rad, rad/m).
+    pub covariance: DMatrix<f64>,
+    /// Every session after the fit.
+    pub sessions: Vec<FittedSession>,
+    /// Number of directions, in the space of the unknowns divided by their standard deviations, whose
+    /// standard deviation the data reduce to less than half.
+    pub rank: usize,
+    /// The other directions: shares of the unknowns, unit length.
+    pub unidentified: Vec<Vec<f64>>,
+    /// Root mean square of the residuals per axis, m.
+    pub residual: f64,
+    /// Distances of measured positions from predictions of a fit without their block of the joint space, m.
+    pub held_out: Option<Accuracy>,
+    /// Variances of what the parameters do not explain.
+    pub misfit: Misfit,
+    /// Ratio by which the variances of the misfit were raised in the fit, because misfits of near postures
+    /// are correlated; 1 if the cross-validation shows no correlation.
+    pub correlation: f64,
+    chain: Chain,
+}
+
+/// Fits the unknowns to the sessions; `priors` holds their standard deviations before the measurement.
+///
+/// Returns an error that states why the sessions cannot be fitted.
+pub fn calibrate(
+    chain: &Chain,
+    sessions: &[MeasuringSession],
+    unknowns: &[Unknown],
+    priors: &[f64],
+) -> Result<Calibration, String> {
+    let equations: usize = sessions.iter().map(|s| 3 * s.measured.len()).sum();
+    let of_sessions = sessions.iter().map(|s| SessionFrames::unknowns(&s.measured)).sum::<usize>();
+    let count = unknowns.len() + of_sessions;
+    if equations < count {
+        return Err(format!("{equations} measured coordinates cannot determine {count} unknowns"));
+    }
+    let mut fit = Fit::new(Question { chain, unknowns, priors }, sessions)?;
+    let mut left_out = held_out(&fit, sessions, 1.0);
+    let correlation = correlation(&left_out);
+    if correlation > 1.0 {
+        fit = fit.again(sessions, correlation)?;
+        left_out = held_out(&fit, sessions, correlation);
+    }
+    let covariance = fit.covariance.view((0, 0), (unknowns.len(), unknowns.len())).into_owned();
+    let values = fit.values.iter().zip(unknowns).zip(priors).enumerate();
+    let identified = values.map(|(k, ((value, unknown), prior))| Identified {
+        unknown: *unknown,
+        value: *value,
+        prior: *prior,
+        sigma: covariance[(k, k)].sqrt(),
+    });
+    let unidentified = undetermined(&covariance, priors);
+    let mut squares = 0.0;
+    let fitted = sessions.iter().enumerate().map(|(s, session)| {
+        let residuals = fit.residuals(&session.measured, s, &fit.own_covariance(sessions, s));
+        squares += residuals.iter().map(|r| r.by.norm_squared()).sum::<f64>();
+        FittedSession::new(fit.frames[s].clone(), &residuals)
+    });
+    let fitted = fitted.collect();
+    Ok(Calibration {
+        identified: identified.collect(),
+        sessions: fitted,
+        rank: unknowns.len() - unidentified.len(),
+        unidentified,
+        residual: (squares / (equations - count).max(1) as f64).sqrt(),
+        held_out: Accuracy::of(left_out.iter().map(|r| r.by.norm()).collect()),
+        misfit: fit.misfit.clone(),
+        correlation,
+        covariance,
+        chain: chain.clone(),
+    })
+}
+
+/// Returns the directions whose standard deviation the data do not halve: eigenvectors of the covariance
+/// divided by the standard deviations before the measurement.
+fn undetermined(covariance: &DMatrix<f64>, priors: &[f64]) -> Vec<Vec<f64>> {
+    let scaled =
+        DMatrix::from_fn(priors.len(), priors.len(), |i, j| covariance[(i, j)] / (priors[i] * priors[j]));
+    let eigen = SymmetricEigen::new(scaled);
+    let weak = (0..priors.len()).filter(|&k| eigen.eigenvalues[k] >= 0.25);
+    weak.map(|k| eigen.eigenvectors.column(k).iter().copied().collect()).collect()
+}
+
+impl FittedSession {
+    fn new(frames: SessionFrames, residuals: &[Residual]) -> Self {
+        let outliers = residuals.iter().filter(|r| r.normalised(1.0) > OUTLIER.powi(2));
+        Self {
+            frames,
+            distances: residuals.iter().map(|r| r.by.norm()).collect(),
+            outliers: outliers.map(|r| (r.row, r.by.norm())).collect(),
+        }
+    }
+}
+
+impl Calibration {
+    /// Returns the chain with errors at actuator coordinates `q` (rad or m).
+    pub fn deformed(&self, q: &JointVector) -> Deformed {
+        let (unknowns, values) = self.unknowns_and_values();
+        Deformed::new(&self.chain, q, &unknowns, &values)
+    }
+
+    /// Fits base and reflectors to positions that were not part of the calibration.
+    ///
+    /// Returns the session, and the share of its positions inside their 95 % ellipsoids. An ellipsoid
+    /// contains the misfit and the uncertainty of the unknowns. What the fit of base and reflectors takes up
+    /// does not count. Returns None if the positions do not determine base and reflectors.
+    pub fn tested(&self, measured: &[MeasuredPosition]) -> Option<(FittedSession, f64)> {
+        let (unknowns, _) = self.unknowns_and_values();
+        let poses: Vec<_> = measured.iter().map(|m| self.deformed(&m.joints)).collect();
+        let frames = aligned(&poses, measured)?;
+        let columns: Vec<(DMatrix<f64>, DMatrix<f64>)> = poses
+            .iter()
+            .zip(measured)
+            .map(|(pose, m)| {
+                let at = frames.reached(&pose.interface, m.reflector);
+                let of_chain: Vec<_> =
+                    unknowns.iter().map(|u| pose.motion(&self.chain, *u, &at).slope).collect();
+                let of_frames: Vec<_> =
+                    frames.motions(&pose.interface, m.reflector).iter().map(|motion| motion.slope).collect();
+                (jacobian(&of_chain), jacobian(&of_frames))
+            })
+            .collect();
+        let taken_up = taken_up(&columns)?;
+        let residuals: Vec<_> = poses
+            .iter()
+            .zip(measured)
+            .zip(&columns)
+            .map(|((pose, m), (of_chain, of_frames))| {
+                let free = of_chain - of_frames * &taken_up;
+                let spread = &free * &self.covariance * free.transpose();
+                let at = frames.reached(&pose.interface, m.reflector);
+                Residual {
+                    row: m.row,
+                    by: frames.residual(&pose.interface, m),
+                    misfit: self.misfit.covariance(&drives(&self.chain, pose, &at), m.sigma),
+                    spread: Matrix3::from_fn(|i, j| spread[(i, j)]),
+                }
+            })
+            .collect();
+        let inside = residuals.iter().filter(|r| r.normalised(1.0) <= CHI_SQUARED_95).count();
+        let share = inside as f64 / residuals.len() as f64;
+        Some((FittedSession::new(frames, &residuals), share))
+    }
+
+    fn unknowns_and_values(&self) -> (Vec<Unknown>, Vec<f64>) {
+        self.identified.iter().map(|i| (i.unknown, i.value)).unzip()
+    }
+}
+
+fn jacobian(columns: &[Vector3<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
+}
+
+/// Returns the steps of the frames (one column per unknown) that fit the motions by the unknowns best.
+///
+/// The pairs hold the Jacobians of one position with respect to the unknowns and to the frames.
+fn taken_up(columns: &[(DMatrix<f64>, DMatrix<f64>)]) -> Option<DMatrix<f64>> {
+    let (of_chain, of_frames) = columns.first()?;
+    let (unknowns, frames) = (of_chain.ncols(), of_frames.ncols());
+    let mut normal = DMatrix::identity(frames, frames) * 1e-12;
+    let mut right = DMatrix::zeros(frames, unknowns);
+    for (of_chain, of_frames) in columns {
+        normal += of_frames.transpose() * of_frames;
+        right += of_frames.transpose() * of_chain;
+    }
+    Some(normal.cholesky()?.solve(&right))
+}

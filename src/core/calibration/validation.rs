@@ -1,0 +1,95 @@
+//! Cross-validation over blocks of the joint space.
+
+use super::fit::{Fit, Residual};
+use super::session::{MeasuredPosition, MeasuringSession};
+use crate::cell::MAX_JOINTS;
+
+/// Number of blocks of the joint space.
+const BLOCKS: usize = 8;
+/// Probability of the ellipsoids.
+const PROBABILITY: f64 = 0.95;
+/// 95 % quantile of the chi-squared distribution with three degrees of freedom.
+pub(super) const CHI_SQUARED_95: f64 = 7.814727903251179;
+/// Largest ratio by which the variances of the fit are raised.
+const MAX_CORRELATION: f64 = 25.0;
+/// Number of halvings of the interval of this ratio.
+const HALVINGS: usize = 40;
+
+/// Returns the residuals of positions whose block of the joint space was left out of the fit.
+///
+/// Blocks without which the sessions cannot be fitted are left out.
+pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession], correlation: f64) -> Vec<Residual> {
+    let blocks: Vec<Vec<usize>> = sessions.iter().map(|s| blocks(&s.measured)).collect();
+    let mut residuals = Vec::new();
+    for left_out in 0..BLOCKS {
+        let split = |keep: bool| -> Vec<MeasuringSession> {
+            let sessions = sessions.iter().zip(&blocks);
+            sessions
+                .map(|(session, blocks)| {
+                    let measured = session.measured.iter().zip(blocks);
+                    let kept = measured.filter(|(_, block)| (**block != left_out) == keep).map(|(m, _)| *m);
+                    MeasuringSession { name: session.name.clone(), measured: kept.collect() }
+                })
+                .collect()
+        };
+        let kept = split(true);
+        let reflectors = |s: &MeasuringSession| super::session::reflectors(&s.measured);
+        if kept.iter().map(reflectors).ne(sessions.iter().map(reflectors)) {
+            continue;
+        }
+        let Ok(fit) = fit.again(&kept, correlation) else { continue };
+        for (s, session) in split(false).iter().enumerate() {
+            residuals.extend(fit.residuals(&session.measured, s, &fit.own_covariance(&kept, s)));
+        }
+    }
+    residuals
+}
+
+/// Returns the ratio by which the spread of predictions must grow until 95 % of the held-out positions are
+/// in their 95 % ellipsoids.
+///
+/// The ratio is 1 if the share does not differ from 95 % by more than two standard deviations of a sample.
+pub(super) fn correlation(held_out: &[Residual]) -> f64 {
+    let count = held_out.len() as f64;
+    let inside = |ratio: f64| {
+        let inside = held_out.iter().filter(|r| r.normalised(ratio) <= CHI_SQUARED_95);
+        inside.count() as f64 / count
+    };
+    let chance = 2.0 * (PROBABILITY * (1.0 - PROBABILITY) / count).sqrt();
+    if held_out.is_empty() || inside(1.0) >= PROBABILITY - chance {
+        return 1.0;
+    }
+    let (mut low, mut high) = (1.0, MAX_CORRELATION);
+    for _ in 0..HALVINGS {
+        let middle = (low + high) / 2.0;
+        if inside(middle) < PROBABILITY { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// Returns the number of the block of every position. The blocks have about equal numbers of positions; each
+/// cut is at the median of the joint coordinate with the greatest variance.
+///
+/// Positions of different reflectors at one posture are in one block.
+fn blocks(measured: &[MeasuredPosition]) -> Vec<usize> {
+    let mut number = vec![0; measured.len()];
+    let mut count = 1;
+    while count < BLOCKS {
+        for block in 0..count {
+            let members: Vec<usize> = (0..measured.len()).filter(|&i| number[i] == block).collect();
+            let coordinates = |joint: usize| members.iter().map(move |&i| measured[i].joints[joint]);
+            let variance = |joint: usize| {
+                let mean = coordinates(joint).sum::<f64>() / members.len() as f64;
+                coordinates(joint).map(|q| (q - mean).powi(2)).sum::<f64>()
+            };
+            let widest = (0..MAX_JOINTS).max_by(|a, b| variance(*a).total_cmp(&variance(*b))).unwrap_or(0);
+            let mut sorted: Vec<f64> = coordinates(widest).collect();
+            sorted.sort_by(f64::total_cmp);
+            let Some(median) = sorted.get(sorted.len() / 2) else { continue };
+            let upper = members.iter().filter(|&&i| measured[i].joints[widest] >= *median);
+            upper.for_each(|&i| number[i] = block + count);
+        }
+        count *= 2;
+    }
+    number
+}
