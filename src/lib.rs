@@ -43,6 +43,8 @@
 //! | [`calibration`] | identification | measured positions to the errors of a robot, their covariance and rank |
 //! | [`reading`] | error figures | frames and a tolerance to worst case, percentiles, yield, budget |
 //! | [`reach`] | inverse kinematics | TCP target and orientation to all postures, or the reason for none; envelope |
+//! | [`correction`] | corrected programme | target and errors to the joint coordinates that land on it |
+//! | [`pose_accuracy`] | test of ISO 9283 | tolerances to the accuracy that a data sheet states, and back |
 //! | [`clearance`] | collision check | layout and frames to the first contact, or none |
 //! | [`motion`] | motion planning | two postures to a collision-free motion, or the first contact |
 //! | [`error_map`] | error map | surface to the spot of least error, or to the whole map |
@@ -111,9 +113,9 @@
 
 #[doc(inline)]
 pub use sweetspot_core::{
-    assess, calibration, cell, clearance, colours, drawing, error_map, geometry, kinematic_error, layout,
-    low_discrepancy, mesh, motion, pose, proof, raster, reach, reading, region, robot, safe_text, search,
-    svg_text, units,
+    assess, calibration, cell, clearance, colours, correction, drawing, error_map, geometry, kinematic_error,
+    layout, low_discrepancy, mesh, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot,
+    safe_text, search, svg_text, units,
 };
 
 pub mod cli;

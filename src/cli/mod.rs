@@ -76,6 +76,8 @@ pub fn run() -> ExitCode {
         Command::Readings(a) => commands::readings(&a),
         Command::Robust(a) => commands::robust(&a),
         Command::Calibrate(a) => commands::calibrate(&a),
+        Command::Errors(a) => commands::errors(&a),
+        Command::Correct(a) => commands::correct(&a),
         Command::Robots(a) => commands::robots(&a),
         Command::Robot(a) => commands::robot(&a),
         Command::Export(a) => commands::export(&a),

@@ -140,7 +140,7 @@ impl UrdfEntry {
 }
 
 impl PoseEntry {
-    fn new(pose: &Pose) -> Self {
+    pub fn new(pose: &Pose) -> Self {
         Self {
             position_mm: position_mm(&pose.translation),
             rpy_deg: roll_pitch_yaw(pose).map(degrees).into(),

@@ -12,6 +12,8 @@ mod calibration;
 mod cell_yield;
 mod check;
 mod comparison;
+mod correction;
+mod errors;
 mod estimate;
 mod explanation;
 pub mod goals;
@@ -46,6 +48,13 @@ pub use check::{
     roll_pitch_yaw,
 };
 pub use comparison::{ComparedLayout, ComparisonDocument};
+pub use correction::{
+    CORRECTION_SCHEMA, CommandedJoint, CorrectionDocument, CorrectionEntry, CorrectionState,
+};
+pub use errors::{
+    AccuracyQuantiles, BaseChoice, ERRORS_SCHEMA, ErrorOrigin, ErrorsDocument, GuessQuestion, SpreadEntry,
+    TestCubeEntry, TestPoseEntry,
+};
 pub use estimate::EstimateEntry;
 pub use explanation::{
     DhEntry, DisplacementEntry, ExplanationDocument, FrameEntry, JointKindWord, MotionEntry, MotionKind,
@@ -83,4 +92,4 @@ pub use verdict::{
     FactEntry, FactMood, REPORT_SCHEMA, RequirementState, RunnerUpEntry, RunnerUpKind, VerdictAnswer,
     VerdictDocument, VerdictPlacement, VerdictSpot, VerdictSubject,
 };
-pub use words::{caveats, objective_word, value_word};
+pub use words::{GUESS, caveats, is_guess, objective_word, value_word};

@@ -1,13 +1,21 @@
 //! Names of error parameters and of frames, and the units of the parameters.
 
 use crate::assess::MotionFrame;
-use crate::cell::{Cell, Convention, JointKind, Parameter, Unit};
+use crate::cell::{Cell, Convention, JointKind, Parameter, Robot, Unit};
 use crate::files::shown;
 
 /// Returns the name of a parameter, such as dq1, dalpha3, base rx, tool z, joint2 y or worktable rz. Joint
 /// numbers start at 1 and refer to the rows of the robot file.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
-    let modified = cell.robot.convention == Convention::Modified;
+    match parameter {
+        Parameter::Equipment(e, _) => format!("{} {}", shown(&cell.equipment[e].name), parameter.name()),
+        _ => of_robot(&cell.robot, parameter),
+    }
+}
+
+/// Returns the name of a parameter of a robot, as [`parameter`] does.
+pub fn of_robot(robot: &Robot, parameter: Parameter) -> String {
+    let modified = robot.convention == Convention::Modified;
     match parameter {
         // The common normal at the end of a standard row begins the next modified row.
         Parameter::Dl(i) if modified => Parameter::Dl(i + 1).name(),
@@ -16,15 +24,19 @@ pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
         Parameter::Joint(0, 0) if modified => Parameter::Dl(0).name(),
         Parameter::Base(3) if modified => Parameter::Dalpha(0).name(),
         Parameter::Joint(0, 4) if modified => Parameter::Dbeta(0).name(),
-        Parameter::Equipment(e, _) => format!("{} {}", shown(&cell.equipment[e].name), parameter.name()),
         _ => parameter.name(),
     }
 }
 
 /// Returns the unit of a parameter: millimetres or degrees.
 pub fn unit(cell: &Cell, parameter: Parameter) -> Unit {
+    unit_of_robot(&cell.robot, parameter)
+}
+
+/// Returns the unit of a parameter of a robot, as [`unit`] does.
+pub fn unit_of_robot(robot: &Robot, parameter: Parameter) -> Unit {
     let turns = match parameter {
-        Parameter::Dq(i) => cell.robot.joints[i].kind == JointKind::Revolute,
+        Parameter::Dq(i) => robot.joints[i].kind == JointKind::Revolute,
         Parameter::Dr(_) | Parameter::Dl(_) => false,
         Parameter::Dalpha(_) | Parameter::Dbeta(_) => true,
         Parameter::Base(c) | Parameter::Tool(c) => c >= 3,

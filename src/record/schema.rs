@@ -1,9 +1,10 @@
 //! The published JSON Schema of every document, made from its record.
 
 use super::{
-    BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument, EnvelopeDocument,
-    ExplanationDocument, ManifestDocument, MapDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument,
-    RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
+    BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument, CorrectionDocument,
+    EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument, ReadingsDocument,
+    RobotSheetDocument, RobotsDocument, RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable,
+    VerdictDocument,
 };
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -29,10 +30,12 @@ pub enum DocumentKind {
     RobotSheet,
     Envelope,
     Calibration,
+    Errors,
+    Correction,
 }
 
 impl DocumentKind {
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::SearchResult,
         Self::Map,
         Self::Comparison,
@@ -50,6 +53,8 @@ impl DocumentKind {
         Self::RobotSheet,
         Self::Envelope,
         Self::Calibration,
+        Self::Errors,
+        Self::Correction,
     ];
 
     /// Returns the name of the schema.
@@ -72,6 +77,8 @@ impl DocumentKind {
             Self::RobotSheet => "robot-sheet",
             Self::Envelope => "envelope",
             Self::Calibration => "calibration",
+            Self::Errors => "errors",
+            Self::Correction => "correction",
         }
     }
 
@@ -95,6 +102,8 @@ impl DocumentKind {
             Self::RobotSheet => of::<RobotSheetDocument>(),
             Self::Envelope => of::<EnvelopeDocument>(),
             Self::Calibration => of::<CalibrationDocument>(),
+            Self::Errors => of::<ErrorsDocument>(),
+            Self::Correction => of::<CorrectionDocument>(),
         }
     }
 }

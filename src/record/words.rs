@@ -40,9 +40,24 @@ pub fn objective_word(cell: &Cell) -> String {
 /// All words that [`value_word`] can return.
 pub const VALUE_WORDS: [&str; 7] = ["error", "worst case", "share of failures", "rms", "mean", "p95", "p99"];
 
+/// Returns whether the name of an error set states that its numbers are guessed: it begins with "guess".
+pub fn is_guess(error_set: &str) -> bool {
+    error_set.starts_with(GUESS)
+}
+
+/// Beginning of the names of guessed error sets.
+pub const GUESS: &str = "guess";
+
 /// Returns caveats on the interpretation of the errors and on the choice of the spots, in sentences.
 pub fn caveats(cell: &Cell) -> Vec<String> {
     let mut said = Vec::new();
+    let name = cell.error_set().name();
+    if is_guess(name) {
+        said.push(format!(
+            "{} is a GUESS from a data sheet or a class of arms, not a measurement of this robot",
+            shown(name)
+        ));
+    }
     let signed = matches!(cell.error_set(), ErrorSet::Signed(_));
     if signed && cell.reading != Reading::Signed {
         said.push(format!(

@@ -1,8 +1,10 @@
 //! Pure renderers from records to bytes, one per format.
 
 pub mod chart;
+pub mod correction;
 pub mod csv;
 pub mod dxf;
+pub mod error_table;
 
 pub mod figures;
 pub mod glb;

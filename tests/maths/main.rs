@@ -15,6 +15,7 @@ mod clearance;
 #[path = "../common/mod.rs"]
 mod common;
 mod compare;
+mod correction;
 mod drawing;
 mod envelope;
 mod families;
@@ -34,6 +35,7 @@ mod paper;
 mod parry;
 mod pedestal;
 mod peers;
+mod pose_accuracy;
 mod proof;
 mod ranking;
 mod reach;

@@ -1,6 +1,8 @@
 //! The command line: every command and its arguments.
 
 mod calibrate;
+mod correct;
+mod errors;
 mod files;
 mod layouts;
 mod outputs;
@@ -12,6 +14,8 @@ mod sweep;
 mod value_parsers;
 
 pub use calibrate::CalibrateArguments;
+pub use correct::{CorrectArguments, TargetFrame};
+pub use errors::{AccuracyBase, ErrorsArguments};
 pub use files::{InitArguments, SchemaArguments};
 pub use layouts::{CheckArguments, CompareArguments, MapArguments, ReadingsArguments, RobustArguments};
 pub use outputs::{ExportArguments, ExportFormat, FiguresArguments, ReportArguments, ViewArguments};
@@ -78,6 +82,12 @@ pub enum Command {
     /// Identify the kinematic errors of a robot from measured positions of its tool
     #[command(before_help = "Example: sweetspot calibrate ur10 tracker.csv --test other-day.csv")]
     Calibrate(CalibrateArguments),
+    /// Guess the tolerances of a robot from its data sheet, and predict its pose accuracy (ISO 9283)
+    #[command(before_help = "Example: sweetspot errors ur5e --preset collaborative --ap 0.5 --rp 0.03")]
+    Errors(ErrorsArguments),
+    /// Correct a programme: the joint and pose commands that land on their targets despite known errors
+    #[command(before_help = "Example: sweetspot correct cells/hitachi_cell.toml --errors table-2")]
+    Correct(CorrectArguments),
     /// List the built-in robots
     #[command(before_help = "Example: sweetspot robots")]
     Robots(RobotsArguments),

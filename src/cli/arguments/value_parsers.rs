@@ -33,6 +33,12 @@ pub fn measure(text: &str) -> Result<f64, String> {
     NumberRange::Finite.refuses(number).map_or(Ok(number), |(wrong, _)| Err(format!("it {wrong}")))
 }
 
+/// Parses a length in mm above 0, within the range that files allow.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let number = measure(text)?;
+    if number > 0.0 { Ok(number) } else { Err("it must be more than 0".into()) }
+}
+
 /// Parses a duration in seconds.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let number = number(text)?;

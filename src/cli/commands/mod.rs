@@ -3,6 +3,8 @@
 
 mod calibrate;
 mod check;
+mod correct;
+mod errors;
 mod export;
 mod figures;
 mod init;
@@ -24,6 +26,8 @@ mod view;
 
 pub use calibrate::calibrate;
 pub use check::check;
+pub use correct::correct;
+pub use errors::errors;
 pub use export::export;
 pub use figures::figures;
 pub use init::init;

@@ -6,6 +6,7 @@
 //! reading.
 
 mod budget;
+mod corrections;
 mod distribution;
 mod ending_tolerance;
 mod envelope_study;
@@ -19,6 +20,7 @@ mod readings;
 mod sampled_spots;
 
 pub use budget::{BudgetReport, Tighter};
+pub use corrections::{CorrectedTarget, OperationCorrector, StatedTarget};
 pub use distribution::ErrorDistribution;
 pub use envelope_study::{EnvelopeQuery, Reachable, RobotDataSheet, SheetEnvelope, step_of, tolerance_of};
 pub use explain::{DhRow, Explanation, ParameterEffect, SenseRow};

@@ -25,6 +25,15 @@ pub enum NoPosture {
     Unusable(String),
 }
 
+impl NoPosture {
+    /// Returns the message for the user.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Outside(why) | Self::Unusable(why) => why,
+        }
+    }
+}
+
 /// Posture of an operation with all data that its errors depend on.
 pub struct PostureContext<'a> {
     pub cell: &'a Cell,

@@ -5,7 +5,7 @@ use super::subject::{Manifest, Subject};
 use super::verdict::reading_in_words;
 use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance};
 use crate::files::shown;
-use crate::record::{caveats, value_word};
+use crate::record::{caveats, is_guess, value_word};
 use crate::report::text::distrust;
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
@@ -56,6 +56,7 @@ fn errors(cell: &Cell) -> String {
     let name = shown(cell.error_set().name());
     let placeholder = match name.contains("placeholder") {
         true => ": a PLACEHOLDER of plausible size; replace it by measured or agreed tolerances",
+        false if is_guess(&name) => ": a GUESS; replace it by measured or agreed tolerances",
         false => "",
     };
     match cell.error_set() {

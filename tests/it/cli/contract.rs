@@ -259,6 +259,8 @@ fn help_of_every_command_begins_with_an_example() {
         &["envelope", "--help"],
         &["figures", "-h"],
         &["report", "--help"],
+        &["errors", "-h"],
+        &["correct", "--help"],
     ] {
         let ran = shop.done(args);
         let first = ran.out.lines().next().unwrap();
@@ -275,7 +277,7 @@ fn the_examples_of_the_help_run() {
     let shop = Sandbox::new();
     for command in [
         "check", "map", "search", "compare", "report", "budget", "explain", "readings", "robots", "robot",
-        "envelope",
+        "envelope", "errors", "correct",
     ] {
         let help = shop.done(&[command, "--help"]);
         let example = help.out.lines().next().unwrap().trim_start_matches("Example: sweetspot ");

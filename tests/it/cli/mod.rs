@@ -5,7 +5,9 @@
 mod cache;
 mod calibrate;
 mod contract;
+mod correct;
 mod damage;
+mod errors;
 mod export;
 mod figures;
 mod front;

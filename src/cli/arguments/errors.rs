@@ -1,0 +1,48 @@
+//! Arguments of `errors`.
+
+use super::value_parsers::positive;
+use crate::cli::packages::PackageFolders;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Frame to which the pose accuracy refers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AccuracyBase {
+    /// Base frame fitted to each robot over its working space
+    Fitted,
+    /// Nominal base frame
+    Nominal,
+}
+
+#[derive(Args)]
+pub struct ErrorsArguments {
+    /// Name of a built-in robot, or a robot file (TOML)
+    #[arg(required_unless_present = "presets")]
+    pub robot: Option<PathBuf>,
+    /// Take the tolerances from this class of arms; --presets lists them
+    #[arg(long, value_name = "NAME", conflicts_with = "errors")]
+    pub preset: Option<String>,
+    /// Take the tolerances from this error set of the robot [default: its first set of tolerances]
+    #[arg(long, value_name = "NAME")]
+    pub errors: Option<String>,
+    /// Scale the tolerances until the predicted pose accuracy AP is that of the data sheet
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub ap: Option<f64>,
+    /// Add random errors of the joints that give the pose repeatability RP of the data sheet
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub rp: Option<f64>,
+    /// Frame to which the pose accuracy refers
+    #[arg(long, value_name = "FRAME", value_enum, default_value_t = AccuracyBase::Fitted)]
+    pub base: AccuracyBase,
+    /// List the presets with their sources
+    #[arg(long, conflicts_with_all = ["robot", "preset", "errors", "ap", "rp", "toml", "json"])]
+    pub presets: bool,
+    /// Print the tolerances as a table for the robot file
+    #[arg(long, conflicts_with = "json")]
+    pub toml: bool,
+    /// Print tolerances and accuracy as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub packages: PackageFolders,
+}

@@ -1,0 +1,98 @@
+//! Correction of a programme: the joint coordinates with which a robot with errors lands on a target.
+//!
+//! Let T(q) be the nominal pose of the TCP at the joint coordinates q, and E(q) its error by the nonlinear
+//! model. The correction solves `E(q) T(q) = T*` for a target T*. The pose command is then the nominal pose
+//! T(q): what a controller without calibration must be given to land on T*.
+//!
+//! Newton's method takes the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors
+//! differs from it by the size of the errors, about 0.001, so each step reduces the rest by that factor.
+//! Position comes before orientation: an arm with fewer than six joints keeps the position, and the
+//! orientation is the nearest one (least squares in the null space of the position).
+
+mod step;
+
+use crate::cell::{JointVector, MAX_JOINTS};
+use crate::pose::{Displacement, Pose, SmallRotation};
+use crate::reach::{jacobian, rotation_vector};
+use crate::robot::{Chain, Frames};
+use step::step;
+
+/// Largest number of Newton steps.
+pub const MAX_STEPS: usize = 60;
+
+/// Largest change of a joint in one step, rad or m.
+const LONGEST_STEP: f64 = 0.1;
+
+/// Change of the joints (rad or m) below which the method has converged.
+const CONVERGED: f64 = 1e-11;
+
+/// Distance from the target, m, that a converged correction may leave.
+const ON_TARGET: f64 = 1e-9;
+
+/// Joint coordinates that bring the TCP to a target in spite of its errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction {
+    /// Actuator coordinates, rad or m.
+    pub joints: JointVector,
+    /// Nominal pose of the TCP at these coordinates, base frame: the pose command.
+    pub command: Pose,
+    /// Rest of the error: position (m) and rotation vector (rad) from the target to the attained pose, base
+    /// frame.
+    pub rest: Displacement,
+    pub steps: usize,
+    /// Whether the method has converged with the TCP at the target.
+    pub converged: bool,
+    /// Index of the joint that is farthest outside its limits; None if all are within.
+    pub beyond: Option<usize>,
+}
+
+/// Returns the corrected joint coordinates for a target (base frame).
+///
+/// `start` holds joint coordinates near the solution, such as those of the nominal robot at the target.
+/// `error` returns the error of the TCP at link frames, base frame. Joints with equal limits are passive and
+/// do not move.
+pub fn corrected(
+    chain: &Chain,
+    start: &JointVector,
+    target: &Pose,
+    mut error: impl FnMut(&Frames) -> Displacement,
+) -> Correction {
+    let active: Vec<usize> =
+        (0..chain.axes()).filter(|&i| chain.links[i].limits.0 < chain.links[i].limits.1).collect();
+    let (mut joints, mut steps, mut is_still) = (*start, 0, false);
+    loop {
+        let frames = chain.frames(&chain.posture(&joints));
+        let rest = rest_of(target, &frames.tcp, &error(&frames));
+        if is_still || steps == MAX_STEPS {
+            let converged = is_still && rest.position.norm() < ON_TARGET;
+            let beyond = beyond_limits(chain, &joints);
+            return Correction { joints, command: frames.tcp, rest, steps, converged, beyond };
+        }
+        let columns = jacobian(chain, &frames);
+        let mut change = step(&active.iter().map(|&i| columns[i]).collect::<Vec<_>>(), &(rest * -1.0));
+        let largest = change.iter().fold(0.0_f64, |most, by| most.max(by.abs()));
+        if largest > LONGEST_STEP {
+            change.iter_mut().for_each(|by| *by *= LONGEST_STEP / largest);
+        }
+        active.iter().zip(&change).for_each(|(&i, by)| joints[i] += by);
+        is_still = largest < CONVERGED;
+        steps += 1;
+    }
+}
+
+/// Returns the displacement from the target to the nominal pose `tcp` moved by its `error`.
+fn rest_of(target: &Pose, tcp: &Pose, error: &Displacement) -> Displacement {
+    let back = rotation_vector(&(tcp.rotation * target.rotation.transpose()));
+    let rotation = SmallRotation::of(&error.rotation).after(&SmallRotation::of(&back)).vector();
+    Displacement { position: tcp.translation - target.translation + error.position, rotation }
+}
+
+/// Returns the joint that is farthest outside its limits, as a share of its travel.
+fn beyond_limits(chain: &Chain, joints: &JointVector) -> Option<usize> {
+    let excess = |i: usize| {
+        let (low, high) = chain.links[i].limits;
+        (low - joints[i]).max(joints[i] - high) / (high - low)
+    };
+    let all = (0..chain.axes().min(MAX_JOINTS)).filter(|&i| excess(i) > 0.0);
+    all.max_by(|&a, &b| excess(a).total_cmp(&excess(b)))
+}

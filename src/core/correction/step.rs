@@ -1,0 +1,39 @@
+//! One Newton step: position first, orientation in the null space of the position.
+
+use crate::pose::Displacement;
+use nalgebra::{DMatrix, DVector};
+
+/// Singular value, as a share of the largest, below which a direction counts as lost.
+const LOST: f64 = 1e-9;
+
+/// Returns the changes of the joints (rad or m) that cause the displacement `wanted` of the TCP to first
+/// order.
+///
+/// `columns` holds the motion of the TCP per unit of each joint. If not all of the displacement is possible,
+/// the position has priority over the rotation. Of several solutions, the shortest is returned.
+pub fn step(columns: &[Displacement], wanted: &Displacement) -> Vec<f64> {
+    let n = columns.len();
+    let position = DMatrix::from_fn(3, n, |i, j| columns[j].position[i]);
+    let rotation = DMatrix::from_fn(3, n, |i, j| columns[j].rotation[i]);
+    let (shift, turn) = (vector(wanted.position.as_slice()), vector(wanted.rotation.as_slice()));
+    let inverse = inverted(&position);
+    let first = &inverse * shift;
+    let free = DMatrix::identity(n, n) - &inverse * &position;
+    let left = turn - &rotation * &first;
+    let second = inverted(&(&rotation * &free)) * left;
+    // The product with `free` removes what rounding has left along the position.
+    (first + &free * second).iter().copied().collect()
+}
+
+fn vector(values: &[f64]) -> DVector<f64> {
+    DVector::from_row_slice(values)
+}
+
+/// Returns the pseudo-inverse of a matrix without the directions that are lost.
+fn inverted(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let size = matrix.norm().max(1e-12);
+    matrix
+        .clone()
+        .pseudo_inverse(LOST * size)
+        .unwrap_or_else(|_| DMatrix::zeros(matrix.ncols(), matrix.nrows()))
+}

@@ -1,0 +1,218 @@
+//! The document of `errors --json`.
+
+use super::numbers::{degrees, in_unit, joint_coordinate, millimetres, nine_digits, position_mm};
+use super::parameter_names as names;
+use super::words::is_guess;
+use crate::cell::{Distribution, Parameter, Robot, Spin};
+use crate::pose_accuracy::{ErrorGuess, PoseAccuracy, TestCube};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `errors --json`.
+pub const ERRORS_SCHEMA: &str = "sweetspot/errors/1";
+
+/// Tolerances of a robot with the pose accuracy (ISO 9283) that they give. They are a guess, not a measurement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ErrorsDocument {
+    #[schemars(extend("const" = ERRORS_SCHEMA))]
+    pub schema: String,
+    pub robot: String,
+    /// Name of the error set in the table for the robot file.
+    pub name: String,
+    /// Whether the tolerances are guessed from a preset or a data sheet. If not, they are those of the robot.
+    pub guess: bool,
+    /// Origin of the numbers in words, as in the table for the robot file.
+    pub source: String,
+    pub origin: ErrorOrigin,
+    /// Name of the preset, or of the error set of the robot.
+    pub origin_name: String,
+    /// Frame to which the accuracy refers.
+    pub base: BaseChoice,
+    /// Pose accuracy of the data sheet.
+    pub wanted_ap_mm: Option<f64>,
+    /// Pose repeatability of the data sheet.
+    pub wanted_rp_mm: Option<f64>,
+    /// Factor by which the tolerances of the origin are multiplied.
+    pub scale: f64,
+    /// Number of predictions that the search for the factor took.
+    pub steps: usize,
+    /// Predicted accuracy of the constant errors.
+    pub ap: AccuracyQuantiles,
+    /// Predicted accuracy of the tolerances as printed, random errors included.
+    pub ap_of_set: AccuracyQuantiles,
+    /// Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a prismatic
+    /// joint; null without a repeatability.
+    pub joint_scatter: Option<Vec<f64>>,
+    pub cube: TestCubeEntry,
+    /// Tolerances, without those that are 0.
+    pub parameters: Vec<SpreadEntry>,
+}
+
+/// Origin of tolerances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ErrorOrigin {
+    /// Error set of the robot.
+    Robot,
+    /// Preset of a class of arms.
+    Preset,
+}
+
+/// Frame to which a predicted accuracy refers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum BaseChoice {
+    /// The base frame is fitted to each robot over its working space.
+    Fitted,
+    /// The base frame is the nominal one.
+    Nominal,
+}
+
+/// Pose accuracy AP over the robots of a series, mm. The accuracy of one robot is the mean over five poses.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AccuracyQuantiles {
+    pub median_mm: f64,
+    /// 5 % of the robots are better.
+    pub p5_mm: f64,
+    /// 95 % of the robots are better.
+    pub p95_mm: f64,
+    /// Median over the robots of the worst of the five poses.
+    pub worst_pose_mm: f64,
+}
+
+/// Test cube of ISO 9283, base frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TestCubeEntry {
+    pub edge_mm: f64,
+    /// Whether the standard names a cube of this size.
+    pub is_standard: bool,
+    pub centre_mm: [f64; 3],
+    /// Elevation of the tool axis.
+    pub bend_deg: f64,
+    /// Spin of the tool; null if the arm cannot keep it the same at all poses.
+    pub spin_deg: Option<f64>,
+    /// The poses P1 to P5.
+    pub poses: Vec<TestPoseEntry>,
+}
+
+/// One test pose.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TestPoseEntry {
+    pub position_mm: [f64; 3],
+    /// Joint coordinates: degrees, or mm for a prismatic joint.
+    pub joints: Vec<f64>,
+    /// Median accuracy at this pose.
+    pub ap_mm: f64,
+}
+
+/// Tolerance of one parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpreadEntry {
+    pub name: String,
+    /// Half width.
+    pub plus_minus: f64,
+    /// Unit of the half width: mm or deg.
+    pub unit: String,
+    pub distribution: String,
+    /// Half width as a number of standard deviations; null unless the distribution is normal.
+    pub sigmas: Option<f64>,
+}
+
+impl AccuracyQuantiles {
+    pub fn new(accuracy: &PoseAccuracy) -> Self {
+        Self {
+            median_mm: millimetres(accuracy.median),
+            p5_mm: millimetres(accuracy.best),
+            p95_mm: millimetres(accuracy.worst),
+            worst_pose_mm: millimetres(accuracy.largest_pose),
+        }
+    }
+}
+
+impl TestCubeEntry {
+    pub fn new(robot: &Robot, cube: &TestCube, accuracy: &PoseAccuracy) -> Self {
+        let spin_deg = match &cube.attitude.spin {
+            Spin::At(spins) => spins.first().copied().map(degrees),
+            Spin::Free => None,
+        };
+        let poses = cube.poses.iter().zip(accuracy.poses).map(|(pose, ap)| TestPoseEntry {
+            position_mm: position_mm(&pose.position),
+            joints: in_joints(robot, &pose.joints),
+            ap_mm: millimetres(ap),
+        });
+        Self {
+            edge_mm: millimetres(cube.edge),
+            is_standard: cube.is_standard,
+            centre_mm: position_mm(&cube.centre),
+            bend_deg: degrees(cube.attitude.elevation),
+            spin_deg,
+            poses: poses.collect(),
+        }
+    }
+}
+
+/// Question that a guess answers.
+pub struct GuessQuestion {
+    pub origin: ErrorOrigin,
+    pub origin_name: String,
+    pub base: BaseChoice,
+    /// Pose accuracy of the data sheet, mm.
+    pub ap_mm: Option<f64>,
+    /// Pose repeatability of the data sheet, mm.
+    pub rp_mm: Option<f64>,
+}
+
+impl ErrorsDocument {
+    /// Makes the document of a guess with the name and the source of its error set. `total` is the accuracy of
+    /// the tolerances with the random errors.
+    pub fn new(
+        robot: &Robot,
+        question: &GuessQuestion,
+        (guess, total): (&ErrorGuess, &PoseAccuracy),
+        cube: &TestCube,
+        (name, source): (String, String),
+    ) -> Self {
+        let spreads =
+            Parameter::of_robot(robot.axes()).zip(&guess.spreads).filter(|(_, s)| s.plus_minus > 0.0);
+        let parameters = spreads.map(|(parameter, spread)| {
+            let unit = names::unit_of_robot(robot, parameter);
+            SpreadEntry {
+                name: names::of_robot(robot, parameter),
+                plus_minus: in_unit(unit, spread.plus_minus),
+                unit: unit.word().into(),
+                distribution: spread.distribution.name().into(),
+                sigmas: (spread.distribution == Distribution::Normal).then_some(spread.sigmas),
+            }
+        });
+        let is_own = question.origin == ErrorOrigin::Robot && question.ap_mm.is_none();
+        Self {
+            schema: ERRORS_SCHEMA.into(),
+            robot: robot.name.clone(),
+            name,
+            guess: is_guess(&question.origin_name) || !(is_own && question.rp_mm.is_none()),
+            source,
+            origin: question.origin,
+            origin_name: question.origin_name.clone(),
+            base: question.base,
+            wanted_ap_mm: question.ap_mm,
+            wanted_rp_mm: question.rp_mm,
+            scale: nine_digits(guess.scale),
+            steps: guess.steps,
+            ap: AccuracyQuantiles::new(&guess.accuracy),
+            ap_of_set: AccuracyQuantiles::new(total),
+            joint_scatter: guess.scatter.as_ref().map(|scatter| in_joints(robot, scatter)),
+            cube: TestCubeEntry::new(robot, cube, &guess.accuracy),
+            parameters: parameters.collect(),
+        }
+    }
+}
+
+/// Returns joint coordinates in degrees, or in mm for prismatic joints.
+fn in_joints(robot: &Robot, q: &[f64]) -> Vec<f64> {
+    robot.joints.iter().zip(q).map(|(joint, q)| joint_coordinate(joint.kind, *q)).collect()
+}
