@@ -10,6 +10,7 @@ pub mod measured;
 mod mesh;
 mod read;
 mod schema;
+pub mod stated;
 mod toml;
 mod urdf;
 

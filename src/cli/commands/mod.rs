@@ -8,6 +8,7 @@ mod figures;
 mod init;
 mod layouts;
 mod map;
+mod measurements;
 mod posture;
 mod readings;
 mod report;
@@ -15,6 +16,7 @@ mod robots;
 mod robust;
 mod schema;
 mod search;
+mod stated;
 mod sweep;
 #[cfg(feature = "view")]
 mod view;

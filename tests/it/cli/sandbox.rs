@@ -29,8 +29,8 @@ impl Sandbox {
         self.dir.path().join(inside)
     }
 
-    pub fn write(&self, inside: &str, text: &str) {
-        std::fs::write(self.path(inside), text).unwrap();
+    pub fn write(&self, inside: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.path(inside), content).unwrap();
     }
 
     pub fn read(&self, inside: &str) -> Vec<u8> {
