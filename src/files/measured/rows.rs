@@ -38,6 +38,8 @@ pub fn read(
 ) -> Result<ReadRows, Vec<Fault>> {
     let fault =
         |line: usize, (message, help): ColumnFault| Fault { line, ..Fault::of_file(file, message, help) };
+    let names_rows = found.reflector.is_some_and(|column| identifies_rows(grid, column));
+    let found = &FoundColumns { reflector: found.reflector.filter(|_| !names_rows), ..found.clone() };
     let mut reader =
         RowReader { grid, found, joints, rows: Vec::new(), reflectors: Vec::new(), unseen: 0, texts: 0 };
     let mut faults = Vec::new();
