@@ -74,7 +74,7 @@ fn joints_and_position(shot: &Shot) -> Vec<f64> {
 ///
 /// Returns what was said.
 fn explained(shop: &Sandbox, name: &str, bytes: &[u8], options: &[&str], poses: usize) -> String {
-    shop.write(name, bytes);
+    shop.write_bytes(name, bytes);
     let ran = shop.run(&[&["calibrate", "ur10", name, "--json"][..], options].concat());
     ran.no_panic();
     assert_eq!(ran.code, Some(0), "{name}: {}", ran.err);
@@ -158,7 +158,7 @@ fn comments_units_and_preambles_are_read_past() {
     let said = explained(&shop, "none.csv", rows.trim_start().as_bytes(), &[], 60);
     assert!(said.contains("no names of columns") && said.contains("--column q1=NUMBER"), "{said}");
     // Without names, the user states columns by number.
-    let moved = table("", ",", |shot| [&shot.seen(0).as_slice()[..], &shot.degrees()[..]].concat());
+    let moved = table("", ",", |shot| [shot.seen(0).as_slice(), &shot.degrees()[..]].concat());
     let by_number: Vec<String> = ["x=1", "y=2", "z=3", "q1=4", "q2=5", "q3=6", "q4=7", "q5=8", "q6=9"]
         .iter()
         .flat_map(|c| ["--column".into(), (*c).to_string()])
@@ -389,7 +389,7 @@ fn suspect_rows_are_left_out_with_words() {
 fn hostile_tables_are_refused_in_words() {
     let shop = Sandbox::new();
     let refused = |name: &str, bytes: &[u8], said: &str| {
-        shop.write(name, bytes);
+        shop.write_bytes(name, bytes);
         let ran = shop.run(&["calibrate", "ur10", name]);
         ran.no_panic();
         assert!(ran.code == Some(2) && ran.err.contains(said), "{name}: {:?} {}", ran.code, ran.err);

@@ -29,8 +29,12 @@ impl Sandbox {
         self.dir.path().join(inside)
     }
 
-    pub fn write(&self, inside: &str, content: impl AsRef<[u8]>) {
-        std::fs::write(self.path(inside), content).unwrap();
+    pub fn write(&self, inside: &str, text: &str) {
+        self.write_bytes(inside, text.as_bytes());
+    }
+
+    pub fn write_bytes(&self, inside: &str, bytes: &[u8]) {
+        std::fs::write(self.path(inside), bytes).unwrap();
     }
 
     pub fn read(&self, inside: &str) -> Vec<u8> {

@@ -90,15 +90,15 @@ fn ur10(shop: &Sandbox) -> String {
 #[test]
 fn the_yaml_of_the_driver_gives_errors_of_the_joint_frames() {
     let shop = Sandbox::new();
-    shop.write("my_calibration.yaml", yaml(&calibrated()));
+    shop.write("my_calibration.yaml", &yaml(&calibrated()));
     let table = shop.done(&["calibrate", "ur10", "my_calibration.yaml", "--toml"]);
     assert!(table.out.contains("hash calib_7316905243862112345"), "{}", table.out);
     assert!(table.err.contains("errors of the base are those of joint 1"), "{}", table.err);
-    shop.write("measured.toml", ur10(&shop) + "\n" + &table.out);
+    shop.write("measured.toml", &(ur10(&shop) + "\n" + &table.out));
     let (robot, errors) = read_robot(&shop, "measured.toml");
     assert_same(robot, &errors, |q| flange(&calibrated(), q).translation.vector);
     // Nominal frames are no errors.
-    shop.write("nominal.yaml", yaml(&NOMINAL));
+    shop.write("nominal.yaml", &yaml(&NOMINAL));
     let document = shop.json(&["calibrate", "ur10", "nominal.yaml"]);
     assert!(items(&document["parameters"]).iter().all(|p| number(&p["value"]).abs() < 1e-9), "{document}");
     let document = shop.json(&["calibrate", "ur10", "my_calibration.yaml"]);
@@ -124,7 +124,7 @@ fn the_configuration_of_a_controller_gives_errors_of_the_rows() {
     let errors = &arm.factory;
     shop.write(
         "calibration.conf",
-        format!(
+        &format!(
             "[mounting]\ndelta_theta = [ {}]\ndelta_a = [ {}]\ndelta_d = [ {}]\ndelta_alpha = [ {}]\njoint_checksum = \
              [ 0x1, 0x2, 0x3, 0x4, 0x5, 0x6]\n",
             list(&errors.dq),
@@ -134,7 +134,7 @@ fn the_configuration_of_a_controller_gives_errors_of_the_rows() {
         ),
     );
     let table = shop.done(&["calibrate", "ur10", "calibration.conf", "--toml"]).out;
-    shop.write("measured.toml", ur10(&shop) + "\n" + &table);
+    shop.write("measured.toml", &(ur10(&shop) + "\n" + &table));
     let (robot, read) = read_robot(&shop, "measured.toml");
     let exact = Chain::new(&arm.robot);
     let perturbed = Perturbation::new(&exact, errors);
@@ -175,8 +175,8 @@ fn urdf(frames: &[[f64; 6]; 6], tip: [f64; 6]) -> String {
 fn two_urdf_files_of_one_arm_give_errors_of_joint_frames_and_tool() {
     let shop = Sandbox::new();
     let (tip, moved) = ([0.01, 0.02, 0.1, 0.1, 0.2, 0.3], [0.011, 0.019, 0.1005, 0.101, 0.199, 0.3]);
-    shop.write("nominal.urdf", urdf(&NOMINAL, tip));
-    shop.write("calibrated.urdf", urdf(&calibrated(), moved));
+    shop.write("nominal.urdf", &urdf(&NOMINAL, tip));
+    shop.write("calibrated.urdf", &urdf(&calibrated(), moved));
     let table = shop.done(&["calibrate", "nominal.urdf", "calibrated.urdf", "--toml"]);
     assert!(table.out.contains("tool = {") && table.out.contains("joint = 6"), "{}", table.out);
     let bare = urdf(&NOMINAL, tip).replace("package://arm/", "");
@@ -187,13 +187,13 @@ fn two_urdf_files_of_one_arm_give_errors_of_joint_frames_and_tool() {
             None => format!("{line}\n"),
         })
         .collect();
-    shop.write("bare.urdf", bare);
+    shop.write("bare.urdf", &bare);
     shop.write(
         "measured.toml",
-        "schema = \"sweetspot/robot/1\"\nunits = { length = \"mm\", angle = \"deg\" }\nurdf = \"bare.urdf\"\ntool = { \
+        &("schema = \"sweetspot/robot/1\"\nunits = { length = \"mm\", angle = \"deg\" }\nurdf = \"bare.urdf\"\ntool = { \
          position_mm = [0, 0, 0], axis = [1, 0, 0] }\nfootprint = { size_mm = [200, 200] }\n\n"
             .to_string()
-            + &table.out,
+            + &table.out),
     );
     let (robot, errors) = read_robot(&shop, "measured.toml");
     assert_same(robot, &errors, |q| (flange(&calibrated(), q) * isometry(moved)).translation.vector);
