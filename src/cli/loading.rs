@@ -149,17 +149,17 @@ pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, 
     std::fs::read(&real).map_err(|e| reason(&e))
 }
 
-/// Reads the text of a data file that the user names, also a gzip file.
+/// Reads the bytes of a data file that the user names, also a gzip file.
 ///
-/// Prints a message if the file cannot be read, is larger than an input file may be, or is not UTF-8.
-pub fn read_text(path: &Path) -> Result<String, Exit> {
+/// Prints a message if the file cannot be read, or is larger than an input file may be.
+pub fn read_data(path: &Path) -> Result<Vec<u8>, Exit> {
     read_unpacked(path).map_err(|why| {
         output::error(&format!("cannot read {}: {why}", output::path_word(path)));
         Exit::Io
     })
 }
 
-fn read_unpacked(path: &Path) -> Result<String, String> {
+fn read_unpacked(path: &Path) -> Result<Vec<u8>, String> {
     let file = std::fs::File::open(path).map_err(|e| reason(&e))?;
     if !file.metadata().map_err(|e| reason(&e))?.is_file() {
         return Err("it is not a file".into());
@@ -171,7 +171,7 @@ fn read_unpacked(path: &Path) -> Result<String, String> {
     if bytes.len() as u64 > MAX_BYTES {
         return Err(format!("its text is larger than {} MB", MAX_BYTES >> 20));
     }
-    String::from_utf8(bytes).map_err(|_| "its text is not UTF-8".into())
+    Ok(bytes)
 }
 
 fn reason(e: &std::io::Error) -> String {

@@ -10,6 +10,7 @@ pub mod measured;
 mod mesh;
 mod read;
 mod schema;
+pub mod stated;
 pub mod targets;
 mod toml;
 mod urdf;

@@ -2,7 +2,7 @@
 
 use super::numbers::{degrees, millimetres, nine_digits};
 use crate::calibration::{Accuracy, Calibration, Identified, Unknown};
-use crate::cell::{Convention, JointKind, Parameter, Robot};
+use crate::cell::{Convention, JointKind, Parameter, Robot, SignedErrors};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,8 +31,8 @@ pub struct CalibrationDocument {
     pub rank: usize,
     /// Combinations of parameters that the data do not determine.
     pub unidentified: Vec<String>,
-    /// Residual standard deviation per axis, mm.
-    pub residual_mm: f64,
+    /// Residual standard deviation per axis, mm. Null if a file states the parameters.
+    pub residual_mm: Option<f64>,
     /// Time of the fit and of the cross-validation, s.
     pub seconds: f64,
 }
@@ -84,10 +84,10 @@ pub struct IdentifiedParameter {
     pub value: f64,
     /// Unit of the values: mm, deg, or deg/m for an elastic term.
     pub unit: String,
-    /// Standard deviation before the measurement.
-    pub prior: f64,
-    /// Standard deviation after the measurement.
-    pub sigma: f64,
+    /// Standard deviation before the measurement. Null if a file states the parameter.
+    pub prior: Option<f64>,
+    /// Standard deviation after the measurement. Null if a file states the parameter without it.
+    pub sigma: Option<f64>,
     /// Whether the data reduce the standard deviation to less than half.
     pub identified: bool,
 }
@@ -120,8 +120,8 @@ impl IdentifiedParameter {
             name: unknown_name(robot, identified.unknown),
             value: shown(identified.value),
             unit: unit.into(),
-            prior: shown(identified.prior),
-            sigma: shown(identified.sigma),
+            prior: Some(shown(identified.prior)),
+            sigma: Some(shown(identified.sigma)),
             identified: identified.is_identified(),
         }
     }
@@ -141,6 +141,41 @@ fn unknown_name(robot: &Robot, unknown: Unknown) -> String {
 }
 
 impl CalibrationDocument {
+    /// Returns the document of errors (m and rad) that a file states: parameters without sessions and
+    /// standard deviations.
+    pub fn stated(robot: &Robot, errors: &SignedErrors) -> Self {
+        let values = Parameter::of_robot(robot.axes()).zip(errors.values());
+        let parameters = values.filter(|(_, value)| *value != 0.0).map(|(parameter, value)| {
+            let is_length = match parameter {
+                Parameter::Dr(_) | Parameter::Dl(_) => true,
+                Parameter::Dq(i) => robot.joints[i].kind == JointKind::Prismatic,
+                Parameter::Base(c) | Parameter::Tool(c) | Parameter::Joint(_, c) => c < 3,
+                _ => false,
+            };
+            IdentifiedParameter {
+                name: parameter.name(),
+                value: if is_length { millimetres(value) } else { degrees(value) },
+                unit: if is_length { "mm" } else { "deg" }.into(),
+                prior: None,
+                sigma: None,
+                identified: true,
+            }
+        });
+        let parameters: Vec<_> = parameters.collect();
+        Self {
+            schema: CALIBRATION_SCHEMA.into(),
+            robot: robot.name.clone(),
+            sessions: Vec::new(),
+            tests: Vec::new(),
+            held_out: None,
+            rank: parameters.len(),
+            unidentified: vec!["the covariance: the file states none".into()],
+            parameters,
+            residual_mm: None,
+            seconds: 0.0,
+        }
+    }
+
     pub fn new(
         robot: &Robot,
         calibration: &Calibration,
@@ -170,7 +205,7 @@ impl CalibrationDocument {
             rank: calibration.rank,
             unidentified: unidentified.collect(),
             parameters,
-            residual_mm: millimetres(calibration.residual),
+            residual_mm: Some(millimetres(calibration.residual)),
             seconds: nine_digits(seconds),
         }
     }

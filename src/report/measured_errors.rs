@@ -1,7 +1,8 @@
 //! The table `[errors.measured]` of a robot file, from a calibration.
 
 use crate::calibration::{Calibration, Unknown};
-use crate::cell::{Convention, JointKind, Parameter, Robot};
+use crate::cell::{Convention, JointKind, PER_FRAME, Parameter, Robot, SignedErrors};
+use crate::files::toml_string;
 use crate::record::CalibrationDocument;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
@@ -32,7 +33,7 @@ pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDoc
     let mut out = format!(
         "[errors.measured]\nkind = \"signed\"\nsource = \"sweetspot calibrate: {poses} measured positions, \
          residual {} mm per axis\"\n",
-        rounded(document.residual_mm, 3)
+        rounded(document.residual_mm.unwrap_or(0.0), 3)
     );
     let lists = [
         ("dq_deg", dq_deg),
@@ -51,5 +52,46 @@ pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDoc
     for (_, entry) in elastic.filter(|(i, _)| matches!(i.unknown, Unknown::Elastic { .. })) {
         let _ = writeln!(out, "# {}: {} {}", entry.name, rounded(entry.value, 7), entry.unit);
     }
+    out
+}
+
+/// Decimals of stated errors: 1e-10 mm and degrees.
+const STATED_DECIMALS: i32 = 10;
+
+/// Returns the table with the errors that a file states, as a signed sample.
+pub fn stated_table(robot: &Robot, errors: &SignedErrors, source: &str) -> String {
+    let source = toml_string(&format!("sweetspot calibrate: {source}"));
+    let mut out = format!("[errors.measured]\nkind = \"signed\"\nsource = {source}\n");
+    let list = |values: &[f64]| {
+        let numbers: Vec<_> = values.iter().map(|v| rounded(*v, STATED_DECIMALS).to_string()).collect();
+        format!("[{}]", numbers.join(", "))
+    };
+    let in_mm = |values: &[f64]| list(&values.iter().map(|v| mm_from_m(*v)).collect::<Vec<_>>());
+    let in_deg = |values: &[f64]| list(&values.iter().map(|v| deg_from_rad(*v)).collect::<Vec<_>>());
+    let of_kind = |kind: JointKind| -> Vec<f64> {
+        let all = errors.dq.iter().zip(&robot.joints);
+        all.map(|(dq, joint)| if joint.kind == kind { *dq } else { 0.0 }).collect()
+    };
+    let (turns, slides) = (of_kind(JointKind::Revolute), of_kind(JointKind::Prismatic));
+    let mut row = |key: &str, values: &[f64], text: String| {
+        if values.iter().any(|v| *v != 0.0) {
+            let _ = writeln!(out, "{key} = {text}");
+        }
+    };
+    row("dq_deg", &turns, in_deg(&turns));
+    row("dq_mm", &slides, in_mm(&slides));
+    row("dr_mm", &errors.dr, in_mm(&errors.dr));
+    row("dl_mm", &errors.dl, in_mm(&errors.dl));
+    row("dalpha_deg", &errors.dalpha, in_deg(&errors.dalpha));
+    let frame = |values: &[f64; PER_FRAME]| {
+        format!("position_mm = {}, rotation_deg = {}", in_mm(&values[..3]), in_deg(&values[3..]))
+    };
+    row("tool", &errors.tool, format!("{{ {} }}", frame(&errors.tool)));
+    out.push_str("joints = [\n");
+    let joints = errors.joints.iter().enumerate().filter(|(_, values)| values.iter().any(|v| *v != 0.0));
+    for (k, values) in joints {
+        let _ = writeln!(out, "  {{ joint = {}, {} }},", k + 1, frame(values));
+    }
+    out.push_str("]\n");
     out
 }

@@ -21,6 +21,7 @@ mod envelope;
 mod families;
 mod front;
 mod heights;
+mod hypotheses;
 mod kinematics;
 mod layout;
 mod library;

@@ -8,7 +8,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, Normal};
 use sweetspot::calibration::{
-    Calibration, Deformed, MeasuredPosition, MeasuringSession, Unknown, calibrate, explain, unknowns,
+    Calibration, Deformed, MeasuredPosition, MeasuringSession, RawMeasurement, Unknown, calibrate, explain,
+    unknowns,
 };
 use sweetspot::cell::{JointVector, Parameter, Robot};
 use sweetspot::pose::Pose;
@@ -178,9 +179,10 @@ fn units_and_joint_signs_of_measured_data_are_found() {
                     *q = if flipped.contains(&i) { -*q } else { *q };
                 }
             }
+            let raw: Vec<_> = raw.iter().map(RawMeasurement::from).collect();
             let reading = explain(&chain, &raw, robot.reach()).unwrap();
             assert_eq!((reading.degrees, reading.unit), (degrees, unit), "{flipped:?}");
-            let found: Vec<_> = (0..6).filter(|&i| reading.signs[i] < 0.0).collect();
+            let found: Vec<_> = (0..6).filter(|&i| reading.joints.signs[i] < 0.0).collect();
             assert_eq!(found, flipped);
             assert!(reading.is_plausible(robot.reach()));
             let again = reading.applied(&chain, &raw[7]);

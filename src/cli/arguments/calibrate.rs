@@ -6,9 +6,11 @@ use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct CalibrateArguments {
-    /// Name of a built-in robot, or a robot file (TOML)
+    /// Name of a built-in robot, a robot file (TOML), or a nominal URDF
     pub robot: PathBuf,
-    /// Tables of measured positions (CSV, also compressed as .csv.gz), one for each set-up of the instrument
+    /// Tables of measured positions (CSV or text, also compressed as .csv.gz), one for each set-up of the
+    /// instrument; or one stated calibration: the YAML of the driver or the calibration.conf of Universal Robots,
+    /// or a calibrated URDF
     #[arg(required = true)]
     pub data: Vec<PathBuf>,
     /// Judge the calibration by a table that is not part of the fit; can be given several times
@@ -27,7 +29,11 @@ pub struct CalibrateArguments {
     /// Seed of the random draw
     #[arg(long, default_value_t = 1, requires = "poses")]
     pub seed: u64,
-    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z); can be given several times
+    /// Read the joints from this table; rows are matched by a shared column such as id, or by their order
+    #[arg(long, value_name = "FILE")]
+    pub joints: Option<PathBuf>,
+    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z), by its name or its number from 1;
+    /// can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column)]
     pub column: Vec<(String, String)>,
     /// Print the identified errors as a table for the robot file

@@ -1,31 +1,36 @@
 //! `calibrate`: identifies the kinematic errors of a robot from measured positions.
 
+use super::measurements::{TableOptions, session};
 use super::robots::read;
+use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::suggest;
 use crate::calibration::{
-    Accuracy, DataReading, Deformed, MeasuredPosition, MeasuringSession, Unknown, aligned,
-    calibrate as fitted, drawn, explain, unit_name, unknowns,
+    Accuracy, Deformed, MeasuringSession, Unknown, aligned, calibrate as fitted, drawn, unknowns,
 };
 use crate::cell::{Parameter, Robot};
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, json_text, loading, lookup, output};
-use crate::files::measured::{MeasuredTable, read as read_table};
+use crate::cli::{Exit, json_text, lookup, output};
 use crate::files::shown;
 use crate::record::{AccuracyEntry, CalibratedFile, CalibrationDocument, TestedFile};
 use crate::report;
 use crate::robot::Chain;
-use crate::units::{mm_from_m, rounded};
-use std::path::Path;
 use std::time::Instant;
 
 /// Runs `sweetspot calibrate`.
 pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
-    let robot = read(&a.robot, &a.packages)?.robot;
+    let robot = match is_urdf(&a.robot) {
+        true => robot_of_urdf(&a.robot, None)?.robot,
+        false => read(&a.robot, &a.packages)?.robot,
+    };
+    if let Some(stated) = a.data.iter().find(|path| states_calibration(path)) {
+        return calibrate_as_stated(&robot, stated, a);
+    }
     let chain = Chain::new(&robot);
+    let options = TableOptions { columns: &a.column, joints: a.joints.as_deref() };
     let read_all = |paths: &[std::path::PathBuf]| -> Result<Vec<MeasuringSession>, Exit> {
         // Every file is read before the first fault ends the command.
-        let sessions: Vec<_> = paths.iter().map(|path| session(path, &robot, &chain, a)).collect();
+        let sessions: Vec<_> = paths.iter().map(|path| session(path, &robot, &chain, &options)).collect();
         sessions.into_iter().collect()
     };
     let (sessions, tests) = (read_all(&a.data), read_all(&a.test));
@@ -114,80 +119,4 @@ fn nominal(chain: &Chain, session: &MeasuringSession) -> Option<AccuracyEntry> {
     let distances = poses.iter().zip(&session.measured);
     let distances = distances.map(|(pose, m)| frames.residual(&pose.interface, m).norm()).collect();
     Accuracy::of(distances).as_ref().map(AccuracyEntry::new)
-}
-
-/// Reads a table, finds its units and joint signs, and states them.
-fn session(
-    path: &Path,
-    robot: &Robot,
-    chain: &Chain,
-    a: &CalibrateArguments,
-) -> Result<MeasuringSession, Exit> {
-    let name = path_word(path);
-    let text = loading::read_text(path)?;
-    let joints: Vec<_> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
-    let table = read_table(&path.to_string_lossy(), &text, &joints, &a.column).map_err(|faults| {
-        output::faults(&faults);
-        Exit::BadInput
-    })?;
-    let reading = explain(chain, &table.rows, robot.reach());
-    let Some(reading) = reading.filter(|reading| reading.is_plausible(robot.reach())) else {
-        let rms = reading.map_or("none".into(), |r| format!("{} mm", rounded(mm_from_m(r.rms), 1)));
-        let robot = path_word(&a.robot);
-        output::error(&format!("{name}: the positions do not fit the arm {robot}"));
-        output::talk(&format!(
-            "  help: check the robot, the columns and the joint zeros; every unit and joint sign was tried, and \
-             the smallest rms distance is {rms}"
-        ));
-        return Err(Exit::BadInput);
-    };
-    output::talk(&in_words(&name, &table, &reading, chain.axes()));
-    let measured = table.rows.iter().map(|raw| reading.applied(chain, raw)).collect::<Vec<_>>();
-    let stuck = stuck(&measured);
-    if !stuck.is_empty() {
-        let rows: Vec<_> = stuck.iter().take(10).map(ToString::to_string).collect();
-        let rows = rows.join(", ");
-        output::talk(&format!(
-            "warning: {name}: {} rows repeat the position of another posture and are left out (rows {rows})",
-            stuck.len()
-        ));
-    }
-    let measured = measured.into_iter().filter(|m| !stuck.contains(&m.row)).collect();
-    Ok(MeasuringSession {
-        name: path.file_name().map_or(name, |f| f.to_string_lossy().into_owned()),
-        measured,
-    })
-}
-
-/// Distance of a joint coordinate, rad or m, from which two postures differ.
-const OTHER_POSTURE: f64 = 0.01;
-
-/// Returns the rows whose position equals that of the row before, although the arm has moved.
-fn stuck(measured: &[MeasuredPosition]) -> Vec<usize> {
-    let pairs = measured.windows(2).filter(|pair| {
-        let moved = pair[0].joints.iter().zip(pair[1].joints).any(|(a, b)| (a - b).abs() > OTHER_POSTURE);
-        moved && pair[0].position == pair[1].position && pair[0].reflector == pair[1].reflector
-    });
-    pairs.map(|pair| pair[1].row).collect()
-}
-
-/// Returns which columns of a table mean what, and in which units.
-fn in_words(name: &str, table: &MeasuredTable, reading: &DataReading, axes: usize) -> String {
-    let angles = if reading.degrees { "deg" } else { "rad" };
-    let [x, y, z] = &table.position;
-    let mut said = format!(
-        "{name}: {} positions; joints {} in {angles}; position {x}, {y}, {z} in {}",
-        table.rows.len(),
-        table.joints.join(", "),
-        unit_name(reading.unit)
-    );
-    if table.reflectors.len() > 1 {
-        said += &format!("; reflectors {}", table.reflectors.join(", "));
-    }
-    if reading.has_flipped_signs() {
-        let flipped = (0..axes).filter(|&i| reading.signs[i] < 0.0).map(|i| table.joints[i].clone());
-        let flipped: Vec<_> = flipped.collect();
-        said += &format!("\nwarning: {name}: the sign of {} is reversed", flipped.join(", "));
-    }
-    said
 }

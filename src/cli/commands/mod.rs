@@ -10,6 +10,7 @@ mod figures;
 mod init;
 mod layouts;
 mod map;
+mod measurements;
 mod posture;
 mod readings;
 mod report;
@@ -17,6 +18,7 @@ mod robots;
 mod robust;
 mod schema;
 mod search;
+mod stated;
 mod sweep;
 #[cfg(feature = "view")]
 mod view;

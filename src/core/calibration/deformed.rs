@@ -125,7 +125,7 @@ impl PointMotion {
 }
 
 /// Returns the rotation by `angle` (rad) about x (0), y (1) or z (2).
-fn about(axis: usize, angle: f64) -> Matrix3<f64> {
+pub fn about(axis: usize, angle: f64) -> Matrix3<f64> {
     let (sin, cos) = angle.sin_cos();
     about_sin_cos(axis, sin, cos)
 }

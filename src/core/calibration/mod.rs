@@ -26,17 +26,25 @@ mod deformed;
 mod fit;
 mod hypothesis;
 mod misfit;
+mod raw;
 mod result;
 mod rigid;
 mod session;
+mod stated;
+mod suspect;
 mod unknown;
 mod validation;
 
 pub use accuracy::Accuracy;
 pub use deformed::{Deformed, PointMotion};
-pub use hypothesis::{DataReading, LENGTH_UNITS, explain, unit_name};
+pub use hypothesis::{
+    DataReading, JointMap, LENGTH_UNITS, RotationReading, explain, explain_rotations, spread_out, unit_name,
+};
 pub use misfit::Misfit;
+pub use raw::{RawMeasurement, RawRotation, RotationConvention};
 pub use result::{Calibration, FittedSession, calibrate};
 pub use rigid::{SessionFrames, aligned};
 pub use session::{MeasuredPosition, MeasuringSession, drawn};
+pub use stated::{errors_between, errors_of_frames, no_errors, nominal_frames};
+pub use suspect::{SuspectRows, still_joints};
 pub use unknown::{Identified, Unknown, unknowns};

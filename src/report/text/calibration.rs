@@ -12,7 +12,7 @@ pub fn calibration(document: &CalibrationDocument) -> String {
         "{}: calibrated with {} positions, residual {} mm per axis\n\nPosition error, mm\n",
         shown(&document.robot),
         document.sessions.iter().map(|s| s.poses).sum::<usize>(),
-        fixed(document.residual_mm, 3)
+        fixed(document.residual_mm.unwrap_or(0.0), 3)
     );
     let mut accuracy = TextTable::indented(2);
     accuracy.row(["", "", "positions", "mean", "rms", "95 %", "max", "in 95 % ellipsoid"]);
@@ -58,8 +58,8 @@ pub fn calibration(document: &CalibrationDocument) -> String {
             p.name.clone(),
             fixed(p.value, 4),
             p.unit.clone(),
-            fixed(p.prior, 4),
-            fixed(p.sigma, 4),
+            p.prior.map_or(String::new(), |prior| fixed(prior, 4)),
+            p.sigma.map_or(String::new(), |sigma| fixed(sigma, 4)),
             identified.into(),
         ]);
     }
@@ -74,5 +74,18 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     for direction in &document.unidentified {
         let _ = writeln!(out, "  not determined: {direction}");
     }
+    out
+}
+
+/// Returns the errors that a file states, parameter by parameter.
+pub fn stated_calibration(document: &CalibrationDocument, source: &str) -> String {
+    let mut out = format!("{}: errors stated by {}\n\nParameters\n", shown(&document.robot), shown(source));
+    let mut parameters = TextTable::indented(1);
+    parameters.row(["", "value", "unit"]);
+    for p in &document.parameters {
+        parameters.row([p.name.clone(), fixed(p.value, 6), p.unit.clone()]);
+    }
+    out.push_str(&parameters.render());
+    out.push_str("\nThe file states no standard deviations.\n");
     out
 }

@@ -23,7 +23,7 @@ mod urdf;
 pub use answer::answer;
 pub use budget::budget;
 pub use buildability::{assumptions, certificate};
-pub use calibration::calibration;
+pub use calibration::{calibration, stated_calibration};
 pub use check::{yield_in_words, yield_lines};
 pub use compare::{comparison, comparison_table, feasibility, side_by_side, verdict};
 pub use correction::correction;

@@ -53,7 +53,7 @@ fn the_table_of_measured_errors_is_ready_for_the_robot_file() {
 }
 
 /// Rows of a table with decimal commas, in the columns of a user.
-const ROWS: &str = "A1;A2;A3;A4;A5;A6;px;py;pz\n0,1;0,2;0,3;0,4;0,5;0,6;1,5;2;3\n";
+const ROWS: &str = "A1;A2;A3;A4;A5;A6;along;across;up\n0,1;0,2;0,3;0,4;0,5;0,6;1,5;2;3\n";
 
 #[test]
 fn wrong_tables_are_refused_with_their_place() {
@@ -67,10 +67,10 @@ fn wrong_tables_are_refused_with_their_place() {
             assert!(ran.err.contains(words), "{name}: no {words:?} in {}", ran.err);
         }
     };
-    refused("columns.csv", ROWS, &[], &["no column is named as `x`", "--column x=NAME", "px"]);
-    let named = ["--column", "x=px", "--column", "y=py", "--column", "z=pz"];
+    refused("columns.csv", ROWS, &[], &["no column is named as `x`", "--column x=NAME", "across"]);
+    let named = ["--column", "x=along", "--column", "y=across", "--column", "z=up"];
     refused("few.csv", ROWS, &named, &["few.csv"]);
-    refused("unknown.csv", ROWS, &["--column", "q7=px"], &["`q7` is not a quantity of this arm"]);
+    refused("unknown.csv", ROWS, &["--column", "q7=up"], &["`q7` is not a quantity of this arm"]);
     refused("missing.csv", ROWS, &["--column", "x=pq"], &["no column `pq`"]);
     let header = "q1,q2,q3,q4,q5,q6,x,y,z\n";
     let bad = format!("{header}0,0,0,0,0,0,1,2,3\n0,0,nan,0,0,0,1,2,3\n0,0,0,0,0,0,1,2,far\n");

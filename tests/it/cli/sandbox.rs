@@ -30,7 +30,11 @@ impl Sandbox {
     }
 
     pub fn write(&self, inside: &str, text: &str) {
-        std::fs::write(self.path(inside), text).unwrap();
+        self.write_bytes(inside, text.as_bytes());
+    }
+
+    pub fn write_bytes(&self, inside: &str, bytes: &[u8]) {
+        std::fs::write(self.path(inside), bytes).unwrap();
     }
 
     pub fn read(&self, inside: &str) -> Vec<u8> {

@@ -206,6 +206,16 @@ fn search_results() {
 }
 
 #[test]
+fn tables_of_measured_positions() {
+    fuzz(targets::measured_table, 6_000);
+}
+
+#[test]
+fn stated_calibrations() {
+    fuzz(targets::stated_calibration, 12_000);
+}
+
+#[test]
 fn settings() {
     fuzz(targets::settings, 4_800);
 }

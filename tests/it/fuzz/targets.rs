@@ -7,6 +7,8 @@ use serde::de::DeserializeOwned;
 use sweetspot::cell::Cell;
 use sweetspot::cli;
 use sweetspot::files as cell_files;
+use sweetspot::files::measured;
+use sweetspot::files::stated::{self, StatedCalibration};
 use sweetspot::files::{Choices, Fault, Setting};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::mesh::{Triangles, Vertices, from_obj, from_stl, solidity};
@@ -303,6 +305,110 @@ pub fn checkpoint() -> Target {
             why
         })
     })
+}
+
+/// Tables of measured positions: accepted numbers are finite, and every reflector has a name.
+pub fn measured_table() -> Target {
+    let seeds = [
+        "q1,q2,q3,q4,q5,q6,x,y,z\n1,2,3,4,5,6,100.5,200,300\n2,3,4,5,6,7,-1e2,2,3\n",
+        "# made\nA1;A2;A3;A4;A5;A6;X (mm);Y (mm);Z (mm);rx;ry;rz;u95\n1;2;3;4;5;6;0,5;1;2;3;4;5;0,01\n",
+        "q1 q2 q3 q4 q5 q6 smr1_x smr1_y smr1_z smr2_x smr2_y smr2_z\n1 2 3 4 5 6 1 2 3 nan nan nan\n",
+        "reflector\tJ1 [deg]\tJ2\tJ3\tJ4\tJ5\tJ6\tx\ty\tz\tq0\tq1\tq2\tq3\nleft\t1\t2\t3\t4\t5\t6\t1\t2\t3\t1\t0\t0\t0\n",
+        "1 2 3 4 5 6 7 8 9\n2 3 4 5 6 7 8 9 1\n",
+    ];
+    let list = [
+        "q1",
+        "x",
+        "measured_",
+        "goal_",
+        "std_",
+        "rx",
+        "q0",
+        "r11",
+        "reflector",
+        "nan",
+        "-",
+        "1e308",
+        "1,5",
+        "1.234,5",
+        "1D5",
+        "inf",
+        ";",
+        ",",
+        "\t",
+        "|",
+        "\"",
+        "#",
+        "%",
+        "deg",
+        "[mm]",
+        "mm",
+        "\u{feff}",
+        "\r\n",
+        "1",
+    ];
+    let joints = ["q1", "q2", "q3", "q4", "q5", "q6"];
+    let parse = move |input: &[u8]| {
+        let text = measured::decode(input)?;
+        let read = measured::read("table.csv", &text, &joints, &[], None);
+        // A text of UTF-16 has other lines than its bytes.
+        let table = checked(read.map(|table| (table, Vec::new())), "table.csv", text.as_bytes())?;
+        for row in &table.rows {
+            let numbers = row.numbers.joints.iter().chain(row.numbers.position.iter());
+            assert!(numbers.into_iter().all(|number| number.abs() < 1e9));
+            assert!(row.numbers.reflector < table.reflectors.len());
+        }
+        assert!(!table.rows.is_empty() && table.joints.len() == 6);
+        Ok(())
+    };
+    let seeds = seeds.map(|seed| seed.as_bytes().to_vec()).to_vec();
+    Target { name: "table of measured positions", seeds, words: words(&list), parse: Box::new(parse) }
+}
+
+/// YAML and configuration of Universal Robots: the first byte decides which of the two is read.
+pub fn stated_calibration() -> Target {
+    let mut yaml = String::from("kinematics:\n");
+    for joint in ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"] {
+        yaml += &format!(
+            "  {joint}:\n    x: 0.1\n    y: 0\n    z: -1e-3\n    roll: 1.57\n    pitch: 0\n    yaw: 0\n"
+        );
+    }
+    yaml += "  hash: calib_1\n";
+    let conf =
+        ["theta", "a", "d", "alpha"].map(|of| format!("delta_{of} = [ 1, 2e-3, 3, -4, 5, 6]\n")).concat();
+    let list = [
+        "x:",
+        "hash:",
+        "forearm:",
+        "kinematics:",
+        "  ",
+        "delta_d = [",
+        "]",
+        "nan",
+        "1e9",
+        ".inf",
+        "&a",
+        "*a",
+        "- 1",
+    ];
+    let parse = |input: &[u8]| {
+        let text = String::from_utf8_lossy(input);
+        let read = if text.starts_with('d') { stated::read_conf } else { stated::read_yaml };
+        let read = read("calibration", &text).map(|stated| (stated, Vec::new()));
+        match checked(read, "calibration", input)? {
+            StatedCalibration::Frames { frames, .. } => {
+                let is_finite =
+                    |frame: &sweetspot::pose::Pose| frame.rotation.iter().all(|r| r.abs() < 1.000001);
+                assert!(frames.len() == 6 && frames.iter().all(is_finite));
+            }
+            StatedCalibration::Rows { theta, a, d, alpha } => {
+                assert!([theta, a, d, alpha].iter().all(|row| row.len() == 6));
+            }
+        }
+        Ok(())
+    };
+    let seeds = vec![yaml.into_bytes(), conf.into_bytes()];
+    Target { name: "stated calibration", seeds, words: words(&list), parse: Box::new(parse) }
 }
 
 pub fn settings() -> Target {

@@ -1,0 +1,260 @@
+//! Measured positions as `calibrate` reads them: tables to sessions, with what the program assumes.
+
+use crate::calibration::{
+    DataReading, MeasuredPosition, MeasuringSession, RotationReading, SuspectRows, explain,
+    explain_rotations, still_joints, unit_name,
+};
+use crate::cell::{Joint, Robot};
+use crate::cli::output::path_word;
+use crate::cli::{Exit, loading, output};
+use crate::files::measured::{
+    ColumnNames, JointTable, MeasuredTable, StatedUnit, decode, read as read_table,
+};
+use crate::files::{Fault, shown};
+use crate::robot::Chain;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+use std::path::Path;
+
+/// What a command says about the columns of its tables.
+pub struct TableOptions<'a> {
+    pub columns: &'a ColumnNames,
+    /// Table that holds the joints of the postures, if the tables of positions have none.
+    pub joints: Option<&'a Path>,
+}
+
+/// Reads a table, finds its units and conventions, and states them.
+pub fn session(
+    path: &Path,
+    robot: &Robot,
+    chain: &Chain,
+    options: &TableOptions<'_>,
+) -> Result<MeasuringSession, Exit> {
+    let name = path_word(path);
+    let mut table = table(path, &robot.joints, options)?;
+    let suspect = SuspectRows::new(&table.rows);
+    let left_out = suspect.all();
+    let positions = table.rows.len();
+    table.rows.retain(|row| !left_out.contains(&row.numbers.row));
+    let reading = explain(chain, &table.rows, robot.reach());
+    let Some(reading) = reading.filter(|reading| reading.is_plausible(robot.reach())) else {
+        let rms = reading.map_or("none".into(), |r| in_mm(r.rms));
+        output::error(&format!("{name}: the positions do not fit the arm {}", shown(&robot.name)));
+        table.notes.iter().for_each(|note| output::talk(&format!("  note: {note}")));
+        warn_of_suspects(&name, &suspect);
+        output::talk(&format!(
+            "  help: check the robot, the columns and the joint zeros; every unit, sign, order, zero and coupling \
+             of the joints was tried, and the smallest rms distance is {rms}"
+        ));
+        return Err(Exit::BadInput);
+    };
+    let rotation = explain_rotations(chain, &reading, &table.rows);
+    output::talk(&in_words(&name, positions, &table, &reading));
+    for said in remarks(&table, &reading, rotation.as_ref(), &robot.joints) {
+        output::talk(&format!("note: {name}: {said}"));
+    }
+    for said in warnings(&table, &reading, rotation.as_ref()) {
+        output::talk(&format!("warning: {name}: {said}"));
+    }
+    let rotation = rotation.filter(RotationReading::is_plausible);
+    let measured = table.rows.iter().map(|raw| MeasuredPosition {
+        rotation: raw.rotation.and_then(|raw| rotation?.applied(&raw)),
+        ..reading.applied(chain, raw)
+    });
+    let measured: Vec<_> = measured.collect();
+    warn_of_suspects(&name, &suspect);
+    let still = still_joints(chain.axes(), &measured);
+    let still: Vec<_> = still.iter().map(|&k| shown(&robot.joints[k].name)).collect();
+    if !still.is_empty() {
+        output::talk(&format!(
+            "warning: {name}: {} never moves: its errors and those of its neighbours cannot be told apart",
+            still.join(", ")
+        ));
+    }
+    Ok(MeasuringSession {
+        name: path.file_name().map_or(name, |f| f.to_string_lossy().into_owned()),
+        measured,
+    })
+}
+
+fn table(path: &Path, joints: &[Joint], options: &TableOptions<'_>) -> Result<MeasuredTable, Exit> {
+    let text = text(path)?;
+    let other = options.joints.map(|path| Ok((path.to_string_lossy().into_owned(), self::text(path)?)));
+    let other = other.transpose()?;
+    let other = other.as_ref().map(|(file, text)| JointTable { file, text });
+    let joints: Vec<_> = joints.iter().map(|joint| joint.name.as_str()).collect();
+    read_table(&path.to_string_lossy(), &text, &joints, options.columns, other).map_err(|faults| {
+        output::faults(&faults);
+        Exit::BadInput
+    })
+}
+
+/// Reads the text of a data file in any usual encoding.
+fn text(path: &Path) -> Result<String, Exit> {
+    decode(&loading::read_data(path)?).map_err(|why| {
+        let help = "export the table as CSV or text";
+        output::faults(&[Fault::of_file(&path.to_string_lossy(), why, help)]);
+        Exit::BadInput
+    })
+}
+
+fn in_mm(length: f64) -> String {
+    format!("{} mm", rounded(mm_from_m(length), 2))
+}
+
+fn angles_in_words(degrees: bool) -> &'static str {
+    if degrees { "deg" } else { "rad" }
+}
+
+/// Returns which columns of a table mean what, and in which units.
+fn in_words(name: &str, positions: usize, table: &MeasuredTable, reading: &DataReading) -> String {
+    let listed = |names: &[String]| names.iter().map(|name| shown(name)).collect::<Vec<_>>().join(", ");
+    let mut said = format!(
+        "{name}: {} positions; joints {} in {}; position {} in {}",
+        positions,
+        listed(&table.joints),
+        angles_in_words(reading.degrees),
+        listed(&table.position),
+        unit_name(reading.unit)
+    );
+    if table.reflectors.len() > 1 {
+        said += &format!("; reflectors {}", listed(&table.reflectors));
+    }
+    if let Some((columns, k)) = &table.uncertainty {
+        said += &format!("; uncertainty {} ({k} standard deviations)", listed(columns));
+    }
+    said
+}
+
+/// Returns what a user may want to know: left out rows, orientations, the frame of the positions.
+fn remarks(
+    table: &MeasuredTable,
+    reading: &DataReading,
+    rotation: Option<&RotationReading>,
+    joints: &[Joint],
+) -> Vec<String> {
+    let mut said = table.notes.clone();
+    if let Some(of) = rotation.filter(|of| of.is_plausible()) {
+        let names: Vec<_> = table.rotation.iter().map(|name| shown(name)).collect();
+        let is_angle = names.len() == 3;
+        let unit = if is_angle { format!(" in {}", angles_in_words(of.degrees)) } else { String::new() };
+        said.push(format!(
+            "orientation {}{unit}: {}; the rms distance of the nominal arm is {} deg",
+            names.join(", "),
+            of.convention.name(),
+            rounded(deg_from_rad(of.rms), 3)
+        ));
+    }
+    // A tracker stands away from the robot.
+    if reading.base.translation.norm() < NEAR_BASE {
+        let axis = reading.base.rotation.column(0).into_owned();
+        let turn = deg_from_rad(axis.y.atan2(axis.x));
+        let about =
+            if (turn.abs() - 180.0).abs() < 2.0 { ", turned by 180 deg about its z axis" } else { "" };
+        if reading.base.rotation[(2, 2)] > UPRIGHT {
+            said.push(format!(
+                "the positions are in the base frame of the robot{about}; the base is fitted anew"
+            ));
+        }
+    }
+    said.extend(assumptions(reading, &table.joints, joints));
+    said
+}
+
+/// Distance, m, of the robot base from the origin of the positions, below which they are in its frame.
+const NEAR_BASE: f64 = 0.03;
+
+/// Cosine of the angle between two vertical axes.
+const UPRIGHT: f64 = 0.9998;
+
+/// Returns how the joints are read, if not as in the file.
+fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> Vec<String> {
+    let map = &reading.joints;
+    let name = |k: usize| shown(&joints[k].name);
+    let mut said = Vec::new();
+    for (k, joint) in joints.iter().enumerate() {
+        let joint = shown(&joint.name);
+        if map.columns[k] != k {
+            said.push(format!("joint {joint} is read from column {}", shown(&columns[map.columns[k]])));
+        }
+        if map.signs[k] < 0.0 {
+            said.push(format!("the sign of {} is reversed", shown(&columns[map.columns[k]])));
+        }
+        if map.offsets[k] != 0.0 {
+            said.push(format!("{} deg are added to joint {joint}", rounded(deg_from_rad(map.offsets[k]), 3)));
+        }
+    }
+    for (joint, earlier, factor) in map.couplings.iter().flatten() {
+        let (joint, earlier) = (name(*joint), name(*earlier));
+        let (verb, to) = if *factor > 0.0 { ("added", "to") } else { ("subtracted", "from") };
+        said.push(format!("the joints are coupled: {earlier} is {verb} {to} the column of {joint}"));
+    }
+    if reading.mirrored {
+        let what = "the position is mirrored (two of its columns are swapped, or one has the wrong sign)";
+        said.push(what.into());
+    }
+    if !said.is_empty() {
+        said.push(format!(
+            "with these assumptions the rms distance is {}; as the file stands it is {}",
+            in_mm(reading.rms),
+            if reading.plain_rms.is_finite() { in_mm(reading.plain_rms) } else { "undetermined".into() }
+        ));
+    }
+    said
+}
+
+/// Returns what contradicts the file: units in its names, and orientations that nothing explains.
+fn warnings(table: &MeasuredTable, reading: &DataReading, rotation: Option<&RotationReading>) -> Vec<String> {
+    let mut said = Vec::new();
+    let angle = |unit: StatedUnit| match unit {
+        StatedUnit::Degree => Some("deg"),
+        StatedUnit::Radian => Some("rad"),
+        _ => None,
+    };
+    let length = |unit: StatedUnit| match unit {
+        StatedUnit::Millimetre => Some("mm"),
+        StatedUnit::Metre => Some("m"),
+        StatedUnit::Inch => Some("inch"),
+        _ => None,
+    };
+    let mut compare = |what: &str, stated: Option<&str>, found: &str| {
+        if let Some(stated) = stated.filter(|stated| *stated != found) {
+            said.push(format!("the file states {what} in {stated}, but only {found} fits the arm"));
+        }
+    };
+    compare("joints", table.angle_unit.and_then(angle), angles_in_words(reading.degrees));
+    compare("positions", table.length_unit.and_then(length), unit_name(reading.unit));
+    if let Some(of) = rotation.filter(|of| of.is_plausible() && table.rotation.len() == 3) {
+        compare("orientations", table.rotation_unit.and_then(angle), angles_in_words(of.degrees));
+    }
+    let has_rotations = table.rows.iter().any(|row| row.rotation.is_some());
+    if has_rotations && !rotation.is_some_and(RotationReading::is_plausible) {
+        let least = rotation.map(|of| format!(" (at best {} deg rms)", rounded(deg_from_rad(of.rms), 2)));
+        said.push(format!(
+            "no convention explains the orientations{}; only the positions are used",
+            least.unwrap_or_default()
+        ));
+    }
+    said
+}
+
+/// Warns of rows that are left out.
+fn warn_of_suspects(name: &str, suspect: &SuspectRows) {
+    let kinds = [
+        (&suspect.copies, "rows repeat an earlier row digit by digit", ""),
+        (&suspect.stuck_positions, "rows repeat the position of another posture", ""),
+        (
+            &suspect.stuck_joints,
+            "rows repeat the joints of the row before, although the reflector has moved",
+            "; if they belong to several reflectors, name these in a column `reflector`",
+        ),
+    ];
+    for (rows, what, help) in kinds.into_iter().filter(|(rows, _, _)| !rows.is_empty()) {
+        let first: Vec<_> = rows.iter().take(10).map(ToString::to_string).collect();
+        let more = if rows.len() > first.len() { ", ..." } else { "" };
+        output::talk(&format!(
+            "warning: {name}: {} {what} and are left out (rows {}{more}){help}",
+            rows.len(),
+            first.join(", ")
+        ));
+    }
+}

@@ -1,0 +1,193 @@
+//! Calibrations that `calibrate` takes from a file as they are: no measurement is fitted.
+
+use super::suggest;
+use crate::calibration::{errors_between, errors_of_frames, no_errors, nominal_frames};
+use crate::cell::{Robot, SignedErrors};
+use crate::cli::arguments::CalibrateArguments;
+use crate::cli::output::path_word;
+use crate::cli::{Exit, json_text, loading, output};
+use crate::files::measured::decode;
+use crate::files::stated::{StatedCalibration, read_conf, read_yaml};
+use crate::files::{Fault, LoadedRobot, load_robot, shown, toml_string};
+use crate::pose::Pose;
+use crate::record::CalibrationDocument;
+use crate::report;
+use crate::robot::Chain;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
+use std::path::Path;
+
+/// Distance, m, from which a joint frame is that of another robot.
+const OTHER_ARM: f64 = 0.02;
+
+/// Angle, rad, from which a joint frame is that of another robot.
+const OTHER_TURN: f64 = 0.05;
+
+/// Meshes that stand for those of a URDF, whose kinematics alone counts.
+const STL: &str = "solid a\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n\
+                   facet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\n\
+                   facet normal 1 1 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n\
+                   facet normal -1 0 0\nouter loop\nvertex 0 1 0\nvertex 0 0 0\nvertex 0 0 1\nendloop\nendfacet\n\
+                   endsolid a\n";
+const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    path.extension().is_some_and(|own| extensions.iter().any(|e| own.eq_ignore_ascii_case(e)))
+}
+
+/// Returns whether a file is a URDF.
+pub fn is_urdf(path: &Path) -> bool {
+    has_extension(path, &["urdf"])
+}
+
+/// Returns whether a file states a calibration, so that nothing is fitted.
+pub fn states_calibration(path: &Path) -> bool {
+    has_extension(path, &["yaml", "yml", "conf", "urdf"])
+}
+
+/// Reads a URDF as a robot whose tool is the tip link.
+///
+/// `links` names base and tip of the chain; None takes the root, and the only link without children.
+pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedRobot, Exit> {
+    // Collada meshes cannot be read, but only their place would count.
+    let text = String::from_utf8_lossy(&loading::read_data(path)?).replace(".dae", ".stl");
+    let name = path.file_name().map_or("robot.urdf".into(), |name| name.to_string_lossy().into_owned());
+    let links = links.map_or(String::new(), |(base, tip)| {
+        format!("base_link = {}\ntip_link = {}\n", toml_string(base), toml_string(tip))
+    });
+    let robot = format!(
+        "schema = \"sweetspot/robot/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nurdf = {}\n{links}\
+         tool = {{ position_mm = [0, 0, 0], axis = [0, 0, 1] }}\nfootprint = {{ size_mm = [100, 100] }}\n\
+         [errors.none]\nkind = \"signed\"\nsource = \"none\"\njoints = []\n",
+        toml_string(&name)
+    );
+    let read = load_robot("robot.toml", &mut |asked| {
+        Ok(match asked {
+            "robot.toml" => robot.clone().into_bytes(),
+            asked if asked == name => text.clone().into_bytes(),
+            asked if asked.to_ascii_lowercase().ends_with(".obj") => OBJ.into(),
+            _ => STL.into(),
+        })
+    });
+    read.map_err(|mut faults| {
+        faults.iter_mut().for_each(|fault| fault.file = path.to_string_lossy().into_owned());
+        output::faults(&faults);
+        Exit::BadInput
+    })
+}
+
+/// Runs `sweetspot calibrate` for a file that states a calibration.
+pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -> Result<Exit, Exit> {
+    if a.data.len() > 1 || !a.test.is_empty() || a.joints.is_some() {
+        output::error(&format!("{} states a calibration: give it alone", path_word(path)));
+        output::talk("  help: measured positions and stated calibrations are read one by one");
+        return Err(Exit::BadInput);
+    }
+    let (errors, source) =
+        if is_urdf(path) { of_urdf(robot, path)? } else { of_universal_robots(robot, path)? };
+    let document = CalibrationDocument::stated(robot, &errors);
+    if a.json {
+        json_text::print(&document)?;
+    } else if a.toml {
+        output::data(&report::measured_errors::stated_table(robot, &errors, &source))?;
+        suggest(&format!("check CELL, with this table in a copy of {}", path_word(&a.robot)));
+    } else {
+        output::data(&report::text::stated_calibration(&document, &source))?;
+        suggest(&format!("calibrate {} {} --toml", path_word(&a.robot), path_word(path)));
+    }
+    Ok(Exit::Done)
+}
+
+/// Returns the errors between the URDF of the robot and a calibrated one.
+fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
+    let refuse = |message: String, help: &str| {
+        output::error(&format!("{}: {message}", path_word(path)));
+        output::talk(&format!("  help: {help}"));
+        Exit::BadInput
+    };
+    let Some(origin) = &robot.urdf else {
+        let help = "give the nominal URDF of the arm as the robot, or a robot file with the key urdf";
+        return Err(refuse(format!("{} is not a robot of a URDF", shown(&robot.name)), help));
+    };
+    let calibrated = robot_of_urdf(path, Some((&origin.base_link, &origin.tip_link)))?.robot;
+    let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect::<Vec<_>>();
+    let help = "give two URDF files of one arm, which differ in the origins of their joints";
+    if names(robot) != names(&calibrated) {
+        return Err(refuse("its chain has other joints than the nominal one".into(), help));
+    }
+    let nominal = Chain::new(robot);
+    let mut built = Chain::new(&calibrated);
+    // The tool of a robot file stands on the tip link of either URDF.
+    built.tool = built.tool * origin.tip.inverse() * nominal.tool;
+    let errors = errors_between(&nominal, &built).map_err(|k| {
+        let joint = shown(&robot.joints[k].name);
+        refuse(format!("the axis of joint {joint} has another direction than in the nominal URDF"), help)
+    })?;
+    let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    output::talk(&format!(
+        "note: {}: errors of the joint origins, and of the tip link as the tool",
+        path_word(path)
+    ));
+    Ok((errors, source))
+}
+
+/// Returns the errors that a file of Universal Robots states.
+fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
+    let file = path.to_string_lossy();
+    let refuse = |faults: Vec<Fault>| {
+        output::faults(&faults);
+        Exit::BadInput
+    };
+    let text = decode(&loading::read_data(path)?)
+        .map_err(|why| refuse(vec![Fault::of_file(&file, why, "give the file as text")]))?;
+    let read = if has_extension(path, &["conf"]) { read_conf } else { read_yaml };
+    let stated = read(&file, &text).map_err(refuse)?;
+    let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let chain = Chain::new(robot);
+    if chain.axes() != 6 {
+        let message =
+            format!("the file is of a six-axis arm, and {} has {} axes", shown(&robot.name), chain.axes());
+        return Err(refuse(vec![Fault::of_file(&file, message, "give the robot of the calibration")]));
+    }
+    match stated {
+        StatedCalibration::Frames { frames, hash } => {
+            refuse_other_arm(robot, &chain, &frames, path)?;
+            let hash = hash.map_or(String::new(), |hash| format!(", hash {}", shown(&hash)));
+            output::talk(&format!(
+                "note: {}: errors of joint frames; errors of the base are those of joint 1, and the file states no \
+                 tool",
+                path_word(path)
+            ));
+            Ok((errors_of_frames(&chain, &frames), format!("{name}{hash}")))
+        }
+        StatedCalibration::Rows { theta, a, d, alpha } => {
+            let rows = SignedErrors { dq: theta, dr: d, dl: a, dalpha: alpha, ..no_errors(6) };
+            output::talk(&format!(
+                "note: {}: errors of the rows; base and tool are nominal",
+                path_word(path)
+            ));
+            Ok((rows, name))
+        }
+    }
+}
+
+/// Refuses frames that are too far from the nominal ones.
+fn refuse_other_arm(robot: &Robot, chain: &Chain, frames: &[Pose], path: &Path) -> Result<(), Exit> {
+    for (k, (nominal, stated)) in nominal_frames(chain).iter().zip(frames).enumerate() {
+        let off = nominal.inverse() * *stated;
+        let distance = off.translation.norm();
+        let turn = nalgebra::Rotation3::from_matrix_unchecked(off.rotation).scaled_axis().norm();
+        if distance > OTHER_ARM || turn > OTHER_TURN {
+            output::error(&format!(
+                "{}: the frame of joint {} is {} mm and {} deg from that of {}",
+                path_word(path),
+                k + 1,
+                rounded(mm_from_m(distance), 1),
+                rounded(deg_from_rad(turn), 1),
+                shown(&robot.name)
+            ));
+            output::talk("  help: give the robot of the calibration: see `sweetspot robots`");
+            return Err(Exit::BadInput);
+        }
+    }
+    Ok(())
+}

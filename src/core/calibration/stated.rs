@@ -1,0 +1,102 @@
+//! Calibrations that a manufacturer or another program states, as errors of a robot.
+
+use crate::cell::{PER_FRAME, SignedErrors};
+use crate::pose::Pose;
+use crate::robot::Chain;
+use nalgebra::Rotation3;
+
+/// Deviation of an axis direction, as a part of 1, from which two axes differ.
+const OTHER_AXIS: f64 = 1e-9;
+
+/// Returns an error set without errors.
+pub fn no_errors(axes: usize) -> SignedErrors {
+    let zeros = || vec![0.0; axes];
+    SignedErrors {
+        name: "measured".into(),
+        dq: zeros(),
+        dr: zeros(),
+        dl: zeros(),
+        dalpha: zeros(),
+        dbeta: zeros(),
+        base: [0.0; PER_FRAME],
+        tool: [0.0; PER_FRAME],
+        joints: vec![[0.0; PER_FRAME]; axes],
+    }
+}
+
+/// Returns the errors of joint frames that make a chain of Denavit-Hartenberg rows equal to stated frames.
+///
+/// Frame k leads from the frame after joint k to the next joint axis. Its nominal value is
+/// `Tx(l) Rx(alpha)` of the row before, then `Rz(theta) Tz(r)` of the own row.
+pub fn errors_of_frames(chain: &Chain, frames: &[Pose]) -> SignedErrors {
+    let mut errors = no_errors(chain.axes());
+    let mut before = Pose::IDENTITY;
+    for ((k, link), frame) in chain.links.iter().enumerate().zip(frames) {
+        let own = about_z(link.theta, link.r);
+        let error = before.inverse() * *frame * own.inverse();
+        let joint = chain.joint_frames[k];
+        errors.joints[k] = components(&(joint.inverse() * error * joint));
+        before = link.pose(1.0, 0.0, 0.0);
+    }
+    errors
+}
+
+/// Returns the nominal frames that [`errors_of_frames`] compares with.
+pub fn nominal_frames(chain: &Chain) -> Vec<Pose> {
+    let mut before = Pose::IDENTITY;
+    let frame = |link: &crate::robot::Link| {
+        let frame = before * about_z(link.theta, link.r);
+        before = link.pose(1.0, 0.0, 0.0);
+        frame
+    };
+    chain.links.iter().map(frame).collect()
+}
+
+/// Returns the errors of joint frames and tool that turn one chain into another one.
+///
+/// Both chains are from URDF files: the frames of their joints are compared, each in the frame of the joint
+/// before it.
+///
+/// # Errors
+///
+/// Returns the number of the joint, counted from 0, whose axis has another direction in its frame.
+pub fn errors_between(nominal: &Chain, calibrated: &Chain) -> Result<SignedErrors, usize> {
+    let mut errors = no_errors(nominal.axes());
+    let [a, b] = [nominal, calibrated].map(frames_at_zero);
+    let axis = |chain: &Chain, k: usize| chain.joint_frames[k].rotation.row(2).into_owned();
+    for k in 0..nominal.axes() {
+        if (axis(nominal, k) - axis(calibrated, k)).amax() > OTHER_AXIS {
+            return Err(k);
+        }
+        errors.joints[k] = components(&change(&a, &b, k));
+    }
+    errors.tool = components(&change(&a, &b, nominal.axes()));
+    Ok(errors)
+}
+
+/// Returns the change of frame k, seen in that frame; the frame before it is taken to be the same.
+fn change(a: &[Pose], b: &[Pose], k: usize) -> Pose {
+    let own = |all: &[Pose]| match k {
+        0 => all[0],
+        k => all[k - 1].inverse() * all[k],
+    };
+    own(a).inverse() * own(b)
+}
+
+/// Returns the frames of all joints, and of the TCP, in the base frame with all coordinates at 0.
+fn frames_at_zero(chain: &Chain) -> Vec<Pose> {
+    let frames = chain.frames(&chain.zero_posture());
+    let joints = chain.joint_frames.iter().zip(&frames.links).map(|(joint, link)| *link * *joint);
+    joints.chain([frames.tcp]).collect()
+}
+
+fn about_z(theta: f64, r: f64) -> Pose {
+    Pose { rotation: super::deformed::about(2, theta), translation: nalgebra::Vector3::new(0.0, 0.0, r) }
+}
+
+/// Returns x, y, z (m) and rx, ry, rz (rad) of a pose `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`.
+fn components(pose: &Pose) -> [f64; PER_FRAME] {
+    let (rx, ry, rz) = Rotation3::from_matrix_unchecked(pose.rotation).euler_angles();
+    let t = pose.translation;
+    [t.x, t.y, t.z, rx, ry, rz]
+}

@@ -1,0 +1,78 @@
+//! Rows of measured data that cannot be what they seem: copies, and stuck instruments or encoders.
+
+use super::raw::RawMeasurement;
+use super::session::MeasuredPosition;
+use crate::cell::MAX_JOINTS;
+use nalgebra::Vector3;
+use std::collections::HashSet;
+
+/// Share of the range of a joint, from which two postures differ.
+const OTHER_POSTURE: f64 = 2e-3;
+
+/// Share of the largest distance of two positions that no robot misses a repeated posture by.
+const UNREPEATED: f64 = 5e-3;
+
+/// Range of a joint coordinate, rad or m, below which the joint does not move.
+const STILL: f64 = 1e-3;
+
+/// Rows of the file that are left out of a calibration.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct SuspectRows {
+    /// Rows that repeat joints and position of an earlier row, digit by digit.
+    pub copies: Vec<usize>,
+    /// Rows that repeat the position of the row before, although the arm has moved.
+    pub stuck_positions: Vec<usize>,
+    /// Rows that repeat the joints of the row before, although the reflector has moved.
+    pub stuck_joints: Vec<usize>,
+}
+
+impl SuspectRows {
+    /// Finds the suspect rows of one file, whose units need not be known.
+    pub fn new(raw: &[RawMeasurement]) -> Self {
+        let measured: Vec<_> = raw.iter().map(|m| m.numbers).collect();
+        let ranges: [f64; MAX_JOINTS] = std::array::from_fn(|joint| range(&measured, |m| m.joints[joint]));
+        let size = Vector3::from_fn(|axis, _| range(&measured, |m| m.position[axis])).norm();
+        let mut suspect = Self::default();
+        let mut known = HashSet::new();
+        for m in &measured {
+            let numbers = m.joints.iter().chain(m.position.iter()).map(|number| number.to_bits());
+            if !known.insert((m.reflector, numbers.collect::<Vec<_>>())) {
+                suspect.copies.push(m.row);
+            }
+        }
+        let mut last: Vec<Option<&MeasuredPosition>> = Vec::new();
+        for m in &measured {
+            if last.len() <= m.reflector {
+                last.resize(m.reflector + 1, None);
+            }
+            let Some(before) = last[m.reflector].replace(m) else { continue };
+            let moved = (0..MAX_JOINTS).any(|j| {
+                (m.joints[j] - before.joints[j]).abs() > OTHER_POSTURE * ranges[j].max(f64::MIN_POSITIVE)
+            });
+            if moved && m.position == before.position {
+                suspect.stuck_positions.push(m.row);
+            }
+            if m.joints == before.joints && (m.position - before.position).norm() > UNREPEATED * size {
+                suspect.stuck_joints.push(m.row);
+            }
+        }
+        suspect
+    }
+
+    /// Returns all suspect rows.
+    pub fn all(&self) -> HashSet<usize> {
+        [&self.copies, &self.stuck_positions, &self.stuck_joints].into_iter().flatten().copied().collect()
+    }
+}
+
+/// Returns the difference of the largest and the least value.
+fn range(measured: &[MeasuredPosition], value: impl Fn(&MeasuredPosition) -> f64) -> f64 {
+    let all = measured.iter().map(value);
+    let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    most - least
+}
+
+/// Returns the joints, counted from 0, that have one coordinate in all rows.
+pub fn still_joints(axes: usize, measured: &[MeasuredPosition]) -> Vec<usize> {
+    (0..axes).filter(|joint| range(measured, |m| m.joints[*joint]) < STILL).collect()
+}

@@ -1,0 +1,320 @@
+//! Columns of a table: which of them hold joints, positions, orientations and uncertainties.
+
+use super::name::{ColumnWords, StatedUnit};
+use super::positions::positions;
+use crate::files::fault::{did_you_mean, listed, shown};
+
+/// Names that state which column holds a quantity: `q1`, `q2` ..., `x`, `y`, `z`.
+pub type ColumnNames = [(String, String)];
+
+/// Kind of the numbers that state an orientation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RotationForm {
+    /// Three angles.
+    Angles,
+    /// Quaternion whose scalar part is the first number.
+    ScalarFirst,
+    /// Quaternion of which the names do not say which number is the scalar part.
+    Quaternion,
+    /// Nine numbers of a matrix, row by row.
+    Matrix,
+}
+
+/// Columns of one reflector.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReflectorColumns {
+    /// Name of the reflector; empty if the table has one position per row.
+    pub name: String,
+    pub position: [usize; 3],
+}
+
+/// Columns of a table with their places, counted from 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundColumns {
+    pub joints: Vec<usize>,
+    pub reflectors: Vec<ReflectorColumns>,
+    pub rotation: Option<(RotationForm, Vec<usize>)>,
+    /// Columns of the uncertainty with the number of standard deviations in their numbers.
+    pub uncertainty: Option<(Vec<usize>, f64)>,
+    /// Column that names the reflector of a row.
+    pub reflector: Option<usize>,
+    /// Unit of the joints that names or a line of units state.
+    pub angle_unit: Option<StatedUnit>,
+    /// Unit of the positions that names or a line of units state.
+    pub length_unit: Option<StatedUnit>,
+    /// Unit of the angles of orientations that names or a line of units state.
+    pub rotation_unit: Option<StatedUnit>,
+}
+
+/// Message and help of a column that is missing.
+pub type ColumnFault = (String, String);
+
+/// Names of a column that states the reflector of a row.
+const REFLECTOR_NAMES: [&str; 5] = ["reflector", "target", "smr", "point", "marker"];
+
+/// Words before a number in the name of a joint.
+const JOINT_WORDS: [&str; 10] = ["q", "j", "joint", "jnt", "axis", "ax", "a", "theta", "th", "jt"];
+
+/// Words of a joint in the data stream of a controller, such as `actual_q_0`, that count from 0.
+const JOINT_OF_ZERO: [&str; 4] = ["q", "joint", "j", "axis"];
+
+/// Names of the joints of Motoman arms.
+const MOTOMAN: [&str; 7] = ["s", "l", "e", "u", "r", "b", "t"];
+
+/// Names of the three angles of an orientation.
+const ANGLES: [[&str; 3]; 7] = [
+    ["rx", "ry", "rz"],
+    ["roll", "pitch", "yaw"],
+    ["a", "b", "c"],
+    ["w", "p", "r"],
+    ["rotx", "roty", "rotz"],
+    ["alpha", "beta", "gamma"],
+    ["phi", "theta", "psi"],
+];
+
+/// Names of the numbers of a quaternion, the scalar part first.
+const QUATERNIONS: [[&str; 4]; 2] = [["qw", "qx", "qy", "qz"], ["quatw", "quatx", "quaty", "quatz"]];
+
+/// Names of a table, taken apart once.
+pub struct TableNames<'h> {
+    header: &'h [String],
+    words: Vec<ColumnWords>,
+    columns: &'h ColumnNames,
+    robot_joints: &'h [&'h str],
+}
+
+impl<'h> TableNames<'h> {
+    pub fn new(
+        header: &'h [String],
+        units: &[String],
+        columns: &'h ColumnNames,
+        robot_joints: &'h [&'h str],
+    ) -> Self {
+        let unit = |k: usize| units.get(k).map(|unit| unit.to_lowercase());
+        let names = header.iter().enumerate();
+        let words = names.map(|(k, name)| ColumnWords::new(name, unit(k).as_deref())).collect();
+        Self { header, words, columns, robot_joints }
+    }
+
+    /// Finds all columns. `is_numbered` says that the table has no names: then the joints are the first
+    /// columns, and the position follows.
+    ///
+    /// # Errors
+    ///
+    /// Returns what is missing, with what to do.
+    pub fn find(&self, is_numbered: bool) -> Result<FoundColumns, ColumnFault> {
+        let (joints, _) = self.find_joints(is_numbered)?;
+        self.find_besides(joints, is_numbered)
+    }
+
+    /// Finds the columns of the joints and the unit that their names state.
+    ///
+    /// # Errors
+    ///
+    /// Returns what is missing, with what to do.
+    pub fn find_joints(&self, is_numbered: bool) -> Result<(Vec<usize>, Option<StatedUnit>), ColumnFault> {
+        self.refuse_unknown_quantities()?;
+        let joints = self.joints(is_numbered)?;
+        let unit = joints.iter().find_map(|&k| self.words[k].unit);
+        Ok((joints, unit))
+    }
+
+    /// Finds all columns besides those of the joints; these are empty if a second table holds the joints.
+    ///
+    /// # Errors
+    ///
+    /// Returns what is missing, with what to do.
+    pub fn find_besides(&self, joints: Vec<usize>, is_numbered: bool) -> Result<FoundColumns, ColumnFault> {
+        let reflectors = self.reflectors(&joints, is_numbered)?;
+        let place = reflectors.first().map_or([0; 3], |first| first.position);
+        let rotation =
+            if reflectors.len() == 1 && !is_numbered { self.rotation(&joints, place[0]) } else { None };
+        let unit = |places: &[usize]| places.iter().find_map(|&k| self.words[k].unit);
+        let reflector = self.header.iter().position(|name| REFLECTOR_NAMES.contains(&&*name.to_lowercase()));
+        Ok(FoundColumns {
+            uncertainty: self.uncertainty(),
+            reflector: reflector.filter(|k| !joints.contains(k)),
+            angle_unit: unit(&joints),
+            length_unit: unit(&place),
+            rotation_unit: rotation.as_ref().and_then(|(_, places)| unit(places)),
+            joints,
+            reflectors,
+            rotation,
+        })
+    }
+
+    fn quantities(&self) -> impl Iterator<Item = String> {
+        (1..=self.robot_joints.len()).map(|k| format!("q{k}")).chain(["x", "y", "z"].map(String::from))
+    }
+
+    fn refuse_unknown_quantities(&self) -> Result<(), ColumnFault> {
+        let known: Vec<String> = self.quantities().collect();
+        match self.columns.iter().find(|(name, _)| !known.contains(name)) {
+            Some((unknown, _)) => {
+                Err((format!("`{}` is not a quantity of this arm", shown(unknown)), known.join(", ")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the column that the user states for a quantity: by its name, or by its number from 1.
+    fn stated(&self, quantity: &str) -> Option<Result<usize, ColumnFault>> {
+        let (_, name) = self.columns.iter().find(|(of, _)| of == quantity)?;
+        let named = self.header.iter().position(|column| column == name);
+        let number = || name.parse::<usize>().ok()?.checked_sub(1).filter(|k| *k < self.header.len());
+        Some(named.or_else(number).ok_or_else(|| {
+            let near = did_you_mean(name, self.header.iter().map(String::as_str));
+            let near = near.map_or(String::new(), |near| format!("did you mean `{}`? ", shown(near)));
+            (format!("no column `{}`", shown(name)), format!("{near}{}", self.remedy(quantity)))
+        }))
+    }
+
+    fn remedy(&self, quantity: &str) -> String {
+        let columns = listed(self.header.iter().map(String::as_str));
+        format!(
+            "name the column with --column {quantity}=NAME, or by its number, --column {quantity}=1; the columns \
+             are {columns}"
+        )
+    }
+
+    fn missing(&self, quantity: &str) -> ColumnFault {
+        let is_joint = quantity.starts_with('q');
+        let other = if is_joint { "; joints in another table are read with --joints FILE" } else { "" };
+        (format!("no column is named as `{quantity}`"), format!("{}{other}", self.remedy(quantity)))
+    }
+
+    fn joints(&self, is_numbered: bool) -> Result<Vec<usize>, ColumnFault> {
+        let guessed = if is_numbered { None } else { self.guessed_joints() };
+        let mut joints = Vec::new();
+        for k in 0..self.robot_joints.len() {
+            let quantity = format!("q{}", k + 1);
+            joints.push(match self.stated(&quantity) {
+                Some(stated) => stated?,
+                None if is_numbered && k < self.header.len() => k,
+                None => match &guessed {
+                    Some(guessed) => guessed[k],
+                    None => return Err(self.missing(&self.first_missing_joint())),
+                },
+            });
+        }
+        Ok(joints)
+    }
+
+    /// Returns the first joint that no column and no statement names.
+    fn first_missing_joint(&self) -> String {
+        let numbers = 0..self.robot_joints.len();
+        let is_named = |k: usize| {
+            let quantity = format!("q{}", k + 1);
+            self.stated(&quantity).is_some() || self.numbered(k + 1, &JOINT_WORDS).is_some()
+        };
+        numbers.into_iter().find(|k| !is_named(*k)).map_or("q1".into(), |k| format!("q{}", k + 1))
+    }
+
+    /// Returns the joints by the names of the robot, by numbers from 1 or 0, or by the word joint alone.
+    fn guessed_joints(&self) -> Option<Vec<usize>> {
+        let axes = self.robot_joints.len();
+        let by_name = || {
+            let lower: Vec<String> = self.header.iter().map(|name| name.to_lowercase()).collect();
+            let own = |joint: &&str| lower.iter().position(|name| *name == joint.to_lowercase());
+            self.robot_joints.iter().map(own).collect::<Option<Vec<_>>>()
+        };
+        let by_number = || (1..=axes).map(|n| self.numbered(n, &JOINT_WORDS)).collect::<Option<Vec<_>>>();
+        let from_zero = || {
+            let all = (0..axes).map(|n| self.numbered(n, &JOINT_OF_ZERO)).collect::<Option<Vec<_>>>();
+            all.filter(|_| self.numbered(axes, &JOINT_OF_ZERO).is_none())
+        };
+        let motoman = || {
+            let letters = MOTOMAN.iter().filter(|letter| axes == 7 || **letter != "e");
+            let place = |letter: &&str| self.header.iter().position(|name| name.eq_ignore_ascii_case(letter));
+            let all = letters.map(place).collect::<Option<Vec<_>>>();
+            all.filter(|all| all.len() == axes)
+        };
+        let by_word = || {
+            let is_joint = |name: &String| name.to_lowercase().contains("joint");
+            let all: Vec<usize> = (0..self.header.len()).filter(|&k| is_joint(&self.header[k])).collect();
+            (all.len() == axes).then_some(all)
+        };
+        by_name().or_else(by_number).or_else(from_zero).or_else(motoman).or_else(by_word)
+    }
+
+    /// Returns the column of joint number `n`.
+    fn numbered(&self, n: usize, words: &[&str]) -> Option<usize> {
+        let number = n.to_string();
+        self.best(|parts| match parts {
+            [word, k] => words.contains(word) && *k == number,
+            ["joint", word, k] => words.contains(word) && *k == number,
+            ["rob" | "robot", .., word, k] => words.contains(word) && *k == number,
+            _ => false,
+        })
+    }
+
+    /// Returns the column whose words fit, the one with the most telling origin first.
+    fn best(&self, fits: impl Fn(&[&str]) -> bool) -> Option<usize> {
+        let names = self.words.iter().enumerate();
+        let fitting = names.filter(|(_, name)| name.uncertain.is_none() && fits(&name.parts()));
+        fitting.min_by_key(|(k, name)| (name.origin, name.fillers, *k)).map(|(k, _)| k)
+    }
+
+    fn reflectors(&self, joints: &[usize], is_numbered: bool) -> Result<Vec<ReflectorColumns>, ColumnFault> {
+        let axes = ["x", "y", "z"];
+        let stated: Vec<_> = axes.iter().map(|axis| self.stated(axis)).collect();
+        if stated.iter().any(Option::is_some) || is_numbered {
+            let mut position = [0; 3];
+            let guess = positions(&self.words).into_iter().next();
+            for (k, (place, stated)) in position.iter_mut().zip(stated).enumerate() {
+                *place = match (stated, &guess) {
+                    (Some(stated), _) => stated?,
+                    (None, _) if is_numbered && joints.len() + k < self.header.len() => joints.len() + k,
+                    (None, Some(guess)) => guess.position[k],
+                    (None, None) => return Err(self.missing(axes[k])),
+                };
+            }
+            return Ok(vec![ReflectorColumns { name: String::new(), position }]);
+        }
+        let found = positions(&self.words);
+        if found.is_empty() {
+            let named = |axis: &&&str| self.best(|words| words.last() == Some(axis)).is_none();
+            return Err(self.missing(axes.iter().find(named).unwrap_or(&"x")));
+        }
+        Ok(found)
+    }
+
+    fn rotation(&self, joints: &[usize], near: usize) -> Option<(RotationForm, Vec<usize>)> {
+        let origin = self.words.get(near)?.origin;
+        let find = |word: &str, digits: &str| {
+            let fits = |name: &ColumnWords| name.words.concat() == format!("{word}{digits}");
+            let names = self.words.iter().enumerate();
+            let free =
+                names.filter(|(k, name)| name.uncertain.is_none() && !joints.contains(k) && fits(name));
+            free.filter(|(_, name)| name.origin == origin).map(|(k, _)| k).next()
+        };
+        let all = |words: &[&str]| words.iter().map(|word| find(word, "")).collect::<Option<Vec<_>>>();
+        let numbered = |word: &str, numbers: &[&str]| {
+            numbers.iter().map(|number| find(word, number)).collect::<Option<Vec<_>>>()
+        };
+        let matrix = ["11", "12", "13", "21", "22", "23", "31", "32", "33"];
+        let matrix = numbered("r", &matrix).map(|places| (RotationForm::Matrix, places));
+        let named = QUATERNIONS.iter().find_map(|names| all(names));
+        let quaternion = named.map(|places| (RotationForm::ScalarFirst, places)).or_else(|| {
+            numbered("q", &["0", "1", "2", "3"]).map(|places| (RotationForm::Quaternion, places))
+        });
+        let angles =
+            || ANGLES.iter().find_map(|names| all(names)).map(|places| (RotationForm::Angles, places));
+        matrix.or(quaternion).or_else(angles)
+    }
+
+    /// Returns the columns of the uncertainty of the position: one for each axis, or one for all.
+    fn uncertainty(&self) -> Option<(Vec<usize>, f64)> {
+        let column = |wanted: &[&str]| {
+            let names = self.words.iter().enumerate();
+            let fits = |name: &ColumnWords| name.uncertain.is_some() && name.parts() == wanted;
+            names.filter(|(_, name)| fits(name)).map(|(k, _)| k).next()
+        };
+        let axes = ["x", "y", "z"].iter().map(|axis| column(&[axis])).collect::<Option<Vec<_>>>();
+        let places = axes.or_else(|| column(&[]).map(|k| vec![k]))?;
+        // U95 and U are expanded uncertainties, two standard deviations.
+        let word = self.words[places[0]].uncertain.as_deref()?;
+        let is_error = ["error", "err", "dev", "residual", "rms"].contains(&word);
+        (!is_error).then_some((places, if word.starts_with('u') { 2.0 } else { 1.0 }))
+    }
+}

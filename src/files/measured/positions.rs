@@ -1,0 +1,89 @@
+//! Columns of positions: triples of x, y and z with words in common.
+
+use super::columns::ReflectorColumns;
+use super::name::{ColumnOrigin, ColumnWords};
+use std::collections::HashMap;
+
+/// Returns the positions of the most telling origin: one, or those of numbered reflectors.
+pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
+    let mut groups: Vec<(PositionGroup, [Option<usize>; 3])> = Vec::new();
+    let mut places = HashMap::new();
+    for (k, name) in names.iter().enumerate().filter(|(_, name)| name.uncertain.is_none()) {
+        let Some((axis, group)) = axis_of(&name.parts()) else { continue };
+        let key = PositionGroup { origin: name.origin, fillers: name.fillers, words: group };
+        let place = *places.entry(key.clone()).or_insert_with(|| {
+            groups.push((key, [None; 3]));
+            groups.len() - 1
+        });
+        groups[place].1[axis].get_or_insert(k);
+    }
+    let whole = groups.into_iter().filter_map(|(key, [x, y, z])| Some((key, [x?, y?, z?])));
+    let mut whole: Vec<_> = whole.collect();
+    whole.sort_by_key(|(key, places)| (key.origin, key.words.len(), key.fillers, places[0]));
+    let Some((first, place)) = whole.first().cloned() else { return Vec::new() };
+    let one = ReflectorColumns { name: String::new(), position: place };
+    let shape = first.shape();
+    if !shape.contains(&"#") {
+        return vec![one];
+    }
+    let alike = whole.iter().filter(|(key, _)| key.origin == first.origin && key.shape() == shape);
+    let mut alike: Vec<_> = alike
+        .map(|(key, position)| ReflectorColumns { name: key.words.join(""), position: *position })
+        .collect();
+    alike.sort_by_key(|columns| columns.position[0]);
+    if alike.len() == 1 { vec![one] } else { alike }
+}
+
+/// Words of a position besides its axis.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+struct PositionGroup {
+    origin: ColumnOrigin,
+    fillers: usize,
+    words: Vec<String>,
+}
+
+impl PositionGroup {
+    /// Returns the words with numbers replaced by `#`.
+    fn shape(&self) -> Vec<&str> {
+        let is_number = |word: &str| word.chars().all(|c| c.is_ascii_digit());
+        self.words.iter().map(|word| if is_number(word) { "#" } else { word }).collect()
+    }
+}
+
+/// Words of a vector that is no position.
+const NO_POSITION: [&str; 18] = [
+    "rot",
+    "rotation",
+    "r",
+    "v",
+    "vel",
+    "velocity",
+    "speed",
+    "force",
+    "f",
+    "torque",
+    "quat",
+    "q",
+    "orientation",
+    "ori",
+    "euler",
+    "a",
+    "acc",
+    "w",
+];
+
+/// Returns the axis that the words of a name state, and the other words.
+fn axis_of(words: &[&str]) -> Option<(usize, Vec<String>)> {
+    let axis = |word: &str| ["x", "y", "z"].iter().position(|axis| *axis == word);
+    if let [word] = words
+        && let Some(axis) = word.strip_prefix('p').and_then(axis)
+    {
+        return Some((axis, Vec::new()));
+    }
+    let mut at = words.iter().enumerate().filter_map(|(k, word)| Some((k, axis(word)?)));
+    let (place, axis) = at.next()?;
+    let others = words.iter().enumerate().filter(|(k, _)| *k != place).map(|(_, word)| word.to_string());
+    let others: Vec<String> = others.collect();
+    let is_position = others.iter().all(|word| !NO_POSITION.contains(&word.as_str()));
+    is_position.then_some((axis, others))
+}
