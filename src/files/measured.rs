@@ -157,6 +157,7 @@ fn find_columns(
             format!("q{n}"),
             format!("q{n}_deg"),
             format!("q{n}_rad"),
+            format!("q{n}_mm"),
             format!("joint_{n}"),
             format!("joint{n}"),
             format!("j{n}"),

@@ -2,8 +2,9 @@
 
 use super::{
     BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument, EnvelopeDocument,
-    ExplanationDocument, ManifestDocument, MapDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument,
-    RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
+    ExplanationDocument, ManifestDocument, MapDocument, MeasuringPlanDocument, ReadingsDocument,
+    RobotSheetDocument, RobotsDocument, RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable,
+    VerdictDocument,
 };
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -29,10 +30,11 @@ pub enum DocumentKind {
     RobotSheet,
     Envelope,
     Calibration,
+    MeasuringPlan,
 }
 
 impl DocumentKind {
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::SearchResult,
         Self::Map,
         Self::Comparison,
@@ -50,6 +52,7 @@ impl DocumentKind {
         Self::RobotSheet,
         Self::Envelope,
         Self::Calibration,
+        Self::MeasuringPlan,
     ];
 
     /// Returns the name of the schema.
@@ -72,6 +75,7 @@ impl DocumentKind {
             Self::RobotSheet => "robot-sheet",
             Self::Envelope => "envelope",
             Self::Calibration => "calibration",
+            Self::MeasuringPlan => "measuring-plan",
         }
     }
 
@@ -95,6 +99,7 @@ impl DocumentKind {
             Self::RobotSheet => of::<RobotSheetDocument>(),
             Self::Envelope => of::<EnvelopeDocument>(),
             Self::Calibration => of::<CalibrationDocument>(),
+            Self::MeasuringPlan => of::<MeasuringPlanDocument>(),
         }
     }
 }

@@ -1,15 +1,16 @@
 //! Arguments of `calibrate`.
 
+use super::measuring_plan::MeasuringPlanFlags;
 use crate::cli::packages::PackageFolders;
 use clap::Args;
 use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct CalibrateArguments {
-    /// Name of a built-in robot, or a robot file (TOML)
+    /// Name of a built-in robot, or a robot file (TOML); with --plan, a cell file
     pub robot: PathBuf,
     /// Tables of measured positions (CSV, also compressed as .csv.gz), one for each set-up of the instrument
-    #[arg(required = true)]
+    #[arg(required_unless_present = "plan")]
     pub data: Vec<PathBuf>,
     /// Judge the calibration by a table that is not part of the fit; can be given several times
     #[arg(long, value_name = "FILE")]
@@ -24,8 +25,8 @@ pub struct CalibrateArguments {
     /// Use this many randomly drawn rows of every table [default: all]
     #[arg(long, value_name = "N")]
     pub poses: Option<usize>,
-    /// Seed of the random draw
-    #[arg(long, default_value_t = 1, requires = "poses")]
+    /// Seed of the random draw, or of the postures among which a plan chooses
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z); can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column)]
@@ -36,6 +37,8 @@ pub struct CalibrateArguments {
     /// Print the calibration as JSON on stdout
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub planning: MeasuringPlanFlags,
     #[command(flatten)]
     pub packages: PackageFolders,
 }

@@ -3,6 +3,7 @@
 mod calibrate;
 mod files;
 mod layouts;
+mod measuring_plan;
 mod outputs;
 mod postures;
 mod question;

@@ -12,6 +12,7 @@ mod front;
 mod init;
 mod jobs;
 mod lock;
+mod measuring_plan;
 mod numbers;
 mod overrides;
 mod postures;
