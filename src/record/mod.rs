@@ -19,6 +19,7 @@ mod explanation;
 pub mod goals;
 mod manifest;
 mod map;
+mod measuring_plan;
 mod misplacement;
 mod node;
 mod node_table;
@@ -65,6 +66,9 @@ pub use manifest::{HashedFile, ManifestDocument};
 pub use map::{
     GuardEntry, JointEntry, MapDocument, ModelGuardEntry, MonteCarloEntry, OperationMapEntry, SenseEntry,
     StatusCounts, TransferEntry,
+};
+pub use measuring_plan::{
+    ExpectedEntry, MEASURING_PLAN_SCHEMA, MeasuringPlanDocument, PlannedPoseEntry, TriedEntry,
 };
 pub use misplacement::{
     CornerEntry, EndedEntry, LargestEntry, LostEntry, MisplacedOperation, MoveEntry, RobustDocument,

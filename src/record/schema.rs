@@ -2,9 +2,9 @@
 
 use super::{
     BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument, CorrectionDocument,
-    EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument, ReadingsDocument,
-    RobotSheetDocument, RobotsDocument, RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable,
-    VerdictDocument,
+    EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument,
+    MeasuringPlanDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument, RobustDocument,
+    SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
 };
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -32,10 +32,11 @@ pub enum DocumentKind {
     Calibration,
     Errors,
     Correction,
+    MeasuringPlan,
 }
 
 impl DocumentKind {
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::SearchResult,
         Self::Map,
         Self::Comparison,
@@ -55,6 +56,7 @@ impl DocumentKind {
         Self::Calibration,
         Self::Errors,
         Self::Correction,
+        Self::MeasuringPlan,
     ];
 
     /// Returns the name of the schema.
@@ -79,6 +81,7 @@ impl DocumentKind {
             Self::Calibration => "calibration",
             Self::Errors => "errors",
             Self::Correction => "correction",
+            Self::MeasuringPlan => "measuring-plan",
         }
     }
 
@@ -104,6 +107,7 @@ impl DocumentKind {
             Self::Calibration => of::<CalibrationDocument>(),
             Self::Errors => of::<ErrorsDocument>(),
             Self::Correction => of::<CorrectionDocument>(),
+            Self::MeasuringPlan => of::<MeasuringPlanDocument>(),
         }
     }
 }

@@ -10,6 +10,7 @@ pub mod figures;
 pub mod glb;
 pub mod json;
 pub mod measured_errors;
+pub mod measuring_plan;
 pub mod page;
 #[cfg(feature = "parquet")]
 pub mod parquet;

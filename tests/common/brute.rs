@@ -264,8 +264,34 @@ impl<'c> Body<'c> {
     }
 }
 
+/// Returns the solids between a reflector (interface frame) and an instrument (world), by points of the line.
+///
+/// A solid of the flange or the tool that contains the reflector does not count.
+pub fn between(
+    cell: &Cell,
+    layout: &Layout,
+    q: &[f64],
+    reflector: &Vector3<f64>,
+    instrument: &Vector3<f64>,
+) -> Vec<String> {
+    let (frames, last) = (links(cell, q, None), cell.robot.axes());
+    let from = point(&frames[last], reflector);
+    let standing = cell.equipment.iter().zip(&layout.placements).flat_map(|(e, at)| {
+        e.solids.iter().map(move |s| Body::new(&e.name, placed(at), &s.shape, cell.floor))
+    });
+    let carried = cell.robot.solids.iter().filter_map(|s| {
+        let body = Body::new(&s.solid.name, frames[s.link], &s.solid.shape, cell.floor);
+        (s.link < last || body.depth(&point(&body.back, &from)) < 0.0).then_some(body)
+    });
+    let count = ((instrument - from).norm() / 1e-3).ceil();
+    let on_line = |body: &Body<'_>| {
+        (0..=count as usize).any(|k| body.is_inside(&from.lerp(instrument, k as f64 / count)))
+    };
+    standing.chain(carried).filter(on_line).map(|body| body.name.to_string()).collect()
+}
+
 /// Returns the links that touch equipment, obstacles or the floor.
-fn hits(cell: &Cell, layout: &Layout, q: &[f64]) -> Vec<String> {
+pub fn hits(cell: &Cell, layout: &Layout, q: &[f64]) -> Vec<String> {
     let frames = links(cell, q, None);
     let standing = cell.equipment.iter().zip(&layout.placements).flat_map(|(e, at)| {
         e.solids.iter().map(move |s| Body::new(&e.name, placed(at), &s.shape, cell.floor))

@@ -27,6 +27,7 @@ mod layout;
 mod library;
 mod low_discrepancy;
 mod measured_robots;
+mod measuring_plan;
 mod meshes;
 mod misfit;
 mod motion;

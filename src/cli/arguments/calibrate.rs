@@ -1,17 +1,18 @@
 //! Arguments of `calibrate`.
 
+use super::measuring_plan::MeasuringPlanFlags;
 use crate::cli::packages::PackageFolders;
 use clap::Args;
 use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct CalibrateArguments {
-    /// Name of a built-in robot, a robot file (TOML), or a nominal URDF
+    /// Name of a built-in robot, a robot file (TOML), or a nominal URDF; with --plan, a cell file
     pub robot: PathBuf,
     /// Tables of measured positions (CSV or text, also compressed as .csv.gz), one for each set-up of the
     /// instrument; or one stated calibration: the YAML of the driver or the calibration.conf of Universal Robots,
     /// or a calibrated URDF
-    #[arg(required = true)]
+    #[arg(required_unless_present = "plan")]
     pub data: Vec<PathBuf>,
     /// Judge the calibration by a table that is not part of the fit; can be given several times
     #[arg(long, value_name = "FILE")]
@@ -26,8 +27,8 @@ pub struct CalibrateArguments {
     /// Use this many randomly drawn rows of every table [default: all]
     #[arg(long, value_name = "N")]
     pub poses: Option<usize>,
-    /// Seed of the random draw
-    #[arg(long, default_value_t = 1, requires = "poses")]
+    /// Seed of the random draw, or of the postures among which a plan chooses
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Read the joints from this table; rows are matched by a shared column such as id, or by their order
     #[arg(long, value_name = "FILE")]
@@ -42,6 +43,8 @@ pub struct CalibrateArguments {
     /// Print the calibration as JSON on stdout
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub planning: MeasuringPlanFlags,
     #[command(flatten)]
     pub packages: PackageFolders,
 }

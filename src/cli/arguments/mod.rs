@@ -5,6 +5,7 @@ mod correct;
 mod errors;
 mod files;
 mod layouts;
+mod measuring_plan;
 mod outputs;
 mod postures;
 mod question;

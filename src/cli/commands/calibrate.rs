@@ -1,17 +1,16 @@
 //! `calibrate`: identifies the kinematic errors of a robot from measured positions.
 
+use super::assumed::assumed;
 use super::measurements::{TableOptions, session};
+use super::measuring_plan::{choose, measuring_plan};
 use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::suggest;
-use crate::calibration::{
-    Accuracy, Deformed, MeasuringSession, Unknown, aligned, calibrate as fitted, drawn, unknowns,
-};
-use crate::cell::{Parameter, Robot};
+use crate::calibration::{Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn};
+use crate::cell::Robot;
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::path_word;
-use crate::cli::{Exit, json_text, lookup, output};
-use crate::files::shown;
+use crate::cli::{Exit, json_text, output};
 use crate::record::{AccuracyEntry, CalibratedFile, CalibrationDocument, TestedFile};
 use crate::report;
 use crate::robot::Chain;
@@ -19,6 +18,9 @@ use std::time::Instant;
 
 /// Runs `sweetspot calibrate`.
 pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
+    if let Some(count) = a.planning.plan {
+        return measuring_plan(a, count as usize);
+    }
     let robot = match is_urdf(&a.robot) {
         true => robot_of_urdf(&a.robot, None)?.robot,
         false => read(&a.robot, &a.packages)?.robot,
@@ -39,6 +41,9 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         for session in &mut sessions {
             session.measured = drawn(&session.measured, count, a.seed);
         }
+    }
+    if let Some(count) = a.planning.choose {
+        choose(&mut sessions, count as usize, a, &chain, assumed(&robot, &chain, a)?)?;
     }
     let begun = Instant::now();
     let (unknowns, priors) = assumed(&robot, &chain, a)?;
@@ -82,34 +87,6 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         output::talk("note: the error model of a cell has no elastic terms yet; maps use the rows alone");
     }
     Ok(Exit::Done)
-}
-
-/// Returns the unknowns and their standard deviations before the measurement.
-fn assumed(robot: &Robot, chain: &Chain, a: &CalibrateArguments) -> Result<(Vec<Unknown>, Vec<f64>), Exit> {
-    let all = unknowns(chain, a.elastic);
-    let Some(name) = &a.prior else {
-        return Ok(all.into_iter().map(|unknown| (unknown, unknown.default_prior())).unzip());
-    };
-    let Some(set) = robot.errors.iter().find(|set| set.name() == name) else {
-        let names = robot.errors.iter().map(|set| set.name());
-        return Err(lookup::unknown(&format!("the robot has no error set `{}`", shown(name)), name, names));
-    };
-    let spreads = set.tolerance().spreads;
-    let deviation = |unknown: &Unknown| match unknown {
-        Unknown::Row(parameter) => {
-            let place = Parameter::of_robot(robot.axes()).position(|p| p == *parameter);
-            place.map_or(0.0, |k| spreads[k].deviation())
-        }
-        Unknown::Elastic { .. } => unknown.default_prior(),
-    };
-    let with_prior = all.into_iter().map(|unknown| (unknown, deviation(&unknown)));
-    let known: (Vec<_>, Vec<_>) = with_prior.filter(|(_, deviation)| *deviation > 0.0).unzip();
-    if known.0.is_empty() {
-        output::error(&format!("the error set `{}` gives no parameter of the rows a tolerance", shown(name)));
-        output::talk("  help: leave out --prior, or state tolerances in the error set");
-        return Err(Exit::BadInput);
-    }
-    Ok(known)
 }
 
 /// Returns the accuracy of the nominal robot after a fit of base and reflector.

@@ -1,6 +1,7 @@
 //! One function per command: it reads the input, calls the library, prints the result and suggests the next
 //! command.
 
+mod assumed;
 mod calibrate;
 mod check;
 mod correct;
@@ -11,6 +12,7 @@ mod init;
 mod layouts;
 mod map;
 mod measurements;
+mod measuring_plan;
 mod posture;
 mod readings;
 mod report;

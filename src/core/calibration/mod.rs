@@ -26,6 +26,9 @@ mod deformed;
 mod fit;
 mod hypothesis;
 mod misfit;
+mod plan;
+mod plan_posterior;
+mod plan_problem;
 mod raw;
 mod result;
 mod rigid;
@@ -41,6 +44,7 @@ pub use hypothesis::{
     DataReading, JointMap, LENGTH_UNITS, RotationReading, explain, explain_rotations, spread_out, unit_name,
 };
 pub use misfit::Misfit;
+pub use plan_problem::{IntendedCalibration, PlanProblem, UnmodelledError};
 pub use raw::{RawMeasurement, RawRotation, RotationConvention};
 pub use result::{Calibration, FittedSession, calibrate};
 pub use rigid::{SessionFrames, aligned};

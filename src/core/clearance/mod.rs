@@ -26,6 +26,7 @@ mod fence;
 mod floor_heights;
 mod floor_plan;
 mod floor_rectangle;
+mod line_of_sight;
 mod margin;
 mod overlap;
 mod pairs;

@@ -15,6 +15,7 @@ mod init;
 mod jobs;
 mod lock;
 mod measured_files;
+mod measuring_plan;
 mod numbers;
 mod overrides;
 mod postures;

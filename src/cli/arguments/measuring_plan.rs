@@ -1,0 +1,65 @@
+//! Arguments of `calibrate` that plan measuring poses, or choose among measured ones.
+
+use super::value_parsers::measure;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Largest number of poses of one plan.
+const MAX_POSES: u64 = 1000;
+
+/// Largest number of postures among which a plan chooses.
+const MAX_CANDIDATES: u64 = 20_000;
+
+#[derive(Args)]
+pub struct MeasuringPlanFlags {
+    /// Plan this many poses to be measured for the operations of a cell file, which takes the place of ROBOT
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u64).range(1..=MAX_POSES),
+        conflicts_with_all = ["data", "test", "poses", "choose", "column", "toml"]
+    )]
+    pub plan: Option<u64>,
+    /// Use the rows of every table that tell most, this many, as if only these could be measured
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u64).range(1..=MAX_POSES),
+        conflicts_with = "poses"
+    )]
+    pub choose: Option<u64>,
+    /// Choose rows that tell most about the operations of this cell [default: about the postures of all rows]
+    #[arg(long = "for", value_name = "CELL", requires = "choose")]
+    pub task: Option<PathBuf>,
+    /// State the place of the tracker in the world, mm; only poses at which it sees the reflector are planned
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "plan")]
+    pub tracker: Option<[f64; 3]>,
+    /// State the place of the reflector in the frame of the mechanical interface, mm [default: that of the TCP]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub reflector: Option<[f64; 3]>,
+    /// State the direction into which the reflector opens, in the frame of the mechanical interface [default:
+    /// it is visible from every side]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "tracker")]
+    pub opening: Option<[f64; 3]>,
+    /// State the largest angle between the opening of the reflector and the line of sight, deg
+    #[arg(long, value_name = "DEG", value_parser = measure, default_value = "30", requires = "opening")]
+    pub opening_angle: f64,
+    /// Choose among this many postures
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u64).range(1..=MAX_CANDIDATES),
+        default_value_t = 2000,
+        requires = "plan"
+    )]
+    pub candidates: u64,
+    /// Write the plan as CSV, to be filled in; an existing file is replaced, and - is stdout
+    #[arg(long, value_name = "FILE", requires = "plan")]
+    pub csv: Option<PathBuf>,
+}
+
+/// Parser of a point or a direction: three numbers.
+fn point(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Vec<f64> = text.split(',').map(measure).collect::<Result<_, _>>()?;
+    numbers.try_into().map_err(|_| "write three numbers, for example 2000,-500,800".to_string())
+}

@@ -1,0 +1,81 @@
+//! Plans of measuring poses: which poses tell most about the error of the robot at a task.
+//!
+//! The measured position of pose i is, to first order in the unknowns a (robot, base and reflector),
+//!
+//! ```text
+//! y_i = J_i a + m(q_i) + e_i
+//! ```
+//!
+//! The unknowns are normal with their standard deviations before the measurement. No model is complete, so the
+//! misfit m counts, not the noise of the instrument. It is a Gaussian process over the joint space: poses near
+//! each other have nearly the same misfit and tell the same thing twice. The e_i are independent.
+//!
+//! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of
+//! the task (I-optimality). A plan that maximises a determinant (D-optimality) measures what is far away
+//! instead, and trusts the model too much. After a calibration the base is registered anew, so a rigid motion
+//! that fits the candidates does not count as an error.
+
+use super::plan_posterior::PlanPosterior;
+use super::plan_problem::PlanProblem;
+
+/// Largest number of exchange passes.
+const PASSES: usize = 4;
+/// Share of the gain by which an exchange must be better, so that rounding cannot make the search go round.
+const BETTER: f64 = 1e-9;
+
+impl PlanProblem {
+    /// Returns the root mean square error of predicted positions at the task before the measurement, m.
+    pub fn before(&self) -> f64 {
+        self.targets.norm()
+    }
+
+    /// Returns the expected root mean square error of predicted positions at the task, m, once the chosen
+    /// candidates are measured. The misfit at the task itself is not part of it.
+    pub fn after(&self, chosen: &[usize]) -> f64 {
+        PlanPosterior::of(self, chosen).map_or(f64::INFINITY, |posterior| posterior.remaining().sqrt())
+    }
+
+    /// Chooses `count` candidates that leave the least expected error at the task, the most telling first.
+    ///
+    /// The choice is greedy, then each pose is exchanged for a better candidate as long as there is one
+    /// (Fedorov 1972). `progress` gets the number of finished steps and the largest number of all steps.
+    /// Returns None if there are fewer candidates.
+    pub fn best(&self, count: usize, progress: &mut dyn FnMut(usize, usize)) -> Option<Vec<usize>> {
+        if count > self.candidates() {
+            return None;
+        }
+        let steps = count * (PASSES + 1);
+        let mut posterior = PlanPosterior::of(self, &[])?;
+        for k in 0..count {
+            posterior.add(posterior.most_telling()?)?;
+            progress(k + 1, steps);
+        }
+        for pass in 0..PASSES {
+            let mut exchanged = false;
+            for (k, pose) in posterior.chosen.clone().into_iter().enumerate() {
+                posterior.remove(pose)?;
+                let best = posterior.most_telling()?;
+                let is_better = posterior.gain(best) > posterior.gain(pose) * (1.0 + BETTER);
+                exchanged |= is_better && best != pose;
+                posterior.add(if is_better { best } else { pose })?;
+                progress(count * (pass + 1) + k + 1, steps);
+            }
+            if !exchanged {
+                break;
+            }
+        }
+        progress(steps, steps);
+        self.in_order(posterior.chosen)
+    }
+
+    /// Returns the chosen candidates in the order of a greedy choice among them.
+    fn in_order(&self, mut chosen: Vec<usize>) -> Option<Vec<usize>> {
+        let mut posterior = PlanPosterior::of(self, &[])?;
+        chosen.sort_unstable();
+        while let Some(next) = posterior.most_telling_of(chosen.iter().copied()) {
+            chosen.retain(|pose| *pose != next);
+            posterior.add(next)?;
+        }
+        Some(posterior.chosen)
+    }
+}

@@ -1,0 +1,161 @@
+//! A plan of measuring poses as a linear problem: candidates, unknowns, misfit and task.
+
+use super::deformed::Deformed;
+use super::unknown::Unknown;
+use crate::cell::{JointKind, JointVector, MAX_JOINTS};
+use crate::robot::Chain;
+use nalgebra::{DMatrix, Matrix3, Matrix3xX, SMatrix, SymmetricEigen, Vector3};
+
+/// Ratio to the largest eigenvalue of the task below which a direction does not matter.
+const NEGLIGIBLE: f64 = 1e-12;
+/// Number of unknowns of the pose of the base.
+const OF_BASE: usize = 6;
+/// Number of unknowns of the set-up: pose of the base and coordinates of the reflector.
+const OF_SET_UP: usize = OF_BASE + 3;
+
+/// Errors of measured positions that the unknowns do not explain, per axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnmodelledError {
+    /// Standard deviation of the part that nearby poses share, m.
+    pub shared: f64,
+    /// Length scale of the shared part in the joint space, rad.
+    pub length: f64,
+    /// Standard deviation of the part of each pose, m.
+    pub own: f64,
+}
+
+impl Default for UnmodelledError {
+    /// Returns the errors of a measured arm, rounded.
+    ///
+    /// Maximum likelihood on the series A, B and D of a UR10 (Landgraf et al. 2021) gives 0.10 to 0.21 mm for
+    /// the shared part, 0.83 to 0.99 rad for its length scale, and 0.18 to 0.22 mm for the other part.
+    fn default() -> Self {
+        Self { shared: 2e-4, length: 1.0, own: 2e-4 }
+    }
+}
+
+/// Calibration for which measuring poses are planned.
+#[derive(Debug, Clone, Copy)]
+pub struct IntendedCalibration<'a> {
+    pub chain: &'a Chain,
+    pub unknowns: &'a [Unknown],
+    /// Standard deviations of the unknowns before the measurement.
+    pub priors: &'a [f64],
+    /// Reflector in the frame of the mechanical interface, m.
+    pub reflector: Vector3<f64>,
+    pub error: UnmodelledError,
+}
+
+impl IntendedCalibration<'_> {
+    /// Returns the least number of poses whose coordinates are as many as the unknowns.
+    pub fn least_poses(&self) -> usize {
+        self.unknowns_with_set_up().div_ceil(3)
+    }
+
+    /// Returns the number of unknowns of the robot, the base and the reflector.
+    pub fn unknowns_with_set_up(&self) -> usize {
+        self.unknowns.len() + OF_SET_UP
+    }
+
+    /// Returns the motion of a point (m, interface frame) by each unknown, in units of its standard deviation.
+    ///
+    /// The last nine columns are those of the set-up, whose standard deviations are 1 m and 1 rad.
+    fn slopes(&self, joints: &JointVector, point: &Vector3<f64>) -> Matrix3xX<f64> {
+        let pose = Deformed::new(self.chain, joints, self.unknowns, &vec![0.0; self.unknowns.len()]);
+        let at = pose.interface.transform(point);
+        let robot = self.unknowns.iter().zip(self.priors);
+        let robot = robot.map(|(unknown, prior)| pose.motion(self.chain, *unknown, &at).slope * *prior);
+        let axes = [0, 1, 2].map(|k| Vector3::ith(k, 1.0));
+        let reflector = [0, 1, 2].map(|k| pose.interface.rotation.column(k).into_owned());
+        let set_up = axes.into_iter().chain(axes.map(|axis| axis.cross(&at))).chain(reflector);
+        Matrix3xX::from_columns(&robot.chain(set_up).collect::<Vec<_>>())
+    }
+}
+
+/// Choice of measuring poses among candidates.
+#[derive(Debug, Clone)]
+pub struct PlanProblem {
+    /// Motion of the reflector by each unknown at every candidate, as the intended calibration gives it.
+    pub(super) slopes: Vec<Matrix3xX<f64>>,
+    /// Places of the candidates in a space in which distances are those of the joint space, rad.
+    places: Vec<SMatrix<f64, { 2 * MAX_JOINTS }, 1>>,
+    /// Directions of the unknowns that matter at the task; the squared error is the sum of their variances.
+    pub(super) targets: DMatrix<f64>,
+    pub(super) error: UnmodelledError,
+}
+
+impl PlanProblem {
+    /// Prepares the choice among `candidates` for the postures of a task.
+    pub fn new(intended: &IntendedCalibration<'_>, candidates: &[JointVector], task: &[JointVector]) -> Self {
+        let slopes: Vec<_> = candidates.iter().map(|q| intended.slopes(q, &intended.reflector)).collect();
+        let registered = registered(&slopes, intended.unknowns.len());
+        let tcp = intended.chain.tool.translation;
+        let tasks: Vec<_> = task.iter().map(|q| intended.slopes(q, &tcp)).collect();
+        let targets = targets(&tasks, &registered);
+        let places = candidates.iter().map(|q| place(intended.chain, q)).collect();
+        Self { slopes, places, targets, error: intended.error }
+    }
+
+    /// Returns the number of candidates.
+    pub fn candidates(&self) -> usize {
+        self.slopes.len()
+    }
+
+    /// Returns the covariance of the positions of two candidates before the measurement, without their own
+    /// errors.
+    pub(super) fn prior(&self, i: usize, j: usize) -> Matrix3<f64> {
+        let columns = self.slopes[i].column_iter().zip(self.slopes[j].column_iter());
+        let modelled = columns.fold(Matrix3::zeros(), |sum, (a, b)| sum + a * b.transpose());
+        let UnmodelledError { shared, length, .. } = self.error;
+        let apart = (self.places[i] - self.places[j]).norm_squared() / length.powi(2);
+        modelled + Matrix3::identity() * (shared.powi(2) * (-apart / 2.0).exp())
+    }
+}
+
+/// Returns a point whose distances from others are chords of the joint angles, so that a full turn is no
+/// distance. The whole travel of a prismatic joint counts like half a turn.
+fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> {
+    let mut place = SMatrix::zeros();
+    for (i, link) in chain.links.iter().enumerate() {
+        let travel = link.limits.1 - link.limits.0;
+        (place[2 * i], place[2 * i + 1]) = match link.kind {
+            JointKind::Revolute => q[i].sin_cos(),
+            JointKind::Prismatic if travel > 0.0 => (2.0 * q[i] / travel, 0.0),
+            JointKind::Prismatic => (0.0, 0.0),
+        };
+    }
+    place
+}
+
+/// Returns the motion of the base that fits the motions of the candidates by each unknown best.
+fn registered(slopes: &[Matrix3xX<f64>], unknowns: usize) -> DMatrix<f64> {
+    // Without this, candidates in a line would leave a rotation undetermined.
+    let mut normal = DMatrix::identity(OF_BASE, OF_BASE) * (1e-9 * slopes.len() as f64);
+    let mut right = DMatrix::zeros(OF_BASE, unknowns);
+    for slopes in slopes {
+        let (robot, base) = (slopes.columns(0, unknowns), slopes.columns(unknowns, OF_BASE));
+        normal.gemm_tr(1.0, &base, &base, 1.0);
+        right.gemm_tr(1.0, &base, &robot, 1.0);
+    }
+    // The normal matrix is positive definite unless it is no number.
+    normal.cholesky().map_or_else(|| DMatrix::zeros(OF_BASE, unknowns), |c| c.solve(&right))
+}
+
+/// Returns the directions of the unknowns that move the tool at the task, scaled by the motion.
+///
+/// The squared norm of the product of these directions with the unknowns is the mean squared displacement.
+fn targets(tasks: &[Matrix3xX<f64>], registered: &DMatrix<f64>) -> DMatrix<f64> {
+    let unknowns = registered.ncols();
+    let mut squares = DMatrix::zeros(unknowns, unknowns);
+    for slopes in tasks {
+        let base = slopes.columns(unknowns, OF_BASE) * registered;
+        let seen = slopes.columns(0, unknowns) - base;
+        squares.gemm_tr(1.0 / tasks.len() as f64, &seen, &seen, 1.0);
+    }
+    let eigen = SymmetricEigen::new(squares);
+    let least = eigen.eigenvalues.max() * NEGLIGIBLE;
+    let kept: Vec<_> = (0..unknowns).filter(|&k| eigen.eigenvalues[k] > least).collect();
+    DMatrix::from_fn(unknowns, kept.len(), |i, k| {
+        eigen.eigenvectors[(i, kept[k])] * eigen.eigenvalues[kept[k]].sqrt()
+    })
+}

@@ -1,0 +1,103 @@
+//! Postures of a cell that an instrument can measure: reachable, free of collision and visible.
+
+use super::workcell::Workcell;
+use crate::cell::{JointVector, Layout};
+use crate::clearance::{ContactMemory, SolidRef};
+use crate::pose::Pose;
+use nalgebra::Vector3;
+
+/// Place of the measuring instrument, and directions in which the reflector can be seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sightline {
+    /// Instrument, world frame, m.
+    pub instrument: Vector3<f64>,
+    /// Direction into which the reflector opens, interface frame, and the largest angle (rad) between it and
+    /// the line of sight; None if the reflector is visible from every side.
+    pub opening: Option<(Vector3<f64>, f64)>,
+}
+
+/// Postures that can be measured, and how many others were tried.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeasurablePoses {
+    pub joints: Vec<JointVector>,
+    /// Number of postures that touch something, or come nearer than the clearance of the cell.
+    pub colliding: usize,
+    /// Number of postures without collision at which the reflector is hidden or faces away.
+    pub hidden: usize,
+}
+
+/// Largest number of postures that are tried for each one that is wanted.
+const MAX_TRIES: usize = 100;
+
+impl Workcell {
+    /// Returns the solid of a layout that contains a point of the world, m.
+    pub fn solid_at(&self, layout: &Layout, point: &Vector3<f64>) -> Option<SolidRef> {
+        let placed = self.placed(layout).into_solids();
+        self.mapper.scene().solid_at(&placed, point)
+    }
+
+    /// Returns up to `wanted` postures of a layout that can be measured, spread evenly over the joint space.
+    ///
+    /// Postures are points of a Halton sequence within the joint limits and the margins of the cell. The seed
+    /// chooses the part of the sequence. The reflector is in the frame of the mechanical interface, m. Without
+    /// a sightline every posture is visible. `progress` gets the number of postures found.
+    pub fn measurable_poses(
+        &self,
+        layout: &Layout,
+        reflector: &Vector3<f64>,
+        sightline: Option<&Sightline>,
+        (wanted, seed): (usize, u64),
+        progress: &mut dyn FnMut(usize),
+    ) -> MeasurablePoses {
+        let placed = self.placed(layout).into_solids();
+        let (scene, chain) = (self.mapper.scene(), self.mapper.chain());
+        let (base, mut memory) = (layout.base.pose(), ContactMemory::default());
+        let mut found = MeasurablePoses::default();
+        let tries = MAX_TRIES * wanted;
+        let first = (seed as usize).wrapping_mul(tries) % u32::MAX as usize;
+        for k in first..first + tries {
+            if found.joints.len() == wanted {
+                break;
+            }
+            let joints = chain.halton_sample(k);
+            let frames = chain.frames(&chain.posture(&joints));
+            let interface = base * frames.links[chain.axes()];
+            let faces = sightline.is_none_or(|sightline| sightline.faces(&interface, reflector));
+            if !scene.is_free(&placed, &frames.links, None, &mut memory) {
+                found.colliding += 1;
+            } else if !faces
+                || sightline.is_some_and(|sightline| {
+                    let at = interface.transform(reflector);
+                    scene.hides(&placed, &frames.links, &at, &sightline.instrument).is_some()
+                })
+            {
+                found.hidden += 1;
+            } else {
+                found.joints.push(joints);
+                progress(found.joints.len());
+            }
+        }
+        found
+    }
+
+    /// Returns the place of a reflector (m, frame of the mechanical interface) in the world at a posture.
+    pub fn reflector_at(
+        &self,
+        layout: &Layout,
+        joints: &JointVector,
+        reflector: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let frames = self.mapper.frames(joints);
+        (layout.base.pose() * frames.links[self.mapper.chain().axes()]).transform(reflector)
+    }
+}
+
+impl Sightline {
+    /// Returns whether the reflector opens toward the instrument.
+    fn faces(&self, interface: &Pose, reflector: &Vector3<f64>) -> bool {
+        self.opening.is_none_or(|(axis, angle)| {
+            let line = self.instrument - interface.transform(reflector);
+            (interface.rotation * axis).angle(&line) <= angle
+        })
+    }
+}

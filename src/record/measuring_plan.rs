@@ -1,0 +1,105 @@
+//! The document of `calibrate --plan --json`.
+
+use super::numbers::{joints, millimetres, nine_digits, position_mm};
+use crate::calibration::UnmodelledError;
+use crate::cell::{Cell, JointVector};
+use crate::layout::MeasurablePoses;
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `calibrate --plan --json`.
+pub const MEASURING_PLAN_SCHEMA: &str = "sweetspot/measuring-plan/1";
+
+/// Poses to be measured for a calibration that serves the operations of a cell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuringPlanDocument {
+    #[schemars(extend("const" = MEASURING_PLAN_SCHEMA))]
+    pub schema: String,
+    pub cell: String,
+    pub robot: String,
+    /// Poses in the layout as drawn, the most telling first.
+    pub poses: Vec<PlannedPoseEntry>,
+    pub expected: ExpectedEntry,
+    pub tried: TriedEntry,
+    /// Number of unknowns of the calibration, with those of base and reflector.
+    pub unknowns: usize,
+    /// Place of the reflector in the frame of the mechanical interface.
+    pub reflector_mm: [f64; 3],
+    /// Place of the instrument in the world frame; null if visibility was not checked.
+    pub tracker_mm: Option<[f64; 3]>,
+    pub seed: u64,
+}
+
+/// Pose to be measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlannedPoseEntry {
+    /// Number of the pose, counted from 1.
+    pub pose: usize,
+    /// Joint coordinates, degrees or mm.
+    pub joints: Vec<f64>,
+    /// Nominal place of the reflector in the world frame.
+    pub reflector_mm: [f64; 3],
+}
+
+/// Expected root mean square error of predicted positions at the operations.
+///
+/// The base is registered anew. The part of the error that the unknowns do not explain is not counted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectedEntry {
+    /// Number of usable nodes of all operations over which the error is averaged.
+    pub nodes: usize,
+    /// Error without a measurement, from the standard deviations of the unknowns.
+    pub before_mm: f64,
+    /// Error after the planned poses are measured.
+    pub after_mm: f64,
+    /// Error after as many poses that only fill the joint space evenly.
+    pub evenly_spread_mm: f64,
+    /// Assumed standard deviation per axis of the unexplained error that nearby poses share.
+    pub shared_misfit_mm: f64,
+    /// Assumed standard deviation per axis of the unexplained error of each pose.
+    pub own_misfit_mm: f64,
+}
+
+/// Postures that were tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TriedEntry {
+    /// Number of postures among which the plan chose.
+    pub candidates: usize,
+    /// Number of postures that touch something or come nearer than the clearance.
+    pub colliding: usize,
+    /// Number of other postures at which the tracker does not see the reflector.
+    pub hidden: usize,
+}
+
+impl ExpectedEntry {
+    /// Returns the entry for expected errors in m: before, after, and after evenly spread poses.
+    pub fn new(nodes: usize, [before, after, evenly]: [f64; 3], error: UnmodelledError) -> Self {
+        Self {
+            nodes,
+            before_mm: millimetres(before),
+            after_mm: millimetres(after),
+            evenly_spread_mm: millimetres(evenly),
+            shared_misfit_mm: millimetres(error.shared),
+            own_misfit_mm: millimetres(error.own),
+        }
+    }
+}
+
+impl TriedEntry {
+    pub fn new(found: &MeasurablePoses) -> Self {
+        Self { candidates: found.joints.len(), colliding: found.colliding, hidden: found.hidden }
+    }
+}
+
+impl PlannedPoseEntry {
+    /// Returns the entry of pose number `pose`; the place of the reflector is in the world frame, m.
+    pub fn new(cell: &Cell, pose: usize, q: &JointVector, reflector: &Vector3<f64>) -> Self {
+        let joints = joints(cell, q).into_iter().map(nine_digits).collect();
+        Self { pose, joints, reflector_mm: position_mm(reflector) }
+    }
+}

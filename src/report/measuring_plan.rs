@@ -1,0 +1,26 @@
+//! A plan of measuring poses as CSV that is filled in with the measured positions.
+
+use super::csv::put;
+use crate::cell::{Cell, JointKind};
+use crate::record::MeasuringPlanDocument;
+
+/// Writes one row for each pose: number, joint coordinates and empty columns for the measured position.
+///
+/// # Errors
+/// Fails if the csv writer fails, which is not expected because it writes to memory.
+pub fn csv(cell: &Cell, document: &MeasuringPlanDocument) -> Result<Vec<u8>, String> {
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    let units = cell.robot.joints.iter().map(|joint| match joint.kind {
+        JointKind::Revolute => "deg",
+        JointKind::Prismatic => "mm",
+    });
+    let joints = units.enumerate().map(|(k, unit)| format!("q{}_{unit}", k + 1));
+    let position = ["x_mm", "y_mm", "z_mm"].map(String::from);
+    put(&mut writer, &["pose".into()].into_iter().chain(joints).chain(position).collect::<Vec<_>>())?;
+    for planned in &document.poses {
+        let joints = planned.joints.iter().map(f64::to_string);
+        let row = [planned.pose.to_string()].into_iter().chain(joints).chain([(); 3].map(|()| String::new()));
+        put(&mut writer, &row.collect::<Vec<_>>())?;
+    }
+    writer.into_inner().map_err(|e| e.to_string())
+}

@@ -1,0 +1,49 @@
+//! Text of a plan of measuring poses.
+
+use super::fixed;
+use super::table::TextTable;
+use crate::files::shown;
+use crate::record::MeasuringPlanDocument;
+use std::fmt::Write;
+
+/// Returns the poses of a plan and the expected error before and after they are measured.
+pub fn measuring_plan(document: &MeasuringPlanDocument) -> String {
+    let (expected, tried) = (&document.expected, &document.tried);
+    let mut out = format!(
+        "{}: {} poses to calibrate {}, chosen among {} ({} others collide, {} are hidden)\n\n",
+        shown(&document.cell),
+        document.poses.len(),
+        shown(&document.robot),
+        tried.candidates,
+        tried.colliding,
+        tried.hidden
+    );
+    let axes = document.poses.first().map_or(0, |pose| pose.joints.len());
+    let mut table = TextTable::indented(1);
+    let joints = (1..=axes).map(|k| format!("q{k}"));
+    let heads = ["reflector x", "y", "z"].map(String::from);
+    table.row(["pose".to_string()].into_iter().chain(joints).chain(heads));
+    for planned in &document.poses {
+        let joints = planned.joints.iter().map(|q| fixed(*q, 2));
+        let place = planned.reflector_mm.map(|mm| fixed(mm, 1));
+        table.row([planned.pose.to_string()].into_iter().chain(joints).chain(place));
+    }
+    out.push_str(&table.render());
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        out,
+        "\nExpected rms error of predicted positions at {} nodes of the operations, after registration of the \
+         base: {} mm before, {} mm after these poses ({} mm after {} poses that only fill the joint space). What \
+         the {} unknowns do not explain comes on top; assumed are {} mm per axis that nearby poses share, and {} \
+         mm of each pose.",
+        expected.nodes,
+        fixed(expected.before_mm, 3),
+        fixed(expected.after_mm, 3),
+        fixed(expected.evenly_spread_mm, 3),
+        document.poses.len(),
+        document.unknowns,
+        fixed(expected.shared_misfit_mm, 2),
+        fixed(expected.own_misfit_mm, 2),
+    );
+    out
+}
