@@ -47,7 +47,7 @@ impl Data {
         let chain = Chain::new(&robot);
         let joints: Vec<_> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
         let table = |series: &&str| {
-            let table = files::measured::read(series, &text_of(series), &joints, &[]).expect("a table");
+            let table = files::measured::read(series, &text_of(series), &joints, &[], None).expect("a table");
             let reading = explain(&chain, &table.rows, robot.reach()).expect("a reading");
             table.rows.iter().map(|raw| reading.applied(&chain, raw)).collect()
         };
@@ -56,7 +56,7 @@ impl Data {
         let spots = a.lines().skip(1).filter(|line| !line.trim().is_empty()).map(|line| {
             let mut fields =
                 line.split(';').skip(1).map(|f| f.replace(',', ".").parse::<f64>().expect("a number"));
-            std::array::from_fn(|_| (fields.next().expect("a coordinate") * 10.0).round() as i64)
+            std::array::from_fn(|_| (fields.next().expect("a coordinate") * 10.0).round_ties_even() as i64)
         });
         Self { spots: spots.collect(), series, chain }
     }

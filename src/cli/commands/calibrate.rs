@@ -7,7 +7,6 @@ use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::suggest;
 use crate::calibration::{Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn};
-use crate::cell::Robot;
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, json_text, output};

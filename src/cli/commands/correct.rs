@@ -1,11 +1,12 @@
 //! `correct`: the joint and pose commands with which a robot with known errors lands on its targets.
 
+use super::measurements::text;
 use super::{suggest, workcell};
 use crate::assess::{CorrectedTarget, NodeChoice, OperationCorrector, StatedTarget};
 use crate::cell::{Cell, ErrorSet};
 use crate::cli::arguments::{CorrectArguments, TargetFrame};
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, asked, json_text, loading, lookup, output, results_folder};
+use crate::cli::{Exit, asked, json_text, lookup, output, results_folder};
 use crate::error_map::OperationMap;
 use crate::files::{shown, targets};
 use crate::layout::Workcell;
@@ -133,7 +134,7 @@ fn of_table(
     operation: usize,
 ) -> Result<Vec<CorrectionEntry>, Exit> {
     let cell = &workcell.cell;
-    let rows = targets::read(&path_word(path), &loading::read_text(path)?).map_err(|faults| {
+    let rows = targets::read(&path_word(path), &text(path)?).map_err(|faults| {
         output::faults(&faults);
         Exit::BadInput
     })?;

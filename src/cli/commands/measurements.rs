@@ -89,7 +89,7 @@ fn table(path: &Path, joints: &[Joint], options: &TableOptions<'_>) -> Result<Me
 }
 
 /// Reads the text of a data file in any usual encoding.
-fn text(path: &Path) -> Result<String, Exit> {
+pub fn text(path: &Path) -> Result<String, Exit> {
     decode(&loading::read_data(path)?).map_err(|why| {
         let help = "export the table as CSV or text";
         output::faults(&[Fault::of_file(&path.to_string_lossy(), why, help)]);

@@ -14,6 +14,8 @@ use std::cmp::Ordering;
 const STEPS: usize = 100;
 /// Largest step, in standard deviations before the measurement, at which the fit has converged.
 const CONVERGED: f64 = 1e-6;
+/// Number of steps after which the steps of the variances become shorter.
+const PATIENCE: usize = 15;
 /// Largest relative change of a variance at which the fit has converged.
 const SETTLED: f64 = 1e-3;
 /// Normalised residual above which the loss grows linearly (Huber 1964).
@@ -113,15 +115,15 @@ impl<'a> Fit<'a> {
 
     fn solved(mut self, sessions: &[MeasuringSession], finds_misfit: bool) -> Result<Self, String> {
         let (unknowns, priors) = (self.question.unknowns, self.question.priors);
-        for _ in 0..STEPS {
+        for step in 0..STEPS {
             // Far from the minimum, the Hessian can be indefinite.
             let (hessian, right) = self.equations(sessions, 1.0);
             let factor = hessian.cholesky().or_else(|| self.equations(sessions, 0.0).0.cholesky());
             let Some(factor) = factor else {
                 return Err("the measured positions do not determine base and reflector".into());
             };
-            let step = factor.solve(&right);
-            let (of_unknowns, of_sessions) = step.as_slice().split_at(unknowns.len());
+            let by = factor.solve(&right);
+            let (of_unknowns, of_sessions) = by.as_slice().split_at(unknowns.len());
             self.values.iter_mut().zip(of_unknowns).for_each(|(value, by)| *value += by);
             let mut left = of_sessions;
             for (session, frames) in sessions.iter().zip(&mut self.frames) {
@@ -130,9 +132,18 @@ impl<'a> Fit<'a> {
                 left = others;
             }
             self.covariance = factor.inverse();
-            let change = if finds_misfit { self.improve_misfit(sessions) } else { 0.0 };
+            // Where the variances swing, shorter steps settle them.
+            let share = 1.0 / (1.0 + (step / PATIENCE) as f64);
+            let change = if finds_misfit { self.improve_misfit(sessions, share) } else { 0.0 };
             let largest =
                 of_unknowns.iter().zip(priors).fold(0.0_f64, |most, (by, s)| most.max((by / s).abs()));
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "{step} {largest:e} {change:e} {:?} {:e}",
+                    self.misfit.joints.iter().map(|v| v.sqrt() * 1e3).collect::<Vec<_>>(),
+                    self.misfit.position.sqrt()
+                );
+            }
             if largest < CONVERGED && change < SETTLED {
                 return Ok(self);
             }
@@ -140,8 +151,8 @@ impl<'a> Fit<'a> {
         Err(format!("the fit has not converged after {STEPS} steps"))
     }
 
-    /// Takes one step of the variances, and returns their largest relative change.
-    fn improve_misfit(&mut self, sessions: &[MeasuringSession]) -> f64 {
+    /// Takes a share of one step of the variances, and returns their largest relative change.
+    fn improve_misfit(&mut self, sessions: &[MeasuringSession], share: f64) -> f64 {
         let mut scores = Scores::none();
         for (s, session) in sessions.iter().enumerate() {
             let own = self.own_covariance(sessions, s);
@@ -153,7 +164,7 @@ impl<'a> Fit<'a> {
                 scores.add(&equation.drives, &equation.factor.inverse(), &scatter);
             }
         }
-        let (misfit, change) = self.misfit.improved(&scores);
+        let (misfit, change) = self.misfit.improved(&scores, share);
         self.misfit = misfit;
         change
     }

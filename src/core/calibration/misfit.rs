@@ -24,8 +24,10 @@ const EXPECTED_ANGLE: f64 = 3e-4;
 const FINEST_JOINT: f64 = 1e-7;
 /// Smallest standard deviation of a position, m.
 const FINEST_POSITION: f64 = 1e-9;
-/// Least ratio of a variance to that of the step before.
-const STEEPEST: f64 = 0.1;
+/// Largest ratio of the variances of two steps.
+const STEEPEST: f64 = 10.0;
+/// Share of the expected variance of a joint at which a change no longer matters.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// Variances of the errors that the identified parameters do not explain.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,8 +59,8 @@ impl Misfit {
         drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)
     }
 
-    /// Returns the variances after one step of the scoring, and their largest relative change.
-    pub fn improved(&self, scores: &Scores) -> (Self, f64) {
+    /// Returns the variances after a share of one step of the scoring, and their largest relative change.
+    pub fn improved(&self, scores: &Scores, share: f64) -> (Self, f64) {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);
         let mut gradient = DVector::from_fn(count, |i, _| scores.gradient[i]);
@@ -77,10 +79,12 @@ impl Misfit {
         let mut next = self.clone();
         let mut change = 0.0_f64;
         let finest = std::iter::repeat_n(FINEST_JOINT, count - 1).chain([FINEST_POSITION]);
+        let negligible = self.expected.iter().map(|v| NEGLIGIBLE * v).chain([0.0]);
         let variances = next.joints.iter_mut().chain([&mut next.position]);
-        for (k, (v, finest)) in variances.zip(finest).enumerate() {
-            let moved = (*v + step[k] / scale[k]).max(STEEPEST * *v).max(finest.powi(2));
-            change = change.max((moved / *v - 1.0).abs());
+        for (k, ((v, finest), negligible)) in variances.zip(finest).zip(negligible).enumerate() {
+            let moved = (*v + step[k] / scale[k] * share).clamp(*v / STEEPEST, *v * STEEPEST);
+            let moved = moved.max(finest.powi(2));
+            change = change.max((moved - *v).abs() / (*v + negligible));
             *v = moved;
         }
         (next, change)
