@@ -14,10 +14,12 @@ use std::cmp::Ordering;
 const STEPS: usize = 100;
 /// Largest step, in standard deviations before the measurement, at which the fit has converged.
 const CONVERGED: f64 = 1e-6;
-/// Number of steps after which the steps of the variances become shorter.
-const PATIENCE: usize = 15;
-/// Largest relative change of a variance at which the fit has converged.
-const SETTLED: f64 = 1e-3;
+/// Smallest share of a step of the variances.
+const LEAST_SHARE: f64 = 0.1;
+/// Largest step at which the variances may settle.
+const ROUGHLY: f64 = 1e-3;
+/// Largest relative change of a variance that has settled.
+const SETTLED: f64 = 1e-2;
 /// Normalised residual above which the loss grows linearly (Huber 1964).
 const HUBER: f64 = 4.0;
 /// Standard deviation of the coordinates of a reflector before the measurement, m.
@@ -115,7 +117,8 @@ impl<'a> Fit<'a> {
 
     fn solved(mut self, sessions: &[MeasuringSession], finds_misfit: bool) -> Result<Self, String> {
         let (unknowns, priors) = (self.question.unknowns, self.question.priors);
-        for step in 0..STEPS {
+        let (mut share, mut before) = (1.0, f64::INFINITY);
+        for _ in 0..STEPS {
             // Far from the minimum, the Hessian can be indefinite.
             let (hessian, right) = self.equations(sessions, 1.0);
             let factor = hessian.cholesky().or_else(|| self.equations(sessions, 0.0).0.cholesky());
@@ -132,19 +135,17 @@ impl<'a> Fit<'a> {
                 left = others;
             }
             self.covariance = factor.inverse();
-            // Where the variances swing, shorter steps settle them.
-            let share = 1.0 / (1.0 + (step / PATIENCE) as f64);
             let change = if finds_misfit { self.improve_misfit(sessions, share) } else { 0.0 };
+            // Where the variances swing, shorter steps settle them.
+            share = if change > before { (share / 2.0).max(LEAST_SHARE) } else { (share * 1.5).min(1.0) };
+            before = change;
             let largest =
                 of_unknowns.iter().zip(priors).fold(0.0_f64, |most, (by, s)| most.max((by / s).abs()));
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "{step} {largest:e} {change:e} {:?} {:e}",
-                    self.misfit.joints.iter().map(|v| v.sqrt() * 1e3).collect::<Vec<_>>(),
-                    self.misfit.position.sqrt()
-                );
+            if finds_misfit && largest < ROUGHLY && change < SETTLED {
+                // The last digits of the unknowns do not depend on those of the variances.
+                return self.solved(sessions, false);
             }
-            if largest < CONVERGED && change < SETTLED {
+            if !finds_misfit && largest < CONVERGED {
                 return Ok(self);
             }
         }
