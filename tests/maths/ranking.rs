@@ -114,6 +114,7 @@ fn drawn(rng: &mut ChaCha8Rng) -> Cell {
     let joints = rng.random_range(0..3) == 0;
     let value = |p: Parameter| match p {
         Parameter::Joint(..) if !joints => 0.0,
+        p if p.is_elastic() => 0.0,
         _ => rng.random_range(-size..size),
     };
     let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
@@ -209,7 +210,13 @@ fn vary(cell: &mut Cell, variant: usize, rng: &mut ChaCha8Rng) {
         && let ErrorSet::Signed(_) = &cell.robot.errors[cell.errors]
     {
         let values: Vec<f64> = Parameter::of_robot(axes)
-            .map(|p| if matches!(p, Parameter::Joint(..)) { 0.0 } else { rng.random_range(-2e-4..2e-4) })
+            .map(|p| {
+                if matches!(p, Parameter::Joint(..)) || p.is_elastic() {
+                    0.0
+                } else {
+                    rng.random_range(-2e-4..2e-4)
+                }
+            })
             .collect();
         cell.robot.errors[cell.errors] =
             ErrorSet::Signed(SignedErrors::of_values("drawn".into(), axes, &values));

@@ -17,7 +17,7 @@
 //! | `coordinates` | the coordinates of the boxes, and the joint limits in them |
 //! | `taylor_model` | second-order expansions with a bound of the remainder |
 //! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
-//! | `value_bound` | the lower bound of a value in any reading |
+//! | `value_bound`, `rigid_factors` | the lower bound of a value in any reading |
 //! | `task` | one operation, prepared for bounding |
 //! | `branch_and_bound`, `witness` | the search over boxes, and postures in them |
 //!
@@ -30,6 +30,7 @@ mod coordinates;
 mod linear_effects;
 mod nonlinear_error;
 mod region;
+mod rigid_factors;
 mod task;
 mod taylor_model;
 mod value_bound;

@@ -1,14 +1,15 @@
 //! Error sources of an operation: the parameters of robot and equipment that have errors.
 
 use crate::cell::{
-    Cell, ErrorSet, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance,
+    Cell, ErrorSet, MAX_ERRORS, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread,
+    Tolerance,
 };
 use crate::kinematic_error::{Expansion, FrameError, Perturbation};
 use crate::robot::Chain;
 use nalgebra::DMatrix;
 
-/// Largest number of sources of one operation: all parameters of the robot and of two pieces of equipment.
-pub const MAX_SOURCES: usize = MAX_PARAMETERS + 2 * PER_FRAME;
+/// Largest number of sources of one operation: parameters of the robot and of two pieces of equipment.
+pub const MAX_SOURCES: usize = MAX_ERRORS + 2 * PER_FRAME;
 
 /// Parameter of robot or equipment that has an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +38,8 @@ pub struct ErrorSources {
     /// Each factor is a list of sources: the index of each source, and its value at one standard deviation of
     /// the factor.
     pub factors: Vec<Vec<(usize, f64)>>,
-    /// Number of robot parameters in a sample. If no joint frame has an error, the parameters of the joint
-    /// frames are left out.
+    /// Number of robot parameters in a sample. The parameters of the joint frames and the elastic parameters
+    /// are left out if none of them has an error.
     parameters: usize,
     /// Indices of two pieces of equipment: the one on which the robot works, and the one from which it picked
     /// the part.
@@ -72,8 +73,12 @@ impl ErrorSources {
         }
         let factors = factors(&tolerance, &place);
         factors.iter().flatten().for_each(|&(k, _)| list[k].spread = None);
-        let joints = list.iter().any(|s| matches!(s.parameter, Parameter::Joint(..)));
-        let parameters = if joints { signed.len() } else { Parameter::first_joint(axes) };
+        let robot = list.iter().filter_map(|s| s.robot);
+        let parameters = match robot.max() {
+            Some(last) if last >= Parameter::first_elastic(axes) => Parameter::count(axes),
+            Some(last) if last >= Parameter::first_joint(axes) => Parameter::first_elastic(axes),
+            _ => Parameter::first_joint(axes),
+        };
         Self { list, factors, parameters, at }
     }
 

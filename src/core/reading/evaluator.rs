@@ -65,7 +65,7 @@ impl EvaluatorScratch {
 impl ErrorEvaluator {
     /// Prepares the evaluator of one operation of a cell.
     pub fn new(cell: &Cell, operation: &Operation) -> Self {
-        let chain = Chain::new(&cell.robot);
+        let chain = Chain::new(&cell.robot).carrying(&operation.held);
         let other = operation.relative_to.map(|k| cell.operations[k].equipment);
         let sources = ErrorSources::new(cell, operation.equipment, other);
         let mean = cell.model != Model::Linear;
@@ -123,6 +123,11 @@ impl ErrorEvaluator {
     /// Returns whether [`Self::value`] is the same, bit by bit, after a rotation of the tool by the last joint.
     pub fn ignores_spin(&self) -> bool {
         self.ignores_spin
+    }
+
+    /// Returns the chain of the robot with the part that it holds at this operation.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
     }
 
     /// Returns the propagation of parameter errors for this operation.

@@ -8,5 +8,7 @@
 //! directly never calls a trigonometric function.
 
 mod chain;
+mod gravity;
 
 pub use chain::{Chain, Frames, Link, Posture};
+pub use gravity::{Load, Loads, STANDARD_GRAVITY, gravity_torque, lever};

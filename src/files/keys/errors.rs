@@ -71,6 +71,14 @@ key_table! {
 }
 
 key_table! {
+    elastic_term, "an elastic term", "Deflection of a joint by the weight at and beyond the end of a link: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number from 1 or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose lever counts, from the frame before row `link` to the frame after it: the joint itself or a later one.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
+        VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
+    }
+}
+
+key_table! {
     distribution, "`distribution`", "Distributions of the plus-or-minus values of rows and frames.", {
         DEFAULT = word::<Distribution>("default", "Distribution of all errors whose key is left out.").default(Literal::Word(Distribution::Normal.name()));
         DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one for each joint.");
@@ -81,16 +89,18 @@ key_table! {
         BASE = Key::new("base", BY_COMPONENT, "Distribution of the errors of the base frame: one word, or six for x, y, z and the rotations about them.");
         TOOL = Key::new("tool", BY_COMPONENT, "Distribution of the errors of the TCP: one word, or six for x, y, z and the rotations about them.");
         JOINTS = Key::new("joints", BY_COMPONENT, "Distribution of the errors of every joint frame: one word, or six for x, y, z and the rotations about them.");
+        ELASTIC = word::<Distribution>("elastic", "Distribution of all elastic terms.");
+        COMPLIANCE = Key::new("compliance", BY_JOINT, "Distribution of compliance_deg_per_Nm: one word, or a list with one for each joint.");
     }
 }
 
 /// Help text that lists the names of the parameters of a covariance.
-pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x)";
+pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2)";
 
 key_table! {
     covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters, whose plus-or-minus values must be 0.", {
-        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
-        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, one row for each of the parameters: mm2, mm times degrees, or degrees2.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
+        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
+        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, one row for each of the parameters: products of mm, degrees, degrees per m and degrees per N m.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }
 }
 
@@ -107,6 +117,8 @@ key_table! {
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
         JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves its joint and everything after it. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
+        ELASTIC = Key::new("elastic", ValueKind::List(&ValueKind::Table(&elastic_term::TABLE), (0, MANY), "elastic terms"), "Deflections of joints by gravity, as a calibration identifies them; each depends on the posture.").example("[{ joint = 2, link = 3, deg_per_m = -0.05 }]");
+        COMPLIANCE = Key::new("compliance_deg_per_Nm", POSTURE, "Compliances of the joints: the deflection per torque of gravity by the masses of links, tool and held part; one for each joint, 0 for a prismatic one.");
         DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table with words for rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");

@@ -1,5 +1,6 @@
 //! Reader of the error sets of a robot: signed samples or tolerances of its kinematic parameters.
 
+use super::elastic;
 use super::frame_error;
 use super::row_order::ErrorRows;
 use super::tolerance;
@@ -55,17 +56,19 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
     let base = frame_error::read_part(t, &error_set::BASE, range);
     let tool = frame_error::read_part(t, &error_set::TOOL, range);
     let joints = frame_error::read_joints(t, arm, range);
+    let elastic = elastic::read(t, arm, range);
     let (dq_deg, dq_mm) = (dq_deg?, dq_mm?);
     check_joint_kinds(t, &error_set::DQ_DEG, &dq_deg, arm, JointKind::Revolute);
     check_joint_kinds(t, &error_set::DQ_MM, &dq_mm, arm, JointKind::Prismatic);
     // For every joint, one of the two values is zero.
     let dq = dq_deg.iter().zip(dq_mm).map(|(a, b)| a + b).collect();
     let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
-    let (base, tool, joints, name) = (base?, tool?, joints?, name.to_string());
+    let (base, tool, joints, elastic, name) = (base?, tool?, joints?, elastic?, name.to_string());
     if arm.modified {
         refuse_first_row(t, &base, &joints);
     }
-    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
+    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic };
+    elastic::refuse_too_many(elastic::count(&rows), t);
     let mut values = rows.values();
     arm.in_order(&mut values);
     Some(SignedErrors::of_values(name, n, &values))

@@ -74,6 +74,7 @@ pub fn read(t: &mut Table) -> Option<Robot> {
         tool: tip * tool,
         tool_axis,
         tool_solids: solids.len() - own_solids,
+        masses: Vec::new(),
         solids,
         self_collision: self_collision?,
         footprint,

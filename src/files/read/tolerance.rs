@@ -66,12 +66,16 @@ fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
         // The words of `joints` apply to every joint frame.
         let frames = [distribution::BASE, distribution::TOOL, distribution::JOINTS];
         let frames = frames.map(|key| read_words(t, &key, PER_FRAME, default));
+        let elastic = t.if_given(&distribution::ELASTIC, Table::word).map(|word| word.unwrap_or(default));
+        let compliance = read_words(t, &distribution::COMPLIANCE, axes, default);
         let [links, frames] =
             [links.to_vec(), frames.to_vec()].map(|w| w.into_iter().collect::<Option<Vec<_>>>());
         let (links, frames) = (links?, frames?);
         let by_link = (0..axes).flat_map(|i| links.iter().map(move |row| row[i]));
         let joints = frames[2].repeat(axes.saturating_sub(1));
-        Some(by_link.chain(frames.into_iter().flatten()).chain(joints).collect())
+        let terms = vec![elastic?; axes * (axes + 1) / 2];
+        let frames = frames.into_iter().flatten().chain(joints);
+        Some(by_link.chain(frames).chain(terms).chain(compliance?).collect())
     })
 }
 

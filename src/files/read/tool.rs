@@ -67,7 +67,7 @@ pub fn mount(
 pub fn read_held(t: &mut Table) -> Option<HeldPart> {
     let solids = solid::read_all(t, &held::SOLID);
     let touches_surface = t.boolean(&held::TOUCHES);
-    Some(HeldPart { solids, touches_surface: touches_surface? })
+    Some(HeldPart { solids, touches_surface: touches_surface?, mass: 0.0, centre: Vector3::zeros() })
 }
 
 /// Reads `self_collision`: true or false, or `{ allowed = [["NAME", "NAME"], ...] }`, the pairs that may touch.

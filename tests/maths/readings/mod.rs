@@ -1,6 +1,6 @@
 //! Tests the readings of the errors against brute force, Monte Carlo, closed forms and published values.
 
-mod bench;
+pub mod bench;
 mod best_fit;
 mod bounded;
 mod joint;
