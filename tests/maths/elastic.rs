@@ -291,3 +291,61 @@ fn the_worst_case_of_elastic_errors_agrees_with_all_corners() {
         assert!((got - worst).abs() < 1e-12, "{got} instead of {worst}");
     }
 }
+
+/// A part weighs like a mass of the last link, at its centre in the frame of the TCP.
+#[test]
+fn a_held_part_weighs_like_a_mass_of_the_last_link() {
+    let mut rng = ChaCha8Rng::seed_from_u64(34);
+    let mut arm = heavy_arm(&mut rng, 5);
+    let q = random_joints(&arm, &mut rng);
+    let centre = Vector3::new(0.05, -0.02, 0.11);
+    let part = HeldPart { mass: 7.0, centre, ..HeldPart::default() };
+    let carrying = Chain::new(&arm).carrying(&part);
+    arm.masses.push(LinkMass { link: 5, mass: 7.0, centre: arm.tool.transform(&centre) });
+    let values = values(5, &[(Parameter::Compliance(0), 1e-5), (Parameter::Compliance(3), 2e-5)]);
+    let frames = carrying.frames(&carrying.posture(&q));
+    let got = pose_error(&frames, &Perturbation::of_values(&carrying, &values), Model::Nonlinear);
+    let want = error(&arm, &q, &values, Model::Nonlinear);
+    assert!((got.position - want.position).norm() < 1e-15 && want.position.norm() > 1e-6);
+}
+
+/// The reference is a least-squares fit over many random postures.
+#[test]
+fn a_best_fit_of_elastic_errors_agrees_with_least_squares() {
+    let mut rng = ChaCha8Rng::seed_from_u64(35);
+    let mut cell = elastic_cell();
+    let set = cell.error_set().tolerance();
+    let signed: Vec<f64> = set.spreads.iter().map(|s| s.plus_minus).collect();
+    let axes = cell.robot.axes();
+    cell.robot.errors = vec![ErrorSet::Signed(SignedErrors::of_values("elastic".into(), axes, &signed))];
+    (cell.reading, cell.model) = (Reading::Signed, Model::Nonlinear);
+    cell.registration = Registration::BestFit;
+    let (evaluator, chain) = (gauge_of(&cell), Chain::new(&cell.robot));
+    let errors = Perturbation::of_values(&chain, &signed);
+    let at = |q: &JointVector| {
+        let frames = chain.frames(&chain.posture(q));
+        (frames, pose_error(&frames, &errors, Model::Nonlinear).position)
+    };
+    let (mut left, mut right) = (nalgebra::Matrix6::zeros(), nalgebra::Vector6::zeros());
+    let mut size = 0.0;
+    let count = 40_000;
+    for _ in 0..count {
+        let (frames, e) = at(&random_joints(&cell.robot, &mut rng));
+        let p = frames.tcp.translation;
+        let mut rows = nalgebra::Matrix3x6::zeros();
+        rows.fixed_view_mut::<3, 3>(0, 0).copy_from(&nalgebra::Matrix3::identity());
+        rows.fixed_view_mut::<3, 3>(0, 3).copy_from(&-p.cross_matrix());
+        left += rows.transpose() * rows;
+        right += rows.transpose() * e;
+        size += e.norm_squared() / f64::from(count);
+    }
+    let twist = left.cholesky().unwrap().solve(&right);
+    let (v, w) = (twist.fixed_rows::<3>(0).into_owned(), twist.fixed_rows::<3>(3).into_owned());
+    assert!(v.norm() > 0.1 * size.sqrt(), "the fit must remove much: {v}");
+    for k in 0..8 {
+        let (frames, e) = at(&chain.halton_sample(5 + 3 * k));
+        let want = (e - v - w.cross(&frames.tcp.translation)).norm();
+        let got = evaluator.value(&alone(), &frames, &mut evaluator.memory());
+        assert!((got - want).abs() < 0.03 * size.sqrt(), "{got} instead of {want} of {}", size.sqrt());
+    }
+}

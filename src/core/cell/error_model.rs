@@ -264,11 +264,21 @@ pub struct Tolerance {
     pub covariance: Option<Covariance>,
 }
 
+/// Errors of one robot as a calibration identified them: values, and how uncertain these are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredErrors {
+    /// Values with their signs: the means of the parameters.
+    pub mean: SignedErrors,
+    /// Deviations of the parameters from their means.
+    pub spread: Tolerance,
+}
+
 /// Named error set of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ErrorSet {
     Signed(SignedErrors),
     Tolerance(Tolerance),
+    Measured(Box<MeasuredErrors>),
 }
 
 impl ErrorSet {
@@ -276,14 +286,32 @@ impl ErrorSet {
         match self {
             ErrorSet::Signed(e) => &e.name,
             ErrorSet::Tolerance(t) => &t.name,
+            ErrorSet::Measured(m) => &m.mean.name,
         }
     }
 
+    /// Returns the signed sample of the set; None if the set consists of tolerances.
+    pub fn signed(&self) -> Option<&SignedErrors> {
+        match self {
+            ErrorSet::Signed(errors) => Some(errors),
+            ErrorSet::Tolerance(_) => None,
+            ErrorSet::Measured(measured) => Some(&measured.mean),
+        }
+    }
+
+    /// Returns the means about which the parameters vary; None if they vary about 0.
+    ///
+    /// A signed sample read as tolerances varies about 0.
+    pub fn mean(&self) -> Option<&SignedErrors> {
+        if let ErrorSet::Measured(measured) = self { Some(&measured.mean) } else { None }
+    }
+
     /// Returns the error set as tolerances. For a signed sample, the half widths are the magnitudes of its
-    /// values.
+    /// values. For measured errors, the tolerances are deviations from the means.
     pub fn tolerance(&self) -> Tolerance {
         match self {
             ErrorSet::Tolerance(t) => t.clone(),
+            ErrorSet::Measured(m) => m.spread.clone(),
             ErrorSet::Signed(e) => Tolerance {
                 name: e.name.clone(),
                 spreads: e.values().into_iter().map(Spread::of_magnitude).collect(),

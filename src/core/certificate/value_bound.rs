@@ -44,6 +44,8 @@ pub enum NoValueBound {
     ManyRows,
     /// Elastic errors change with the posture.
     Elastic,
+    /// The errors vary about means that are not 0.
+    Mean,
 }
 
 impl NoValueBound {
@@ -58,6 +60,7 @@ impl NoValueBound {
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three rows",
             Self::Elastic => "its elastic errors change with the posture",
+            Self::Mean => "its errors vary about measured means",
         }
     }
 }
@@ -124,6 +127,9 @@ impl ValueBound {
         let list = &evaluator.sources.list;
         if list.iter().any(|source| source.parameter.is_elastic()) {
             return Err(NoValueBound::Elastic);
+        }
+        if evaluator.reading != Reading::Signed && evaluator.has_mean() {
+            return Err(NoValueBound::Mean);
         }
         match evaluator.reading {
             Reading::Statistical if evaluator.quantity == Quantity::Yield => return Err(NoValueBound::Share),

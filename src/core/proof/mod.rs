@@ -95,6 +95,8 @@ pub enum WhyNot {
     Share,
     /// The lower bound did not rise above 0 within the allowed number of boxes of joint coordinates.
     Boxes,
+    /// The errors vary about means that are not 0, and the model of their worst case is not linear.
+    Mean,
     /// Monte Carlo samples refute the first-order value of the operation, to which the bound applies.
     Refuted,
 }
@@ -115,6 +117,7 @@ impl WhyNot {
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",
             Self::Boxes => "no bound above 0 was found within the boxes allowed",
+            Self::Mean => "a nonlinear worst case about measured means has no bound",
             Self::Refuted => "a bound would be of its first-order figure, which the samples refute",
         }
     }

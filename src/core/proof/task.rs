@@ -62,6 +62,10 @@ impl<'a> Task<'a> {
         refuse(cell, region.operation)?;
         let rows = rows(cell, evaluator, region.operation)?;
         let sample = evaluator.reading == Reading::Signed && evaluator.model != Model::Linear;
+        let is_corner = evaluator.reading == Reading::WorstCase && evaluator.model != Model::Linear;
+        if is_corner && evaluator.has_mean() {
+            return Err(WhyNot::Mean);
+        }
         if rows.iter().any(|r| r.turns)
             && evaluator.model != Model::Linear
             && evaluator.reading != Reading::Statistical

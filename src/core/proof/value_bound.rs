@@ -16,6 +16,9 @@
 //! lower bound: a farthest corner and a centred distribution only grow with further independent sources. For
 //! correlated sources, the other errors count as far as they do not depend on the elastic ones.
 //!
+//! Means of measured errors do not count either: the farthest corner about a mean is at least as far as that
+//! about 0, because the mean has the same or the opposite direction, and a mean enlarges each statistic.
+//!
 //! For the mean of |e| this bound is the tangent of a convex function of the effects. Percentiles have a
 //! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the
 //! squared percentile is a convex function of the covariance S. We know no proof of this assumption.

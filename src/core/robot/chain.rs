@@ -1,6 +1,6 @@
 //! The Denavit-Hartenberg chain and its forward kinematics.
 
-use super::gravity::Loads;
+use super::loads::Loads;
 use crate::cell::{HeldPart, JointKind, JointVector, MAX_JOINTS, Margins, Robot};
 use crate::low_discrepancy::halton;
 use crate::pose::{Pose, exact_sin_cos};

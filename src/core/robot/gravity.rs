@@ -5,32 +5,11 @@
 //! which is part of every frame used here.
 
 use super::Frames;
-use crate::cell::MAX_JOINTS;
+use super::loads::Loads;
 use nalgebra::Vector3;
 
 /// Standard acceleration of gravity, m/s2 (ISO 80000-3).
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
-
-/// Masses that move with each Denavit-Hartenberg frame: entry k for the frame after link k, entry 0 for the
-/// base, which no joint carries.
-pub type Loads = [Load; MAX_JOINTS + 1];
-
-/// Masses that move with one frame.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Load {
-    /// Total mass, kg.
-    pub mass: f64,
-    /// Sum of every mass times its centre in the frame, kg m.
-    pub moment: Vector3<f64>,
-}
-
-impl Load {
-    /// Adds a mass (kg) with its centre in the frame (m).
-    pub fn add(&mut self, mass: f64, centre: &Vector3<f64>) {
-        self.mass += mass;
-        self.moment += centre * mass;
-    }
-}
 
 /// Returns the horizontal lever of a link about the axis of a joint, m: `z . (l x g)`.
 ///

@@ -9,6 +9,8 @@
 
 mod chain;
 mod gravity;
+mod loads;
 
 pub use chain::{Chain, Frames, Link, Posture};
-pub use gravity::{Load, Loads, STANDARD_GRAVITY, gravity_torque, lever};
+pub use gravity::{STANDARD_GRAVITY, gravity_torque, lever};
+pub use loads::{CarriedMass, Loads};

@@ -27,9 +27,45 @@ impl ErrorForm {
 
 words!(ErrorForm);
 
+/// Meaning of the numbers of an error set of a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorSetForm {
+    Plain(ErrorForm),
+    /// Errors of one robot with their signs, whose uncertainty a covariance gives.
+    Measured,
+}
+
+impl ErrorSetForm {
+    pub const ALL: [Self; 3] =
+        [Self::Plain(ErrorForm::Signed), Self::Plain(ErrorForm::Tolerance), Self::Measured];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain(form) => form.name(),
+            Self::Measured => "measured",
+        }
+    }
+
+    /// Returns the meaning of the numbers in the lists of the set: those of measured errors have signs.
+    pub fn of_lists(self) -> ErrorForm {
+        match self {
+            Self::Plain(form) => form,
+            Self::Measured => ErrorForm::Signed,
+        }
+    }
+}
+
+words!(ErrorSetForm);
+
 const FORM: Key = word::<ErrorForm>(
     "kind",
     "signed: errors of one robot, with their signs; tolerance: plus-or-minus values for all robots of a series.",
+)
+.required();
+
+const FORM_OF_SET: Key = word::<ErrorSetForm>(
+    "kind",
+    "signed: errors of one robot, with their signs; tolerance: plus-or-minus values for all robots of a series; measured: errors of one robot from a calibration, with their signs and a covariance of what is uncertain.",
 )
 .required();
 
@@ -98,16 +134,16 @@ key_table! {
 pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2)";
 
 key_table! {
-    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters, whose plus-or-minus values must be 0.", {
+    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters. In a tolerance, their plus-or-minus values must be 0.", {
         PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
         MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, one row for each of the parameters: products of mm, degrees, degrees per m and degrees per N m.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }
 }
 
 key_table! {
-    error_set, "an error set", "Errors of the robot: one signed sample, or tolerances.", {
+    error_set, "an error set", "Errors of the robot: one signed sample, tolerances, or measured errors.", {
         SOURCE = super::SOURCE.required().example("").remedy("add source = \"...\"");
-        FORM = super::FORM;
+        FORM = super::FORM_OF_SET;
         DQ_DEG = Key::new("dq_deg", POSTURE, "Errors of the coordinates of revolute joints: one for each joint, 0 for a prismatic one.");
         DQ_MM = Key::new("dq_mm", POSTURE, "Errors of the coordinates of prismatic joints: one for each joint, 0 for a revolute one.");
         DR = row("dr_mm", "Errors of the axial offsets r: one for each joint.");
@@ -125,6 +161,7 @@ key_table! {
     }
     rules [
         Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance"] },
+        Rule::When { key: "kind", words: measured, needs: &[], never: &["distribution"] },
         Rule::NotNegativeWhen("kind", "tolerance"),
     ];
 }
@@ -145,6 +182,10 @@ key_table! {
         message: "the errors of equipment have no `covariance`",
         remedy: "give the plus-or-minus values in position_mm and rotation_deg",
     }];
+}
+
+fn measured() -> Vec<String> {
+    vec![ErrorSetForm::Measured.name().to_string()]
 }
 
 fn signed() -> Vec<String> {

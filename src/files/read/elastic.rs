@@ -2,7 +2,7 @@
 
 use super::frame_error::read_joint;
 use super::row_order::ErrorRows;
-use crate::cell::{JointKind, MAX_ERRORS, Parameter, SignedErrors};
+use crate::cell::{ErrorSet, JointKind, MAX_ERRORS, Parameter, SignedErrors, Spread};
 use crate::files::fault::shown;
 use crate::files::keys::errors::{elastic_term, error_set};
 use crate::files::keys::key::NumberRange;
@@ -88,14 +88,17 @@ fn refuse_sliding(at: At, compliances: &[f64], arm: ErrorRows<'_>, t: &mut Table
 }
 
 /// Records a fault if an error set has more errors than one set may have.
-pub fn refuse_too_many(count: usize, t: &mut Table) {
-    if count > MAX_ERRORS {
-        let message = format!("the error set has {count} errors, but at most {MAX_ERRORS} are possible");
+///
+/// The mean of measured errors counts as one more, because the worst case treats it as a parameter.
+pub fn refuse_too_many(set: &ErrorSet, t: &mut Table) {
+    let mean = set.mean().map(SignedErrors::values);
+    let is_used = |(k, spread): &(usize, &Spread)| {
+        spread.plus_minus > 0.0 || mean.as_ref().is_some_and(|mean| mean[*k] != 0.0)
+    };
+    let count = set.tolerance().spreads.iter().enumerate().filter(is_used).count();
+    let most = MAX_ERRORS - usize::from(mean.is_some());
+    if count > most {
+        let message = format!("the error set has {count} errors, but at most {most} are possible");
         t.error(t.at, message, "leave out errors that others include, such as those of joint frames");
     }
-}
-
-/// Returns the number of values that are not 0.
-pub fn count(values: &SignedErrors) -> usize {
-    values.values().iter().filter(|value| **value != 0.0).count()
 }
