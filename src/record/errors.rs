@@ -1,8 +1,8 @@
 //! The document of `errors --json`.
 
 use super::numbers::{degrees, joint_coordinate, millimetres, nine_digits, position_mm};
-use super::parameter_unit::ParameterUnit;
 use super::parameter_names as names;
+use super::parameter_unit::ParameterUnit;
 use super::words::is_guess;
 use crate::cell::{Distribution, Parameter, Robot, Spin};
 use crate::pose_accuracy::{ErrorGuess, PoseAccuracy, TestCube};
