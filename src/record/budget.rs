@@ -3,6 +3,7 @@
 use super::map::MonteCarloEntry;
 use super::numbers::{in_unit, joints, nine_digits, percent, position_mm};
 use super::parameter_names as names;
+use super::parameter_unit::ParameterUnit;
 use super::words::{VALUE_WORDS, value_word};
 use crate::assess::{BudgetReport, PostureContext, Tighter};
 use crate::cell::{Cell, Model, Reading, Registration, Unit};
@@ -84,7 +85,7 @@ pub struct TotalEntry {
 #[serde(deny_unknown_fields)]
 pub struct ShareEntry {
     pub parameter: String,
-    pub unit: Unit,
+    pub unit: ParameterUnit,
     pub signed: f64,
     pub plus_minus: f64,
     /// Linear position error of the TCP that the parameter causes, world frame. In the signed reading the
@@ -165,12 +166,12 @@ impl TotalEntry {
 
 impl ShareEntry {
     fn new(context: &PostureContext<'_>, s: &Share) -> Self {
-        let unit = names::unit(context.cell, s.parameter);
+        let unit = ParameterUnit::new(context.cell, s.parameter);
         Self {
             parameter: names::parameter(context.cell, s.parameter),
             unit,
-            signed: in_unit(unit, s.signed),
-            plus_minus: in_unit(unit, s.plus_minus),
+            signed: unit.shown(s.signed),
+            plus_minus: unit.shown(s.plus_minus),
             linear_term_mm: position_mm(&s.term),
             alone: in_unit(context.evaluator.sense.unit, s.alone),
             share_of_worst: rounded(s.of_worst, 12),

@@ -1,7 +1,8 @@
 //! The document of `errors --json`.
 
-use super::numbers::{degrees, in_unit, joint_coordinate, millimetres, nine_digits, position_mm};
+use super::numbers::{degrees, joint_coordinate, millimetres, nine_digits, position_mm};
 use super::parameter_names as names;
+use super::parameter_unit::ParameterUnit;
 use super::words::is_guess;
 use crate::cell::{Distribution, Parameter, Robot, Spin};
 use crate::pose_accuracy::{ErrorGuess, PoseAccuracy, TestCube};
@@ -180,10 +181,10 @@ impl ErrorsDocument {
         let spreads =
             Parameter::of_robot(robot.axes()).zip(&guess.spreads).filter(|(_, s)| s.plus_minus > 0.0);
         let parameters = spreads.map(|(parameter, spread)| {
-            let unit = names::unit_of_robot(robot, parameter);
+            let unit = ParameterUnit::of_robot(robot, parameter);
             SpreadEntry {
                 name: names::of_robot(robot, parameter),
-                plus_minus: in_unit(unit, spread.plus_minus),
+                plus_minus: unit.shown(spread.plus_minus),
                 unit: unit.word().into(),
                 distribution: spread.distribution.name().into(),
                 sigmas: (spread.distribution == Distribution::Normal).then_some(spread.sigmas),

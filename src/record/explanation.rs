@@ -7,12 +7,12 @@ use super::numbers::{
     rotation_deg,
 };
 use super::parameter_names::{self as names, frame_name};
+use super::parameter_unit::ParameterUnit;
 use super::placement::{ByName, PlacementEntry};
 use super::words::{VALUE_WORDS, value_word};
 use crate::assess::{DhRow, Explanation, MotionFrame, ParameterEffect, ParameterMotion, SenseRow};
 use crate::cell::{JointKind, Model, Reading, Registration, Unit};
 use crate::pose::{Displacement, Pose};
-use crate::units::{mm_from_m, rad_from_deg};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -142,7 +142,7 @@ pub struct FrameEntry {
 #[serde(deny_unknown_fields)]
 pub struct ParameterEntry {
     pub parameter: String,
-    pub unit: Unit,
+    pub unit: ParameterUnit,
     /// Value of the parameter in the explained sample: the signed sample or the worst corner.
     pub value: f64,
     pub signed: f64,
@@ -165,7 +165,7 @@ pub struct MotionEntry {
     #[schemars(extend("enum" = AXES))]
     pub axis: String,
     pub frame: String,
-    /// Amount of the motion per unit of the parameter.
+    /// Amount of the motion per unit of the parameter; for an elastic parameter, a lever in m or a torque in N m.
     pub factor: f64,
     pub axis_base: [f64; 3],
     /// Vector from the origin of `frame` to the TCP, base frame.
@@ -305,19 +305,16 @@ fn frames(e: &Explanation<'_>) -> Vec<FrameEntry> {
 impl ParameterEntry {
     fn new(e: &Explanation<'_>, line: &ParameterEffect) -> Self {
         let cell = e.context.cell;
-        let unit = names::unit(cell, line.source.parameter);
-        let per_unit = |d: &Displacement| match unit {
-            Unit::Angle => plain(&(d.position.map(mm_from_m) * rad_from_deg(1.0))),
-            _ => plain(&d.position),
-        };
+        let unit = ParameterUnit::new(cell, line.source.parameter);
+        let per_unit = |d: &Displacement| plain(&unit.effect_mm(&d.position));
         let term = line.term().turned(&e.context.situation.site.world.transpose());
         Self {
             parameter: names::parameter(cell, line.source.parameter),
             unit,
-            value: in_unit(unit, line.value),
-            signed: in_unit(unit, line.source.signed),
-            plus_minus: in_unit(unit, line.source.plus_minus),
-            standard_deviation: in_unit(unit, line.source.deviation),
+            value: unit.shown(line.value),
+            signed: unit.shown(line.source.signed),
+            plus_minus: unit.shown(line.source.plus_minus),
+            standard_deviation: unit.shown(line.source.deviation),
             motions: line.motions.iter().map(MotionEntry::new).collect(),
             effect_base_mm_per_unit: per_unit(&line.alone),
             taken_off_base_mm_per_unit: per_unit(&(line.alone - line.left)),

@@ -25,6 +25,7 @@ mod node;
 mod node_table;
 mod numbers;
 pub mod parameter_names;
+mod parameter_unit;
 mod placement;
 mod readings;
 mod refined;
@@ -77,6 +78,7 @@ pub use misplacement::{
 pub use node::{DiscrepancyEntry, MapNode, MapNodes};
 pub use node_table::{ColumnKind, NodeTable, TableColumn, TableValue};
 pub use numbers::{NEAR_LIMIT, joints, near_limits, nine_digits, position_mm};
+pub use parameter_unit::ParameterUnit;
 pub use placement::{AttitudeEntry, ByName, PlacementEntry};
 pub use readings::{OperationReadings, ReadingEntry, ReadingsDocument, RegretEntry};
 pub use refined::RefinedEntry;

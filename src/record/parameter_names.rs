@@ -1,11 +1,11 @@
-//! Names of error parameters and of frames, and the units of the parameters.
+//! Names of error parameters and of frames.
 
 use crate::assess::MotionFrame;
-use crate::cell::{Cell, Convention, JointKind, Parameter, Robot, Unit};
+use crate::cell::{Cell, Convention, Parameter, Robot};
 use crate::files::shown;
 
-/// Returns the name of a parameter, such as dq1, dalpha3, base rx, tool z, joint2 y or worktable rz. Joint
-/// numbers start at 1 and refer to the rows of the robot file.
+/// Returns the name of a parameter, such as dq1, dalpha3, base rx, tool z, joint2 y, elastic 2 3 or worktable rz.
+/// Joint numbers start at 1 and refer to the rows of the robot file.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
     match parameter {
         Parameter::Equipment(e, _) => format!("{} {}", shown(&cell.equipment[e].name), parameter.name()),
@@ -26,23 +26,6 @@ pub fn of_robot(robot: &Robot, parameter: Parameter) -> String {
         Parameter::Joint(0, 4) if modified => Parameter::Dbeta(0).name(),
         _ => parameter.name(),
     }
-}
-
-/// Returns the unit of a parameter: millimetres or degrees.
-pub fn unit(cell: &Cell, parameter: Parameter) -> Unit {
-    unit_of_robot(&cell.robot, parameter)
-}
-
-/// Returns the unit of a parameter of a robot, as [`unit`] does.
-pub fn unit_of_robot(robot: &Robot, parameter: Parameter) -> Unit {
-    let turns = match parameter {
-        Parameter::Dq(i) => robot.joints[i].kind == JointKind::Revolute,
-        Parameter::Dr(_) | Parameter::Dl(_) => false,
-        Parameter::Dalpha(_) | Parameter::Dbeta(_) => true,
-        Parameter::Base(c) | Parameter::Tool(c) => c >= 3,
-        Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c >= 3,
-    };
-    if turns { Unit::Angle } else { Unit::Length }
 }
 
 /// Returns the name of a frame, such as base, frame 2, joint 3, TCP or work.

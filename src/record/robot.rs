@@ -120,12 +120,13 @@ pub struct ErrorSetEntry {
     pub kind: ErrorSetKind,
 }
 
-/// Whether an error set is one signed sample or consists of tolerances.
+/// Whether an error set is one signed sample, consists of tolerances, or was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ErrorSetKind {
     Signed,
     Tolerance,
+    Measured,
 }
 
 /// Size of the working envelope of a robot.
@@ -178,6 +179,7 @@ impl RobotSheetDocument {
         let kind = |set: &ErrorSet| match set {
             ErrorSet::Signed(_) => ErrorSetKind::Signed,
             ErrorSet::Tolerance(_) => ErrorSetKind::Tolerance,
+            ErrorSet::Measured(_) => ErrorSetKind::Measured,
         };
         let error_set = |set: &ErrorSet| ErrorSetEntry { name: set.name().into(), kind: kind(set) };
         Self {

@@ -7,52 +7,112 @@ use crate::record::CalibrationDocument;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::fmt::Write;
 
-/// Returns the table with the identified errors of the Denavit-Hartenberg rows as a signed sample.
+/// Returns the table with the identified errors, elastic terms included, and their covariance.
 ///
-/// The rows are those of the robot file. Elastic terms are comments, because an error set has no such terms.
+/// Rows and names are those of the robot file.
 pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDocument) -> String {
-    let axes = robot.axes();
-    // A modified row begins with the common normal at the end of the standard row before it.
-    let shift = usize::from(robot.convention == Convention::Modified);
-    let [mut dq_deg, mut dq_mm, mut dr, mut dl, mut dalpha, mut dbeta] = [(); 6].map(|()| vec![0.0; axes]);
-    for identified in &calibration.identified {
-        let (mm, deg) = (mm_from_m(identified.value), deg_from_rad(identified.value));
-        match identified.unknown {
-            Unknown::Row(Parameter::Dq(i)) => match robot.joints[i].kind {
-                JointKind::Revolute => dq_deg[i] = deg,
-                JointKind::Prismatic => dq_mm[i] = mm,
-            },
-            Unknown::Row(Parameter::Dr(i)) => dr[i] = mm,
-            Unknown::Row(Parameter::Dl(i)) => dl[i + shift] = mm,
-            Unknown::Row(Parameter::Dalpha(i)) => dalpha[i + shift] = deg,
-            Unknown::Row(Parameter::Dbeta(i)) => dbeta[i + shift] = deg,
-            Unknown::Row(_) | Unknown::Elastic { .. } => {}
-        }
-    }
     let poses: usize = document.sessions.iter().map(|s| s.poses).sum();
-    let mut out = format!(
-        "[errors.measured]\nkind = \"signed\"\nsource = \"sweetspot calibrate: {poses} measured positions, \
+    let head = format!(
+        "[errors.measured]\nkind = \"measured\"\nsource = \"sweetspot calibrate: {poses} measured positions, \
          residual {} mm per axis\"\n",
         rounded(document.residual_mm.unwrap_or(0.0), 3)
     );
+    [head, lists(robot, calibration), elastic(calibration), covariance(robot, calibration)].concat()
+}
+
+/// Returns the errors of the rows, one list for each key that has any.
+fn lists(robot: &Robot, calibration: &Calibration) -> String {
+    let axes = robot.axes();
+    let [mut dq_deg, mut dq_mm, mut dr, mut dl, mut dalpha, mut dbeta] = [(); 6].map(|()| vec![0.0; axes]);
+    for identified in &calibration.identified {
+        let (mm, deg) = (mm_from_m(identified.value), deg_from_rad(identified.value));
+        match of_file(robot, identified.unknown) {
+            Parameter::Dq(i) if slides(robot, i) => dq_mm[i] = mm,
+            Parameter::Dq(i) => dq_deg[i] = deg,
+            Parameter::Dr(i) => dr[i] = mm,
+            Parameter::Dl(i) => dl[i] = mm,
+            Parameter::Dalpha(i) => dalpha[i] = deg,
+            Parameter::Dbeta(i) => dbeta[i] = deg,
+            _ => {}
+        }
+    }
+    // The errors dr, dl and dalpha are required keys of an error set.
     let lists = [
-        ("dq_deg", dq_deg),
-        ("dq_mm", dq_mm),
-        ("dr_mm", dr),
-        ("dl_mm", dl),
-        ("dalpha_deg", dalpha),
-        ("dbeta_deg", dbeta),
+        ("dq_deg", dq_deg, false),
+        ("dq_mm", dq_mm, false),
+        ("dr_mm", dr, true),
+        ("dl_mm", dl, true),
+        ("dalpha_deg", dalpha, true),
+        ("dbeta_deg", dbeta, false),
     ];
-    // Writing to a String cannot fail.
-    for (key, list) in lists.iter().filter(|(_, list)| list.iter().any(|v| *v != 0.0)) {
-        let numbers: Vec<_> = list.iter().map(|v| rounded(*v, 7).to_string()).collect();
-        let _ = writeln!(out, "{key} = [{}]", numbers.join(", "));
+    let written = lists.iter().filter(|(_, list, required)| *required || list.iter().any(|v| *v != 0.0));
+    let line =
+        |(key, list, _): &(&str, Vec<f64>, bool)| format!("{key} = [{}]\n", numbers(list.iter().copied()));
+    written.map(line).collect()
+}
+
+/// Returns the elastic terms; empty if there are none.
+fn elastic(calibration: &Calibration) -> String {
+    let terms = calibration.identified.iter().filter_map(|identified| match identified.unknown {
+        Unknown::Elastic { joint, link } => Some(format!(
+            "    {{ joint = {}, link = {}, deg_per_m = {} }},\n",
+            joint + 1,
+            link + 1,
+            rounded(deg_from_rad(identified.value), 7)
+        )),
+        Unknown::Row(_) => None,
+    });
+    let terms: String = terms.collect();
+    if terms.is_empty() { terms } else { format!("elastic = [\n{terms}]\n") }
+}
+
+/// Returns the covariance of all identified parameters, with all digits.
+fn covariance(robot: &Robot, calibration: &Calibration) -> String {
+    let names: Vec<String> =
+        calibration.identified.iter().map(|i| format!("\"{}\"", of_file(robot, i.unknown).name())).collect();
+    let scale = |unknown: Unknown| match of_file(robot, unknown) {
+        Parameter::Dr(_) | Parameter::Dl(_) => mm_from_m(1.0),
+        Parameter::Dq(i) if slides(robot, i) => mm_from_m(1.0),
+        _ => deg_from_rad(1.0),
+    };
+    let scales: Vec<f64> = calibration.identified.iter().map(|i| scale(i.unknown)).collect();
+    let mut out = format!("[errors.measured.covariance]\nparameters = [{}]\nmatrix = [\n", names.join(", "));
+    for (i, row) in calibration.covariance.row_iter().enumerate() {
+        let entry = |j: usize| {
+            // Both halves of the matrix come from one of them, so that the file is symmetric to the last digit.
+            let (a, b) = (i.min(j), i.max(j));
+            let value = calibration.covariance[(a, b)] * scales[a] * scales[b];
+            // Writing to a String cannot fail.
+            let mut text = String::new();
+            let _ = write!(text, "{value:e}");
+            text
+        };
+        let row: Vec<String> = (0..row.ncols()).map(entry).collect();
+        let _ = writeln!(out, "    [{}],", row.join(", "));
     }
-    let elastic = calibration.identified.iter().zip(&document.parameters);
-    for (_, entry) in elastic.filter(|(i, _)| matches!(i.unknown, Unknown::Elastic { .. })) {
-        let _ = writeln!(out, "# {}: {} {}", entry.name, rounded(entry.value, 7), entry.unit);
+    out + "]\n"
+}
+
+/// Returns the parameter of an unknown with the row number of the robot file.
+///
+/// A modified row begins with the common normal at the end of the standard row before it.
+fn of_file(robot: &Robot, unknown: Unknown) -> Parameter {
+    let shift = usize::from(robot.convention == Convention::Modified);
+    match unknown {
+        Unknown::Row(Parameter::Dl(i)) => Parameter::Dl(i + shift),
+        Unknown::Row(Parameter::Dalpha(i)) => Parameter::Dalpha(i + shift),
+        Unknown::Row(Parameter::Dbeta(i)) => Parameter::Dbeta(i + shift),
+        Unknown::Row(parameter) => parameter,
+        Unknown::Elastic { joint, link } => Parameter::Elastic(joint, link),
     }
-    out
+}
+
+fn slides(robot: &Robot, joint: usize) -> bool {
+    robot.joints[joint].kind == JointKind::Prismatic
+}
+
+fn numbers(values: impl Iterator<Item = f64>) -> String {
+    values.map(|v| rounded(v, 7).to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// Decimals of stated errors: 1e-10 mm and degrees.

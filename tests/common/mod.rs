@@ -73,7 +73,7 @@ pub fn keep_to_look_at(name: &str, text: &str) {
 pub fn signed(cell: &Cell) -> &SignedErrors {
     match cell.error_set() {
         ErrorSet::Signed(errors) => errors,
-        ErrorSet::Tolerance(t) => panic!("{} is a tolerance", t.name),
+        _ => panic!("{} is not a signed sample", cell.error_set().name()),
     }
 }
 

@@ -68,6 +68,7 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
         tool_axis: Vector3::z(),
         solids: vec![],
         tool_solids: 0,
+        masses: vec![],
         self_collision: Default::default(),
         footprint: Rectangle { centre: (0.0, 0.0), size: (0.4, 0.4) },
         errors: vec![],
@@ -88,5 +89,6 @@ fn errors(rows: impl Fn(&str) -> Vec<f64>) -> SignedErrors {
         base,
         tool,
         joints: vec![[0.0; 6]; 6],
+        elastic: vec![],
     }
 }

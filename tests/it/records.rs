@@ -148,6 +148,7 @@ fn words_of_documents_equal_the_names_in_the_program() {
         Goal, Model, NodeAggregation, Objective, Quantity, Reading, Registration, Solver, Unit,
     };
     use sweetspot::error_map::NodeSign;
+    use sweetspot::record::ParameterUnit;
     fn same<T: Serialize + Copy>(all: &[T], name: impl Fn(T) -> &'static str) {
         all.iter().for_each(|word| assert_eq!(json!(word), json!(name(*word))));
     }
@@ -160,6 +161,7 @@ fn words_of_documents_equal_the_names_in_the_program() {
     same(&Solver::ALL, Solver::name);
     same(&Goal::ALL, Goal::name);
     same(&Unit::ALL, Unit::word);
+    same(&ParameterUnit::ALL, ParameterUnit::word);
     same(&NodeSign::ALL, NodeSign::name);
 }
 

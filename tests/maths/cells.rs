@@ -74,10 +74,42 @@ fn a_signed_error_set_is_read_in_si_units() {
     assert!(all_close(&sample.joints[1], &[0.001, 0.002, 0.003, 0.1 * DEG, 0.2 * DEG, 0.3 * DEG]));
     assert!(all_close(&sample.joints[3], &[0.0, 0.0, 0.0, 0.0, 0.0, -0.5 * DEG]));
     assert_eq!([sample.joints[0], sample.joints[2]], [[0.0; 6]; 2]);
+    let elastic = |parameter| sample.values()[place(parameter, 4)];
+    assert!(
+        close(elastic(Parameter::Elastic(1, 2)), -0.05 * DEG)
+            && close(elastic(Parameter::Elastic(1, 1)), 0.1 * DEG)
+    );
+    assert!(
+        close(elastic(Parameter::Compliance(2)), 0.002 * DEG) && elastic(Parameter::Elastic(2, 2)) == 0.0
+    );
     // The list of values is in the order of the parameters, both ways.
     assert_eq!(sample.values()[place(Parameter::Joint(1, 2), 4)], 0.003);
     assert_eq!(place(Parameter::Joint(1, 2), 4), 5 * 4 + 12 + 6 + 2);
     assert_eq!(SignedErrors::of_values("sample".into(), 4, &sample.values()), *sample);
+}
+
+#[test]
+fn measured_errors_have_values_and_a_covariance() {
+    let cell = every_key();
+    let ErrorSet::Measured(measured) = set(&cell, "measured") else { panic!("not measured") };
+    let (values, spreads) = (measured.mean.values(), &measured.spread.spreads);
+    let [dl2, term, compliance] =
+        [Parameter::Dl(1), Parameter::Elastic(1, 2), Parameter::Compliance(1)].map(|p| place(p, 4));
+    assert_eq!([values[dl2], values[compliance]], [0.006, 0.0]);
+    assert!(close(values[term], -0.05 * DEG));
+    let half = [0.5e-3, 0.02 * DEG, 0.001 * DEG].map(|deviation| 2.0 * deviation);
+    assert!(all_close(&[dl2, term, compliance].map(|k| spreads[k].plus_minus), &half));
+    assert_eq!(spreads[place(Parameter::Dr(0), 4)].plus_minus, 0.0);
+    let matrix = &measured.spread.covariance.as_ref().unwrap().matrix;
+    assert!(close(matrix[(0, 1)] * 1e6, -0.001 * DEG * 1e3));
+}
+
+#[test]
+fn masses_of_links_tool_and_held_part_are_read_in_si_units() {
+    let cell = every_key();
+    let [link, tool] = &cell.robot.masses[..] else { panic!("{:?}", cell.robot.masses) };
+    assert_eq!((link.link, link.mass, link.centre.as_slice()), (2, 12.5, &[-0.2, 0.0, 0.01][..]));
+    assert_eq!((tool.link, tool.mass, tool.centre.as_slice()), (4, 3.0, &[0.0, 0.0, 0.05][..]));
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod common;
 mod compare;
 mod correction;
 mod drawing;
+mod elastic;
 mod envelope;
 mod families;
 mod front;

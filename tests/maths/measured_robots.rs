@@ -79,7 +79,8 @@ fn the_deformed_chain_and_its_derivatives_agree_with_dual_numbers() {
     for (name, robot) in robots() {
         let robot = without_tool(robot);
         let chain = Chain::new(&robot);
-        let all: Vec<_> = Parameter::of_robot(robot.axes()).collect();
+        let all = Parameter::of_robot(robot.axes()).take(Parameter::first_elastic(robot.axes()));
+        let all: Vec<_> = all.collect();
         let rows: Vec<_> = all[..5 * robot.axes()].iter().map(|p| Unknown::Row(*p)).collect();
         let values = truth(&rows, &mut rng);
         let q = chain.halton_sample(rng.random_range(0..1000));

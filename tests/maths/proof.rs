@@ -4,14 +4,14 @@
 //! axes in space.
 
 use crate::common::{root, shipped};
-use nalgebra::{Matrix3, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix3, Vector3, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{
-    Attitude, Cell, Coordinate, ErrorSet, Model, Objective, Quantity, Reading, Registration, Sense,
-    SignedErrors,
+    Attitude, Cell, Coordinate, Covariance, ErrorSet, JointKind, MeasuredErrors, Model, Objective, Parameter,
+    Quantity, Reading, Registration, Robot, Sense, SignedErrors,
 };
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
@@ -503,3 +503,98 @@ const FIGURES: &str = "# How good is the best layout found?\n\n\
     \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths proof::figures -- --nocapture\n\n\
     | cell | bound | covers | best found | evaluations | gap | boxes | seconds |\n\
     |---|---|---|---|---|---|---|---|\n";
+
+/// Returns errors of rows and elastic errors of revolute joints as a tolerance or, with a covariance, as measured
+/// errors.
+fn elastic_set(robot: &Robot, is_measured: bool, rng: &mut ChaCha8Rng) -> ErrorSet {
+    let axes = robot.axes();
+    let value = |p: Parameter| match p {
+        Parameter::Dl(_) | Parameter::Dr(_) => rng.random_range(-3e-4..3e-4),
+        Parameter::Dq(_) | Parameter::Dalpha(_) => rng.random_range(-2e-4..2e-4),
+        Parameter::Elastic(joint, _) if robot.joints[joint].kind == JointKind::Revolute => {
+            rng.random_range(-3e-3..3e-3)
+        }
+        _ => 0.0,
+    };
+    let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
+    let sample = SignedErrors::of_values("elastic".into(), axes, &values);
+    let mut spread = ErrorSet::Signed(sample.clone()).tolerance();
+    if !is_measured {
+        return ErrorSet::Tolerance(spread);
+    }
+    // Elastic errors are correlated with those of the rows.
+    let parameters: Vec<usize> = (0..values.len()).filter(|k| values[*k] != 0.0).collect();
+    let n = parameters.len();
+    let b = DMatrix::from_fn(n, n, |row, _| values[parameters[row]].abs() * rng.random_range(-1.0..1.0));
+    let matrix = &b * b.transpose();
+    for (k, &place) in parameters.iter().enumerate() {
+        spread.spreads[place].plus_minus = 3.0 * matrix[(k, k)].sqrt();
+    }
+    spread.covariance = Some(Covariance { parameters, matrix });
+    ErrorSet::Measured(Box::new(MeasuredErrors { mean: sample, spread }))
+}
+
+/// Elastic errors and means are bounded in every reading, or the proof says why not.
+#[test]
+fn no_random_posture_is_below_the_bound_with_elastic_errors() {
+    let mut rng = ChaCha8Rng::seed_from_u64(41);
+    let readings = [
+        (Reading::Signed, Quantity::Rms),
+        (Reading::WorstCase, Quantity::Rms),
+        (Reading::Statistical, Quantity::Rms),
+        (Reading::Statistical, Quantity::P95),
+    ];
+    let mut positive = 0;
+    for name in ["hitachi_cell", "five_axis_cell", "wrist_cell"] {
+        for (reading, quantity) in readings {
+            for (model, is_measured) in Model::ALL.into_iter().flat_map(|m| [(m, false), (m, true)]) {
+                let mut cell = shipped(&format!("{name}.toml"));
+                (cell.reading, cell.quantity, cell.model) = (reading, quantity, model);
+                cell.operations.truncate(1);
+                cell.operations[0].sense = Sense::plain("xyz").unwrap();
+                let set = elastic_set(&cell.robot, is_measured, &mut rng);
+                let set = match (set, reading) {
+                    (ErrorSet::Tolerance(t), Reading::Signed) => {
+                        // A small share of elastic errors leaves a bound above 0.
+                        let axes = cell.robot.axes();
+                        let values = t.spreads.iter().enumerate();
+                        let rigid = Parameter::first_elastic(axes);
+                        let values = values.map(|(k, s)| s.plus_minus * if k < rigid { 10.0 } else { 0.02 });
+                        let values: Vec<f64> = values.collect();
+                        ErrorSet::Signed(SignedErrors::of_values("elastic".into(), axes, &values))
+                    }
+                    (set, _) => set,
+                };
+                (cell.robot.errors, cell.errors) = (vec![set], 0);
+                let what = format!("{name} {reading:?} {quantity:?} {model:?} measured {is_measured}");
+                let proof = nothing_is_below(&what, &cell, 600, 200);
+                match proof.operations[0].value {
+                    Ok(bound) => positive += usize::from(bound > 0.0),
+                    Err(WhyNot::Mean) => assert!(is_measured && reading == Reading::WorstCase, "{what}"),
+                    Err(why) => assert_eq!(why, WhyNot::Boxes, "{what}"),
+                }
+            }
+        }
+    }
+    assert!(positive >= 20, "{positive}");
+}
+
+/// A long search of a cell with elastic errors finds no layout below the bound, which most of its errors give.
+#[test]
+fn the_best_of_a_search_with_elastic_errors_is_not_below_the_bound() {
+    let mut rng = ChaCha8Rng::seed_from_u64(42);
+    for is_measured in [false, true] {
+        let mut cell = shipped("hitachi_cell.toml");
+        cell.operations.truncate(1);
+        let set = elastic_set(&cell.robot, is_measured, &mut rng);
+        (cell.robot.errors, cell.errors, cell.reading) = (vec![set], 0, Reading::Statistical);
+        (cell.quantity, cell.search.budget) = (Quantity::Rms, 600);
+        let workcell = ready(&cell);
+        let bound = proof_of(&workcell, 4_000).bound.unwrap();
+        let watch = Watch { progress: &|_| {}, stop: &AtomicBool::new(false) };
+        let found = search(&workcell, &cell.search, &watch);
+        let best = found.best.evaluation.objective.unwrap();
+        println!("measured {is_measured}: bound {bound:e}, best {best:e}");
+        assert!(bound > 0.0 && bound <= best, "{bound} {best}");
+    }
+}

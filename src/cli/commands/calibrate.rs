@@ -82,9 +82,6 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         let files: Vec<_> = a.data.iter().map(|path| path_word(path)).collect();
         suggest(&format!("calibrate {} {} --toml", path_word(&a.robot), files.join(" ")));
     }
-    if a.elastic && !a.json {
-        output::talk("note: the error model of a cell has no elastic terms yet; maps use the rows alone");
-    }
     Ok(Exit::Done)
 }
 

@@ -2,7 +2,7 @@
 
 use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
 use crate::assess::Feasibility;
-use crate::cell::{Cell, ErrorSet, Operation};
+use crate::cell::{Cell, Operation};
 use crate::cli::arguments::CheckArguments;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, cache, json_text, loading, output};
@@ -69,10 +69,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
 
 /// Describes the number of error sets, and the name, kind and reading of the chosen set.
 fn error_sets(cell: &Cell) -> String {
-    let kind = match cell.error_set() {
-        ErrorSet::Signed(_) => "a signed sample",
-        ErrorSet::Tolerance(_) => "a tolerance",
-    };
+    let kind = report::text::kind_of(cell.error_set());
     let sets = counted(cell.robot.errors.len(), "error set", "error sets");
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
 }

@@ -1,6 +1,7 @@
 //! Small motions that a parameter error causes: rotations about an axis, or translations along it.
 
 use crate::cell::{JointKind, Parameter};
+use crate::kinematic_error::deflection;
 use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
@@ -26,7 +27,7 @@ pub struct ParameterMotion {
     pub axis: usize,
     /// Whether the motion is a rotation; otherwise it is a translation.
     pub turns: bool,
-    /// Size of the motion per unit of the parameter; always 1 unless the joints are coupled.
+    /// Size of the motion per unit of the parameter: 1 unless the joints are coupled or the parameter is elastic.
     pub factor: f64,
     pub direction: Vector3<f64>,
     /// Vector from the origin of the frame `place` to the TCP, m.
@@ -82,6 +83,10 @@ pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter
         Parameter::Base(c) => component(MotionFrame::Base, c),
         Parameter::Tool(c) => component(MotionFrame::Tcp, c),
         Parameter::Joint(k, c) => component(MotionFrame::Joint(k), c),
+        Parameter::Elastic(..) | Parameter::Compliance(_) => deflection(frames, &chain.loads, parameter)
+            .map(|(joint, factor)| one(MotionFrame::Link(joint), 2, true, factor))
+            .into_iter()
+            .collect(),
         Parameter::Equipment(_, c) => component(MotionFrame::Work, c),
     }
 }

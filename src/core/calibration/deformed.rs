@@ -1,9 +1,9 @@
 //! Forward kinematics with errors, and its exact derivatives.
 
-use super::unknown::{Unknown, lever};
+use super::unknown::Unknown;
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, PER_LINK, Parameter};
 use crate::pose::Pose;
-use crate::robot::Chain;
+use crate::robot::{Chain, lever};
 use nalgebra::{Matrix3, Vector3};
 
 /// Pose of the mechanical interface with errors, and the axes about which its errors move it; base frame.

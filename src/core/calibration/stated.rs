@@ -21,6 +21,7 @@ pub fn no_errors(axes: usize) -> SignedErrors {
         base: [0.0; PER_FRAME],
         tool: [0.0; PER_FRAME],
         joints: vec![[0.0; PER_FRAME]; axes],
+        elastic: Vec::new(),
     }
 }
 

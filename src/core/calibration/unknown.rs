@@ -2,9 +2,8 @@
 
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
 use crate::kinematic_error::{ParameterSet, identifiable};
-use crate::robot::Chain;
+use crate::robot::{Chain, lever};
 use crate::units::{m_from_mm, rad_from_deg};
-use nalgebra::Vector3;
 
 /// Error parameter of a robot that a calibration identifies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,16 +79,6 @@ fn elastic_terms(chain: &Chain) -> Vec<Unknown> {
     let terms = (0..axes).flat_map(|joint| (joint..axes).map(move |link| (joint, link)));
     let terms = terms.filter(|&(joint, link)| longest[joint][link] > short);
     terms.map(|(joint, link)| Unknown::Elastic { joint, link }).collect()
-}
-
-/// Returns the horizontal lever of a link about the axis of a joint, m: `z . (l x g)`.
-///
-/// Here z is the joint axis, l the vector from the frame before the link to the frame after it, and g the
-/// unit vector of gravity, -z of the base frame.
-pub fn lever(frames: &crate::robot::Frames, joint: usize, link: usize) -> f64 {
-    let axis = frames.links[joint].rotation.column(2).into_owned();
-    let along = frames.links[link + 1].translation - frames.links[link].translation;
-    axis.dot(&along.cross(&-Vector3::z()))
 }
 
 impl Unknown {

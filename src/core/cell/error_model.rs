@@ -35,6 +35,15 @@ pub enum Parameter {
     ///
     /// The error moves this joint and everything after it in the chain.
     Joint(usize, usize),
+    /// Indices of a revolute joint and of a link that it carries: deflection of the joint per horizontal lever
+    /// of the link, rad/m ([`crate::robot::lever`]).
+    ///
+    /// The deflection grows with the posture-dependent lever. The value is the compliance of the joint times
+    /// the weight at and beyond the end of the link.
+    Elastic(usize, usize),
+    /// Compliance of a revolute joint, rad/(N m), which multiplies the torque by all masses that it carries
+    /// ([`crate::robot::gravity_torque`]).
+    Compliance(usize),
     /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
     /// frame.
     Equipment(usize, usize),
@@ -44,16 +53,26 @@ impl Parameter {
     /// Returns the parameters of a robot with `axes` joints, in the order of every list of parameter
     /// values.
     ///
-    /// The order is link by link, then base, then tool, then joint frame by joint frame.
+    /// The order is link by link, then base, then tool, then joint frame by joint frame, then the elastic
+    /// parameters.
     pub fn of_robot(axes: usize) -> impl Iterator<Item = Parameter> {
         let links = (0..axes).flat_map(|i| {
             [Self::Dq(i), Self::Dr(i), Self::Dl(i), Self::Dalpha(i), Self::Dbeta(i)].into_iter()
         });
         let joints = (0..axes).flat_map(|i| (0..PER_FRAME).map(move |c| Self::Joint(i, c)));
-        links.chain((0..PER_FRAME).map(Self::Base)).chain((0..PER_FRAME).map(Self::Tool)).chain(joints)
+        let frames = (0..PER_FRAME).map(Self::Base).chain((0..PER_FRAME).map(Self::Tool));
+        links.chain(frames).chain(joints).chain(Self::elastic(axes))
     }
 
-    /// Returns the name of the parameter in files: `dl2`, `base rx`, `joint3 rx`.
+    /// Returns the elastic parameters of a robot with `axes` joints: joint by joint the terms of all links that
+    /// it carries, then the compliances.
+    pub fn elastic(axes: usize) -> impl Iterator<Item = Parameter> {
+        let terms =
+            (0..axes).flat_map(move |joint| (joint..axes).map(move |link| Self::Elastic(joint, link)));
+        terms.chain((0..axes).map(Self::Compliance))
+    }
+
+    /// Returns the name of the parameter in files: `dl2`, `base rx`, `joint3 rx`, `elastic 2 3`.
     ///
     /// For a parameter of equipment, this is the name of the component alone.
     pub fn name(self) -> String {
@@ -66,8 +85,23 @@ impl Parameter {
             Self::Base(c) => format!("base {}", COMPONENTS[c]),
             Self::Tool(c) => format!("tool {}", COMPONENTS[c]),
             Self::Joint(i, c) => format!("joint{} {}", i + 1, COMPONENTS[c]),
+            Self::Elastic(joint, link) => format!("elastic {} {}", joint + 1, link + 1),
+            Self::Compliance(joint) => format!("compliance {}", joint + 1),
             Self::Equipment(_, c) => COMPONENTS[c].to_string(),
         }
+    }
+
+    /// Returns the index of the joint that an elastic parameter deflects; 0 for any other parameter.
+    pub const fn deflected_joint(self) -> usize {
+        match self {
+            Self::Elastic(joint, _) | Self::Compliance(joint) => joint,
+            _ => 0,
+        }
+    }
+
+    /// Returns whether the effect of the parameter is a joint deflection that depends on the posture.
+    pub const fn is_elastic(self) -> bool {
+        matches!(self, Self::Elastic(..) | Self::Compliance(_))
     }
 
     /// Returns the index of the first joint-frame parameter, which follows the parameters of links, base and
@@ -76,9 +110,14 @@ impl Parameter {
         PER_LINK * axes + 2 * PER_FRAME
     }
 
-    /// Returns the number of parameters of a robot with `axes` joints.
-    pub fn count(axes: usize) -> usize {
+    /// Returns the index of the first elastic parameter, which follows the parameters of the joint frames.
+    pub const fn first_elastic(axes: usize) -> usize {
         Self::first_joint(axes) + PER_FRAME * axes
+    }
+
+    /// Returns the number of parameters of a robot with `axes` joints.
+    pub const fn count(axes: usize) -> usize {
+        Self::first_elastic(axes) + axes * (axes + 1) / 2 + axes
     }
 }
 
@@ -108,6 +147,8 @@ pub struct SignedErrors {
     pub tool: [f64; PER_FRAME],
     /// Error of every joint frame in its own axes (m, rad).
     pub joints: Vec<[f64; PER_FRAME]>,
+    /// Values of [`Parameter::elastic`], rad/m or rad/(N m). Values beyond the end of the list are 0.
+    pub elastic: Vec<f64>,
 }
 
 impl SignedErrors {
@@ -117,7 +158,8 @@ impl SignedErrors {
         let frame = |k: usize| std::array::from_fn(|c| values[PER_LINK * axes + PER_FRAME * k + c]);
         let [dq, dr, dl, dalpha, dbeta] = [0, 1, 2, 3, 4].map(row);
         let joints = (0..axes).map(|i| frame(2 + i)).collect();
-        Self { name, dq, dr, dl, dalpha, dbeta, base: frame(0), tool: frame(1), joints }
+        let elastic = values.get(Parameter::first_elastic(axes)..).unwrap_or_default().to_vec();
+        Self { name, dq, dr, dl, dalpha, dbeta, base: frame(0), tool: frame(1), joints, elastic }
     }
 
     /// Returns the values in the order of [`Parameter::of_robot`].
@@ -131,9 +173,13 @@ impl SignedErrors {
             Parameter::Base(c) => self.base[c],
             Parameter::Tool(c) => self.tool[c],
             Parameter::Joint(i, c) => self.joints[i][c],
-            Parameter::Equipment(..) => 0.0,
+            Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Equipment(..) => 0.0,
         };
-        Parameter::of_robot(self.dq.len()).map(value).collect()
+        let axes = self.dq.len();
+        let mut values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
+        let places = values.iter_mut().skip(Parameter::first_elastic(axes));
+        places.zip(&self.elastic).for_each(|(place, value)| *place = *value);
+        values
     }
 }
 
@@ -218,11 +264,21 @@ pub struct Tolerance {
     pub covariance: Option<Covariance>,
 }
 
+/// Errors of one robot as a calibration identified them: values, and how uncertain these are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredErrors {
+    /// Values with their signs: the means of the parameters.
+    pub mean: SignedErrors,
+    /// Deviations of the parameters from their means.
+    pub spread: Tolerance,
+}
+
 /// Named error set of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ErrorSet {
     Signed(SignedErrors),
     Tolerance(Tolerance),
+    Measured(Box<MeasuredErrors>),
 }
 
 impl ErrorSet {
@@ -230,14 +286,32 @@ impl ErrorSet {
         match self {
             ErrorSet::Signed(e) => &e.name,
             ErrorSet::Tolerance(t) => &t.name,
+            ErrorSet::Measured(m) => &m.mean.name,
         }
     }
 
+    /// Returns the signed sample of the set; None if the set consists of tolerances.
+    pub fn signed(&self) -> Option<&SignedErrors> {
+        match self {
+            ErrorSet::Signed(errors) => Some(errors),
+            ErrorSet::Tolerance(_) => None,
+            ErrorSet::Measured(measured) => Some(&measured.mean),
+        }
+    }
+
+    /// Returns the means about which the parameters vary; None if they vary about 0.
+    ///
+    /// A signed sample read as tolerances varies about 0.
+    pub fn mean(&self) -> Option<&SignedErrors> {
+        if let ErrorSet::Measured(measured) = self { Some(&measured.mean) } else { None }
+    }
+
     /// Returns the error set as tolerances. For a signed sample, the half widths are the magnitudes of its
-    /// values.
+    /// values. For measured errors, the tolerances are deviations from the means.
     pub fn tolerance(&self) -> Tolerance {
         match self {
             ErrorSet::Tolerance(t) => t.clone(),
+            ErrorSet::Measured(m) => m.spread.clone(),
             ErrorSet::Signed(e) => Tolerance {
                 name: e.name.clone(),
                 spreads: e.values().into_iter().map(Spread::of_magnitude).collect(),

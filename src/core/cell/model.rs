@@ -127,6 +127,10 @@ pub struct HeldPart {
     pub solids: Vec<Solid>,
     /// Whether the part rests on the equipment of the operation. If so, contact between the two is allowed.
     pub touches_surface: bool,
+    /// Mass of the part, kg; 0 if the cell does not state it.
+    pub mass: f64,
+    /// Centre of mass in the frame of the TCP, m.
+    pub centre: Vector3<f64>,
 }
 
 /// Nodes of an operation: a grid or listed points, in the frame of the operation's equipment.

@@ -1,6 +1,6 @@
 //! Model of a robot: plain data in SI units, valid by construction.
 
-use super::error_model::{ErrorSet, PER_FRAME, PER_LINK};
+use super::error_model::{ErrorSet, Parameter};
 use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::Vector3;
@@ -9,8 +9,12 @@ use nalgebra::Vector3;
 /// zero.
 pub const MAX_JOINTS: usize = 8;
 
-/// Largest number of error parameters of a robot: those of its links, base, tool and joint frames.
-pub const MAX_PARAMETERS: usize = (PER_LINK + PER_FRAME) * MAX_JOINTS + 2 * PER_FRAME;
+/// Largest number of error parameters of a robot: those of its links, base, tool and joint frames, and its
+/// elastic parameters.
+pub const MAX_PARAMETERS: usize = Parameter::count(MAX_JOINTS);
+
+/// Largest number of error parameters of a robot that an error set may use at once.
+pub const MAX_ERRORS: usize = Parameter::first_elastic(MAX_JOINTS);
 
 /// Actuator coordinates, rad (revolute) or m (prismatic), measured from the zero posture as in the seed
 /// paper.
@@ -78,6 +82,17 @@ pub struct LinkSolid {
     pub solid: Solid,
 }
 
+/// Mass that moves with a link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkMass {
+    /// Number of Denavit-Hartenberg rows before the frame with which the mass moves.
+    pub link: usize,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass in the frame after that row, m.
+    pub centre: Vector3<f64>,
+}
+
 /// Settings of the self-collision check of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfCollision {
@@ -127,6 +142,8 @@ pub struct Robot {
     pub solids: Vec<LinkSolid>,
     /// Number of solids that belong to the tool.
     pub tool_solids: usize,
+    /// Masses of the links and of the tool; a robot without masses has no torques by gravity.
+    pub masses: Vec<LinkMass>,
     pub self_collision: SelfCollision,
     /// Floor space of the robot base, in the base frame.
     pub footprint: Rectangle,

@@ -42,6 +42,10 @@ pub enum NoValueBound {
     NotNormal,
     /// The worst case of a sense with more than three rows is itself an estimate.
     ManyRows,
+    /// Elastic errors change with the posture.
+    Elastic,
+    /// The errors vary about means that are not 0.
+    Mean,
 }
 
 impl NoValueBound {
@@ -55,6 +59,8 @@ impl NoValueBound {
             Self::Share => "its value is a share of failures",
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three rows",
+            Self::Elastic => "its elastic errors change with the posture",
+            Self::Mean => "its errors vary about measured means",
         }
     }
 }
@@ -119,6 +125,12 @@ impl ValueBound {
         }
         let percentile = matches!(evaluator.quantity, Quantity::P95 | Quantity::P99);
         let list = &evaluator.sources.list;
+        if list.iter().any(|source| source.parameter.is_elastic()) {
+            return Err(NoValueBound::Elastic);
+        }
+        if evaluator.reading != Reading::Signed && evaluator.has_mean() {
+            return Err(NoValueBound::Mean);
+        }
         match evaluator.reading {
             Reading::Statistical if evaluator.quantity == Quantity::Yield => return Err(NoValueBound::Share),
             Reading::Statistical if percentile && evaluator.sources.has_bounded() => {

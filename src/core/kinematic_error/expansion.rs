@@ -3,9 +3,10 @@
 //! The models are eqs. (7)-(8) and section 2.3 of the seed paper.
 
 use super::Perturbation;
-use crate::cell::{JointKind, MAX_PARAMETERS, PER_FRAME, PER_LINK, Parameter};
+use super::elastic::deflection;
+use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, PER_LINK, Parameter};
 use crate::pose::{Displacement, Pose};
-use crate::robot::{Chain, Frames};
+use crate::robot::{Chain, Frames, Loads};
 use nalgebra::Vector3;
 
 /// Effect of one unit of a small motion on the TCP: its displacement `g` and its rotation `w`.
@@ -121,6 +122,9 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     sum
 }
 
+/// Number of the small motions of a chain with the largest number of joints.
+const MAX_MOTIONS: usize = Parameter::first_elastic(MAX_JOINTS);
+
 /// First and second derivatives of the TCP pose with respect to the parameters of one chain, base frame.
 ///
 /// An expansion holds the derivatives at one posture at a time and is reused between postures.
@@ -128,11 +132,15 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
 pub struct Expansion {
     axes: usize,
     joint_frames: Vec<Pose>,
-    terms: [MotionTerm; MAX_PARAMETERS],
+    terms: [MotionTerm; MAX_MOTIONS],
     /// Motions (index and size) that a unit error of each actuator causes through the joint coupling.
     drives: Vec<Vec<(usize, f64)>>,
     /// Indices of the motions that [`Self::set`] updates.
     wanted: Vec<usize>,
+    loads: Loads,
+    /// Elastic parameters in their order, each with the motion that it causes at the last posture (index and
+    /// size). Empty if none of them is wanted.
+    elastic: Vec<(Parameter, (usize, f64))>,
 }
 
 impl Expansion {
@@ -147,9 +155,11 @@ impl Expansion {
             };
             driven.map(|i| (motion(i), chain.coupling[i][j])).collect()
         });
-        let (drives, wanted) = (drives.collect(), (0..Parameter::count(axes)).collect());
-        let joint_frames = chain.joint_frames.clone();
-        Self { axes, joint_frames, terms: [MotionTerm::NONE; MAX_PARAMETERS], drives, wanted }
+        let (drives, wanted) = (drives.collect(), (0..Parameter::first_elastic(axes)).collect());
+        let (joint_frames, loads, terms) =
+            (chain.joint_frames.clone(), chain.loads, [MotionTerm::NONE; MAX_MOTIONS]);
+        let elastic = Parameter::elastic(axes).map(|p| (p, (PER_LINK * p.deflected_joint(), 0.0)));
+        Self { axes, joint_frames, terms, drives, wanted, loads, elastic: elastic.collect() }
     }
 
     /// Returns an expansion with derivatives with respect to `parameters` alone; all other derivatives are
@@ -161,6 +171,9 @@ impl Expansion {
         wanted.sort_unstable();
         wanted.dedup();
         expansion.wanted = wanted;
+        if parameters.iter().all(|&p| p < Parameter::first_elastic(chain.axes())) {
+            expansion.elastic.clear();
+        }
         expansion
     }
 
@@ -171,6 +184,9 @@ impl Expansion {
                 None => MotionTerm::of(frames, self.axes, k),
                 Some(k) => MotionTerm::of_joint(frames, &self.joint_frames, k),
             };
+        }
+        for (parameter, (_, size)) in &mut self.elastic {
+            *size = deflection(frames, &self.loads, *parameter).map_or(0.0, |(_, size)| size);
         }
     }
 
@@ -200,7 +216,11 @@ impl Expansion {
     fn motions(&self, parameter: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let is_actuator = parameter < PER_LINK * self.axes && parameter.is_multiple_of(PER_LINK);
         let driven: &[_] = if is_actuator { &self.drives[parameter / PER_LINK] } else { &[] };
-        driven.iter().copied().chain((!is_actuator).then_some((parameter, 1.0)))
+        let own = match parameter.checked_sub(Parameter::first_elastic(self.axes)) {
+            None => (!is_actuator).then_some((parameter, 1.0)),
+            Some(k) => self.elastic.get(k).map(|(_, motion)| *motion),
+        };
+        driven.iter().copied().chain(own)
     }
 
     /// Returns the rank, counted from 0, of the motion with index `k` in the order from base to tool.

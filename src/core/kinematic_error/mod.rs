@@ -7,7 +7,10 @@
 //! - dl, a translation along the x axis after the link, and dalpha, a rotation about that axis;
 //! - dbeta, a rotation about the y axis after the link (the fifth parameter of Hayati);
 //! - six components of the base frame, of the tool frame and of every joint frame. A joint frame precedes the
-//!   Denavit-Hartenberg (D-H) row of its joint.
+//!   Denavit-Hartenberg (D-H) row of its joint;
+//! - elastic deflections, rotations about the axis of a revolute joint like dtheta. Their size is the value of a
+//!   parameter times a lever or torque of gravity at the posture, for the chain without errors. The joint
+//!   coupling does not pass them on, because they arise behind the gears.
 //!
 //! Number the motions from the base to the tool. Motion k has the size `a_k` (rad or m). Let `S_k` be its
 //! twist for `a_k = 1`, base frame. Let T be the pose of the TCP without errors and T' the pose with errors.
@@ -32,6 +35,7 @@
 //! Errors are in the base frame: position in m, rotation as a rotation vector in rad.
 
 mod discrepancy;
+mod elastic;
 mod expansion;
 mod identification;
 mod nonlinear;
@@ -40,10 +44,11 @@ mod screw_motion;
 mod screws;
 
 pub use discrepancy::{Discrepancy, NEGLIGIBLE, deviation, discrepancy};
+pub use elastic::{ElasticErrors, deflection};
 pub use expansion::{Expansion, MotionTerm};
 pub use identification::{ParameterSet, condition, identifiable, identification_jacobian};
 pub use perturbation::{FrameError, JointErrors, LinkError, Perturbation, Turn};
-pub use screw_motion::{ScrewMotion, motions};
+pub use screw_motion::{ScrewMotion, largest_deflection, motions};
 pub use screws::{JointValues, PosedScrews, Screws};
 
 use crate::cell::Model;
@@ -53,6 +58,9 @@ use nalgebra::Vector3;
 
 /// Returns the position error of the TCP, m, base frame. A search calls this function at every node.
 pub fn position_error(frames: &Frames, errors: &Perturbation, model: Model) -> Vector3<f64> {
+    if errors.elastic.is_some() {
+        return position_error_of_elastic(frames, errors, model);
+    }
     match model {
         Model::Nonlinear => nonlinear::position_error(frames, errors),
         Model::Linear => expansion::linear(frames, errors).position,
@@ -60,8 +68,20 @@ pub fn position_error(frames: &Frames, errors: &Perturbation, model: Model) -> V
     }
 }
 
+/// Returns the position error of the TCP by errors with elastic deflections.
+///
+/// This function is separate because most errors have none and must not pay for them.
+#[cold]
+#[inline(never)]
+fn position_error_of_elastic(frames: &Frames, errors: &Perturbation, model: Model) -> Vector3<f64> {
+    position_error(frames, &errors.deflected(frames), model)
+}
+
 /// Returns the position error (m) and the rotation error (rad) of the TCP, base frame.
 pub fn pose_error(frames: &Frames, errors: &Perturbation, model: Model) -> Displacement {
+    if errors.elastic.is_some() {
+        return pose_error(frames, &errors.deflected(frames), model);
+    }
     match model {
         Model::Nonlinear => nonlinear::pose_error(frames, errors),
         Model::Linear => expansion::linear(frames, errors),

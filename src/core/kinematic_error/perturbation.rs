@@ -1,8 +1,9 @@
 //! A signed sample of the parameter errors, prepared for the error models.
 
+use super::elastic::ElasticErrors;
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, PER_LINK, Parameter, SignedErrors};
 use crate::pose::Pose;
-use crate::robot::Chain;
+use crate::robot::{Chain, Frames};
 
 /// Small rotation angle with sine and versine (1 minus cosine), computed without loss of digits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -94,6 +95,8 @@ pub struct Perturbation {
     pub base: Option<FrameError>,
     pub tool: Option<FrameError>,
     pub joints: Option<JointErrors>,
+    /// Elastic errors; in a box, because millions of samples without them are moved.
+    pub elastic: Option<Box<ElasticErrors>>,
 }
 
 impl Perturbation {
@@ -103,15 +106,16 @@ impl Perturbation {
     }
 
     /// Prepares parameter errors in the order of [`Parameter::of_robot`]; `values` may omit the errors of the
-    /// joint frames.
+    /// joint frames and those after them.
     ///
     /// The error dq is an error of an actuator coordinate. The joint coupling maps it to errors of the D-H
-    /// coordinates. The function does not allocate.
+    /// coordinates. The function allocates for elastic errors alone.
     pub fn of_values(chain: &Chain, values: &[f64]) -> Self {
         let axes = chain.axes();
         let mut links = [LinkError::default(); MAX_JOINTS];
         let mut sizes = [0.0; MAX_MOTIONS];
         let (values, joints) = values.split_at(Parameter::first_joint(axes));
+        let (joints, elastic) = joints.split_at(joints.len().min(PER_FRAME * axes));
         sizes[..values.len()].copy_from_slice(values);
         for (i, (link, error)) in chain.links.iter().zip(&mut links).enumerate() {
             let own = &values[PER_LINK * i..];
@@ -131,19 +135,41 @@ impl Perturbation {
         }
         let (base, tool) = values[PER_LINK * axes..].split_at(PER_FRAME);
         let (base, tool) = (FrameError::new(base), FrameError::new(tool));
-        let mut all = Self { links, axes, sizes, base, tool, joints: None };
+        let mut all = Self { links, axes, sizes, base, tool, joints: None, elastic: None };
         // Assigned in place, because moving a `None` costs as much as moving a `Some`.
         if joints.iter().any(|v| *v != 0.0) {
             all.joints = Some(JointErrors::new(chain, joints));
         }
+        if !elastic.is_empty() {
+            all.elastic = ElasticErrors::new(chain, elastic).map(Box::new);
+        }
         all
+    }
+
+    /// Returns this sample without its elastic errors.
+    pub fn rigid(&self) -> Self {
+        Self { elastic: None, ..self.clone() }
+    }
+
+    /// Returns this sample at a posture, with the elastic deflections there as errors dtheta of the joints.
+    ///
+    /// The result has no elastic errors.
+    pub fn deflected(&self, frames: &Frames) -> Self {
+        let mut at = self.clone();
+        let Some(elastic) = at.elastic.take() else { return at };
+        for (i, turn) in elastic.deflections(frames).into_iter().enumerate().take(self.axes) {
+            let dtheta = at.links[i].dtheta.angle + turn;
+            at.links[i].dtheta = Turn::new(dtheta);
+            at.sizes[PER_LINK * i] = dtheta;
+        }
+        at
     }
 
     /// Returns the sizes of the small motions (m or rad) in the order of [`Parameter::of_robot`].
     ///
     /// The first slice holds the motions of links, base and tool. In the first slice, the entries at the
     /// indices of dq and dr are errors of the D-H coordinates theta and r. These errors include the effect of
-    /// the joint coupling. The second slice holds the motions of the joint frames; it is empty if no joint
+    /// the joint coupling, but not the elastic deflections ([`Self::deflected`]). The second slice holds the motions of the joint frames; it is empty if no joint
     /// frame has an error.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);

@@ -2,7 +2,7 @@
 
 use crate::cell::{JointKind, PER_FRAME, Parameter};
 use crate::pose::Pose;
-use crate::robot::{Chain, Frames};
+use crate::robot::{Chain, Frames, STANDARD_GRAVITY};
 use nalgebra::Vector3;
 
 /// Small motion at one place in the chain, which moves all parts from this place to the tool.
@@ -24,7 +24,8 @@ pub struct ScrewMotion {
 
 /// Returns the small motions that one unit of an error parameter causes in the chain.
 ///
-/// A parameter of the equipment causes no motion of the chain.
+/// A parameter of the equipment causes no motion of the chain. An elastic parameter causes none of constant
+/// size: [`largest_deflection`] bounds it.
 pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usize) -> Vec<ScrewMotion> {
     let one = |link: usize, frame: &Pose, axis: usize, turns: bool, factor: f64| ScrewMotion {
         link,
@@ -52,6 +53,32 @@ pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usi
         Parameter::Base(c) => of_frame(0, &Pose::identity(), c),
         Parameter::Tool(c) => of_frame(chain.axes(), &frames.tcp, c),
         Parameter::Joint(i, c) => of_frame(i, &(rows[i] * chain.joint_frames[i]), c),
-        Parameter::Equipment(..) => Vec::new(),
+        Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Equipment(..) => Vec::new(),
     }
+}
+
+/// Returns the rotation of a joint by one unit of an elastic parameter, with its largest size at any posture as
+/// factor; None for any other parameter.
+///
+/// A lever is at most as long as its link, and a torque at most the sum of all weights times their distances.
+pub fn largest_deflection(
+    chain: &Chain,
+    frames: &Frames,
+    parameter: Parameter,
+    source: usize,
+) -> Option<ScrewMotion> {
+    let joint = parameter.is_elastic().then_some(parameter.deflected_joint())?;
+    let factor = match parameter {
+        Parameter::Elastic(_, link) => chain.link_length(link),
+        _ => (joint + 1..=chain.axes())
+            .map(|k| {
+                let arm: f64 = (joint..k).map(|link| chain.link_length(link)).sum();
+                let load = &chain.loads[k];
+                STANDARD_GRAVITY * (load.mass * arm + load.moment.norm())
+            })
+            .sum(),
+    };
+    let row = &frames.links[joint];
+    let (axis, through) = (row.rotation.column(2).into_owned(), row.translation);
+    Some(ScrewMotion { link: joint, turns: true, axis, through, source, factor })
 }

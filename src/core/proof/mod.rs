@@ -17,7 +17,7 @@
 //! | `coordinates` | the coordinates of the boxes, and the joint limits in them |
 //! | `taylor_model` | second-order expansions with a bound of the remainder |
 //! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
-//! | `value_bound` | the lower bound of a value in any reading |
+//! | `value_bound`, `rigid_factors` | the lower bound of a value in any reading |
 //! | `task` | one operation, prepared for bounding |
 //! | `branch_and_bound`, `witness` | the search over boxes, and postures in them |
 //!
@@ -30,6 +30,7 @@ mod coordinates;
 mod linear_effects;
 mod nonlinear_error;
 mod region;
+mod rigid_factors;
 mod task;
 mod taylor_model;
 mod value_bound;
@@ -94,6 +95,8 @@ pub enum WhyNot {
     Share,
     /// The lower bound did not rise above 0 within the allowed number of boxes of joint coordinates.
     Boxes,
+    /// The errors vary about means that are not 0, and the model of their worst case is not linear.
+    Mean,
     /// Monte Carlo samples refute the first-order value of the operation, to which the bound applies.
     Refuted,
 }
@@ -114,6 +117,7 @@ impl WhyNot {
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",
             Self::Boxes => "no bound above 0 was found within the boxes allowed",
+            Self::Mean => "a nonlinear worst case about measured means has no bound",
             Self::Refuted => "a bound would be of its first-order figure, which the samples refute",
         }
     }

@@ -8,10 +8,10 @@ use super::region::{ConstrainedQuantity, Constraint, OperationRegion};
 use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
 use super::value_bound::EffectSum;
 use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row};
-use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws, motions};
+use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws, largest_deflection, motions};
 use crate::layout::Workcell;
 use crate::pose::Pose;
-use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext, WorkFrame};
+use crate::reading::{ErrorEvaluator, ErrorSource, EvaluatorScratch, WorkContext, WorkFrame};
 use nalgebra::{Matrix3, Vector3};
 
 /// Difference of unit vectors up to which directions count as equal.
@@ -36,6 +36,8 @@ pub(super) struct Task<'a> {
     ///
     /// This amount is subtracted from the bound.
     lost: f64,
+    /// Rotations of joints by one unit of each elastic error source, with their largest sizes as factors.
+    deflections: Vec<ScrewMotion>,
     pub constraints: Vec<Constraint>,
 }
 
@@ -60,6 +62,10 @@ impl<'a> Task<'a> {
         refuse(cell, region.operation)?;
         let rows = rows(cell, evaluator, region.operation)?;
         let sample = evaluator.reading == Reading::Signed && evaluator.model != Model::Linear;
+        let is_corner = evaluator.reading == Reading::WorstCase && evaluator.model != Model::Linear;
+        if is_corner && evaluator.has_mean() {
+            return Err(WhyNot::Mean);
+        }
         if rows.iter().any(|r| r.turns)
             && evaluator.model != Model::Linear
             && evaluator.reading != Reading::Statistical
@@ -74,7 +80,13 @@ impl<'a> Task<'a> {
             sources.flat_map(|(k, source)| motions(chain, &frames, source.parameter, k)).collect();
         let free = Coordinates::new(chain, &screws, &[false; MAX_JOINTS]);
         let pieces = RigidPieces::new(&screws, &screws.point, &free);
+        let sources = evaluator.sources.list.iter().enumerate();
+        let deflection = |(k, source): (usize, &ErrorSource)| {
+            largest_deflection(evaluator.chain(), &frames, source.parameter, k)
+        };
+        let deflections = sources.filter_map(deflection).collect();
         let errors = evaluator.sources.perturbation(chain, &evaluator.sources.signed());
+        let errors = errors.rigid();
         let difference =
             sample.then(|| ChainDifference::new(&screws, screws.perturbed(&frames, &errors), &pieces));
         let turns_along = match &difference {
@@ -119,9 +131,10 @@ impl<'a> Task<'a> {
             rows,
             error: BoundedError::Columns(motions, sum),
             lost: 0.0,
+            deflections,
             constraints,
         };
-        task.lost = task.lost();
+        task.lost = task.lost() + task.elastic_part();
         if let Some(difference) = difference {
             task.error = BoundedError::ChainDifference(Box::new(difference));
         }
@@ -151,17 +164,40 @@ impl<'a> Task<'a> {
         };
         let BoundedError::Columns(motions, _) = &self.error else { return 0.0 };
         let size = |m: &ScrewMotion| (m.factor * sizes[m.source]).abs();
-        let (turns, slides): (Vec<&ScrewMotion>, Vec<&ScrewMotion>) = motions.iter().partition(|m| m.turns);
+        let motions = motions.iter().chain(&self.deflections);
+        let (turns, slides): (Vec<&ScrewMotion>, Vec<&ScrewMotion>) = motions.partition(|m| m.turns);
         let (sum, slid): (f64, f64) =
             (turns.iter().map(|m| size(m)).sum(), slides.iter().map(|m| size(m)).sum());
-        let n = self.screws.kinds.len();
-        let lever = |m: &ScrewMotion| {
-            let next = if m.link == n { &self.screws.point } else { &self.screws.points[m.link] };
-            (next - m.through).norm() + self.to_point.from(m.link) + slid
-        };
-        let moved: f64 = turns.iter().map(|m| size(m) * lever(m)).sum();
+        let moved: f64 = turns.iter().map(|m| size(m) * (self.lever(m) + slid)).sum();
         let rows = self.rows.iter().map(|r| r.direction.norm_squared()).sum::<f64>().sqrt();
         rows * (moved + slid) * sum * sum / 2.0
+    }
+
+    /// Returns an upper bound of the distance from the axis of a rotation to the point whose error counts, m.
+    fn lever(&self, m: &ScrewMotion) -> f64 {
+        let n = self.screws.kinds.len();
+        let next = if m.link == n { &self.screws.point } else { &self.screws.points[m.link] };
+        (next - m.through).norm() + self.to_point.from(m.link)
+    }
+
+    /// Returns an upper bound of the change of the value by the elastic errors of a signed sample, m or rad.
+    ///
+    /// The bound ignores these errors, whose size changes with the posture. A deflection by an angle moves the
+    /// point by at most the angle times its distance from the axis in the chain with all other errors.
+    fn elastic_part(&self) -> f64 {
+        if self.evaluator.reading != Reading::Signed || self.deflections.is_empty() {
+            return 0.0;
+        }
+        let sizes = self.evaluator.sources.signed();
+        let BoundedError::Columns(motions, _) = &self.error else { return 0.0 };
+        let size = |m: &ScrewMotion| (m.factor * sizes[m.source]).abs();
+        let slid: f64 = motions.iter().filter(|m| !m.turns).map(size).sum();
+        let [along, about] = grams(&self.rows).map(|gram| gram.trace().sqrt());
+        // In the second-order model, products of the deflections with other rotations come on top.
+        let turned: f64 = motions.iter().chain(&self.deflections).filter(|m| m.turns).map(size).sum();
+        let deflections = self.deflections.iter();
+        let moved = deflections.map(|m| size(m) * (along * (self.lever(m) + slid) + about)).sum::<f64>();
+        moved * (1.0 + turned)
     }
 
     /// Returns the nominal chain in the posture with the [`Coordinates`] `y`.

@@ -12,6 +12,13 @@
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
 //!
+//! Elastic errors have no weight, because their size changes with the posture. The other errors alone give a
+//! lower bound: a farthest corner and a centred distribution only grow with further independent sources. For
+//! correlated sources, the other errors count as far as they do not depend on the elastic ones.
+//!
+//! Means of measured errors do not count either: the farthest corner about a mean is at least as far as that
+//! about 0, because the mean has the same or the opposite direction, and a mean enlarges each statistic.
+//!
 //! For the mean of |e| this bound is the tangent of a convex function of the effects. Percentiles have a
 //! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the
 //! squared percentile is a convex function of the covariance S. We know no proof of this assumption.
@@ -19,6 +26,7 @@
 
 use super::WhyNot;
 use super::linear_effects::Effect;
+use super::rigid_factors::rigid_factors;
 use crate::cell::{Model, Quantity, Reading, Row};
 use crate::kinematic_error::ScrewMotion;
 use crate::reading::norm::NormDistribution;
@@ -82,7 +90,7 @@ impl EffectSum {
                 }
                 let alone = list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
                 let mut factors: Vec<_> = alone.map(|(k, s)| vec![(k, s.deviation)]).collect();
-                factors.extend(evaluator.sources.factors.iter().cloned());
+                factors.extend(rigid_factors(&evaluator.sources));
                 Ok(Self::Random(factors, evaluator.quantity))
             }
         }

@@ -54,7 +54,7 @@ impl Budget {
         let unit: Vec<Vector6<f64>> =
             (0..sources.list.len()).map(|k| measure.column(&memory.effects().columns[k])).collect();
         let sum: Vector6<f64> =
-            sources.list.iter().zip(&unit).zip(&corner).map(|((s, g), sign)| g * (s.plus_minus * sign)).sum();
+            sources.list.iter().zip(&unit).zip(&corner).map(|((s, g), sign)| g * s.at(*sign)).sum();
         let variances = variances(sources, &unit);
         let total: f64 = variances.iter().sum();
         let of = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
@@ -71,7 +71,7 @@ impl Budget {
                     plus_minus: source.plus_minus,
                     term: context.site.world.transpose() * term.position,
                     alone: unit[k].norm() * source.plus_minus,
-                    of_worst: of(unit[k].dot(&sum) * source.plus_minus * corner[k], sum.norm_squared()),
+                    of_worst: of(unit[k].dot(&sum) * source.at(corner[k]), sum.norm_squared()),
                     of_variance: of(variances[k], total),
                 }
             })

@@ -1,21 +1,25 @@
 //! Error sources of an operation: the parameters of robot and equipment that have errors.
 
 use crate::cell::{
-    Cell, ErrorSet, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, Spread, Tolerance,
+    Cell, MAX_ERRORS, MAX_JOINTS, MAX_PARAMETERS, PER_FRAME, Parameter, Registration, SignedErrors, Spread,
+    Tolerance,
 };
 use crate::kinematic_error::{Expansion, FrameError, Perturbation};
 use crate::robot::Chain;
 use nalgebra::DMatrix;
 
-/// Largest number of sources of one operation: all parameters of the robot and of two pieces of equipment.
-pub const MAX_SOURCES: usize = MAX_PARAMETERS + 2 * PER_FRAME;
+/// Largest number of sources of one operation: parameters of the robot and of two pieces of equipment.
+pub const MAX_SOURCES: usize = MAX_ERRORS + 2 * PER_FRAME;
 
 /// Parameter of robot or equipment that has an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSource {
     pub parameter: Parameter,
-    /// Value of the parameter in the signed sample, m or rad; 0 if the cell gives tolerances.
+    /// Value of the parameter in the signed sample, m or rad; 0 if the cell gives tolerances. For an elastic
+    /// parameter, this and all following values are in rad/m or rad/(N m).
     pub signed: f64,
+    /// Mean about which the parameter varies, m or rad.
+    pub mean: f64,
     /// Half width of the tolerance of the parameter, m or rad.
     pub plus_minus: f64,
     /// Standard deviation of the parameter, m or rad.
@@ -37,8 +41,8 @@ pub struct ErrorSources {
     /// Each factor is a list of sources: the index of each source, and its value at one standard deviation of
     /// the factor.
     pub factors: Vec<Vec<(usize, f64)>>,
-    /// Number of robot parameters in a sample. If no joint frame has an error, the parameters of the joint
-    /// frames are left out.
+    /// Number of robot parameters in a sample. The parameters of the joint frames and the elastic parameters
+    /// are left out if none of them has an error.
     parameters: usize,
     /// Indices of two pieces of equipment: the one on which the robot works, and the one from which it picked
     /// the part.
@@ -51,14 +55,18 @@ impl ErrorSources {
         let at = [Some(equipment), other.filter(|o| *o != equipment)];
         let axes = cell.robot.axes();
         let set = cell.error_set();
-        let (tolerance, signed) = (set.tolerance(), signed_values(set, axes));
+        let values = |sample: Option<&SignedErrors>| {
+            sample.map_or(vec![0.0; Parameter::count(axes)], SignedErrors::values)
+        };
+        let (tolerance, signed, mean) = (set.tolerance(), values(set.signed()), values(set.mean()));
         let mut list = Vec::new();
         let mut place = vec![None; signed.len()];
         for (k, parameter) in Parameter::of_robot(axes).enumerate() {
-            let (spread, signed) = (tolerance.spreads[k], signed[k]);
-            if spread.plus_minus > 0.0 {
+            let (spread, mean) = (tolerance.spreads[k], mean[k]);
+            if spread.plus_minus > 0.0 || mean != 0.0 {
                 place[k] = Some(list.len());
-                list.push(ErrorSource { robot: Some(k), ..ErrorSource::new(parameter, signed, spread) });
+                let source = ErrorSource::new(parameter, signed[k], spread);
+                list.push(ErrorSource { robot: Some(k), mean, ..source });
             }
         }
         // A taught frame moves with the equipment, so the errors of the equipment do not count.
@@ -72,14 +80,23 @@ impl ErrorSources {
         }
         let factors = factors(&tolerance, &place);
         factors.iter().flatten().for_each(|&(k, _)| list[k].spread = None);
-        let joints = list.iter().any(|s| matches!(s.parameter, Parameter::Joint(..)));
-        let parameters = if joints { signed.len() } else { Parameter::first_joint(axes) };
+        let robot = list.iter().filter_map(|s| s.robot);
+        let parameters = match robot.max() {
+            Some(last) if last >= Parameter::first_elastic(axes) => Parameter::count(axes),
+            Some(last) if last >= Parameter::first_joint(axes) => Parameter::first_elastic(axes),
+            _ => Parameter::first_joint(axes),
+        };
         Self { list, factors, parameters, at }
     }
 
     /// Returns the signed sample, one value per source.
     pub fn signed(&self) -> Vec<f64> {
         self.list.iter().map(|s| s.signed).collect()
+    }
+
+    /// Returns the means of all sources; None if all are 0.
+    pub fn means(&self) -> Option<Vec<f64>> {
+        self.list.iter().any(|s| s.mean != 0.0).then(|| self.list.iter().map(|s| s.mean).collect())
     }
 
     /// Returns the robot errors of a sample; `values` holds one value per source.
@@ -146,17 +163,15 @@ impl ErrorSources {
 }
 
 impl ErrorSource {
+    /// Returns the value of the parameter at the end of its tolerance with this sign.
+    pub fn at(&self, sign: f64) -> f64 {
+        self.mean + self.plus_minus * sign
+    }
+
     fn new(parameter: Parameter, signed: f64, spread: Spread) -> Self {
         let (deviation, kurtosis) = (spread.deviation(), spread.distribution.excess_kurtosis());
         let (plus_minus, spread) = (spread.plus_minus, Some(spread));
-        Self { parameter, signed, plus_minus, deviation, kurtosis, spread, robot: None }
-    }
-}
-
-fn signed_values(set: &ErrorSet, axes: usize) -> Vec<f64> {
-    match set {
-        ErrorSet::Signed(errors) => errors.values(),
-        ErrorSet::Tolerance(_) => vec![0.0; Parameter::count(axes)],
+        Self { parameter, signed, mean: 0.0, plus_minus, deviation, kurtosis, spread, robot: None }
     }
 }
 

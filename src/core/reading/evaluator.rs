@@ -31,6 +31,8 @@ pub struct ErrorEvaluator {
     /// Values of the signed sample, one per source.
     pub(super) signed_values: Vec<f64>,
     pub(super) signed: PreparedSample,
+    /// Means of the sources, and the sample with these values; None if all are 0.
+    mean: Option<(Vec<f64>, PreparedSample)>,
     /// Whether only the robot has errors, and neither a registration nor a pick removes a part of these
     /// errors.
     pub(super) alone: bool,
@@ -65,7 +67,7 @@ impl EvaluatorScratch {
 impl ErrorEvaluator {
     /// Prepares the evaluator of one operation of a cell.
     pub fn new(cell: &Cell, operation: &Operation) -> Self {
-        let chain = Chain::new(&cell.robot);
+        let chain = Chain::new(&cell.robot).carrying(&operation.held);
         let other = operation.relative_to.map(|k| cell.operations[k].equipment);
         let sources = ErrorSources::new(cell, operation.equipment, other);
         let mean = cell.model != Model::Linear;
@@ -78,6 +80,10 @@ impl ErrorEvaluator {
         let signed_values = sources.signed();
         let propagation = ErrorPropagation { chain: &chain, sources: &sources, best_fit: best_fit.as_ref() };
         let signed = propagation.sample(&signed_values, cell.model);
+        let means = sources.means().map(|values| {
+            let sample = propagation.sample(&values, cell.model);
+            (values, sample)
+        });
         let placed = [Some(operation.equipment), other];
         let still = placed.into_iter().flatten().all(|e| cell.equipment[e].errors.is_none());
         let alone = cell.registration == Registration::None && still && other.is_none();
@@ -93,6 +99,7 @@ impl ErrorEvaluator {
             best_fit,
             signed_values,
             signed,
+            mean: means,
             alone,
             spin_bound: None,
             ignores_spin: false,
@@ -123,6 +130,11 @@ impl ErrorEvaluator {
     /// Returns whether [`Self::value`] is the same, bit by bit, after a rotation of the tool by the last joint.
     pub fn ignores_spin(&self) -> bool {
         self.ignores_spin
+    }
+
+    /// Returns the chain of the robot with the part that it holds at this operation.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
     }
 
     /// Returns the propagation of parameter errors for this operation.
@@ -223,6 +235,18 @@ impl ErrorEvaluator {
     pub fn prepare(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) {
         let mean = self.takes_mean();
         self.propagation().effects(context, frames, &mut memory.expansion, mean, &mut memory.effects);
+        if let Some((values, sample)) = &self.mean {
+            let error = match self.model {
+                Model::Linear => memory.effects.of_sample(values),
+                model => self.propagation().error(context, frames, sample, model),
+            };
+            memory.effects.mean = memory.effects.mean + error;
+        }
+    }
+
+    /// Returns whether the sources vary about means that are not 0.
+    pub fn has_mean(&self) -> bool {
+        self.mean.is_some()
     }
 
     /// Returns the largest size of the error in a [`Sense`] over the tolerance box, at a posture. Call
@@ -236,6 +260,7 @@ impl ErrorEvaluator {
     ) -> WorstCase {
         let measure = self.measure(sense, context, frames);
         let n = self.sources.list.len();
+        let of_mean = usize::from(self.mean.is_some());
         if self.model == Model::Linear {
             let (linear, corner) = self.linear_corner(&measure, memory);
             let exact = linear.upper <= linear.value;
@@ -244,17 +269,33 @@ impl ErrorEvaluator {
         }
         let largest = self.largest(memory);
         let (linear, corner) = self.linear_corner(&measure, memory);
-        let (propagation, columns) = (self.propagation(), &memory.columns[..n]);
+        let (propagation, columns) = (self.propagation(), &memory.columns[..n + of_mean]);
         let mut values = [0.0; MAX_SOURCES];
-        by_model(columns, &linear, self.quadratic(&memory.effects), &largest, corner, |signs| {
+        let quadratic = self.quadratic(&memory.effects);
+        let mut worst = by_model(columns, &linear, quadratic, &largest, corner, |signs| {
             self.corner(signs, &mut values);
+            if self.is_reversed(signs) {
+                self.corner(&signs.map(|sign| -sign), &mut values);
+            }
             if self.alone && measure.is_of_position() {
                 let errors = self.sources.perturbation(&self.chain, &values[..n]);
                 return measure.size_of_position(&position_error(frames, &errors, self.model));
             }
             let sample = propagation.sample(&values[..n], self.model);
             measure.size(&propagation.error(context, frames, &sample, self.model))
-        })
+        });
+        if self.is_reversed(&worst.corner) {
+            worst.corner.iter_mut().for_each(|sign| *sign = -*sign);
+        }
+        worst
+    }
+
+    /// Returns whether all signs of a corner must be reversed, so that the mean gets the sign +1.
+    ///
+    /// The linear error has the same size if all signs are reversed, that of the mean included. So the search
+    /// for the worst corner treats the mean as one more source, whose sign follows those of the sources.
+    fn is_reversed(&self, signs: &[f64; MAX_SOURCES]) -> bool {
+        self.mean.is_some() && signs[self.sources.list.len()] < 0.0
     }
 
     /// Returns two corners of the tolerance box, each as one sign per source.
@@ -282,8 +323,8 @@ impl ErrorEvaluator {
     fn quadratic(&self, effects: &Effects) -> f64 {
         let pairs = self.sources.list.iter().zip(&effects.columns);
         let (turn, shift) = pairs.fold((0.0, 0.0), |(turn, shift), (source, effect)| {
-            let [w, d] =
-                [effect.rotation, effect.position].map(|v| v.norm_squared() * source.plus_minus.powi(2));
+            let largest = source.plus_minus + source.mean.abs();
+            let [w, d] = [effect.rotation, effect.position].map(|v| v.norm_squared() * largest.powi(2));
             (turn + w, shift + d)
         });
         (turn * shift).sqrt()
@@ -300,15 +341,22 @@ impl ErrorEvaluator {
             memory.columns[k] = measure.column(&(memory.effects.columns[k] * source.plus_minus));
         }
         let mut corner = [0.0; MAX_SOURCES];
-        let n = self.sources.list.len();
+        let mut n = self.sources.list.len();
+        if let Some((values, _)) = &self.mean {
+            memory.columns[n] = measure.column(&memory.effects.of_sample(values));
+            n += 1;
+        }
         let found = farthest(&memory.columns[..n], measure.rows(), &mut memory.scratch, &mut corner[..n]);
+        if self.is_reversed(&corner) {
+            corner.iter_mut().for_each(|sign| *sign = -*sign);
+        }
         (found, corner)
     }
 
     /// Writes the values of the sources at the corner of the tolerance box that `signs` gives.
     pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
         for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
-            *value = source.plus_minus * sign;
+            *value = source.at(*sign);
         }
     }
 

@@ -1,8 +1,8 @@
 //! Lower bound of the value of an operation over rotations of the tool about its axis.
 
-use super::spin_bound::SpinBound;
+use super::spin_bound::{SpinBound, is_behind};
 use super::{ErrorEvaluator, EvaluatorScratch, WorkContext};
-use crate::cell::{Model, Reading};
+use crate::cell::{Model, Parameter, Reading};
 use crate::robot::Frames;
 
 /// Relative error that a computed value may have.
@@ -47,6 +47,11 @@ impl ErrorEvaluator {
 
     /// Returns the bound that suits this evaluator; None if it is not known.
     pub(super) fn spin_bound_of(&self) -> Option<SpinBound> {
+        // A rotation of the last joint may change such a deflection, which acts before this joint.
+        let changes = |p: Parameter| p.is_elastic() && is_behind(p, self.chain.axes());
+        if self.sources.list.iter().any(|source| changes(source.parameter)) {
+            return None;
+        }
         match self.reading {
             Reading::Signed if self.alone && self.sense.is_of_position() => {
                 let bound = SpinBound::of_sample(&self.chain, self.signed.errors(), &self.sense);

@@ -6,15 +6,16 @@
 //!
 //! ```text
 //! signed        |e|                        e = the model's error of the sample
-//! worst-case    max |sum_k s_k g_k|        over all signs s: the farthest vertex of a zonotope
+//! worst-case    max |m + sum_k s_k g_k|    over all signs s: the farthest vertex of a zonotope
 //! statistical   |mu + sum_k g_k x_k|       random x_k: its RMS, mean, percentiles, P(|e| <= limit)
 //! ```
 //!
 //! Here `g_k` is the effect of [`ErrorSource`] k along the rows of a sense ([`SenseRows`]). In the worst-case
 //! reading the source is at its tolerance; in the statistical reading, at its standard deviation. The mean
-//! error is `mu`. The factors `x_k` have the distributions of the sources, scaled to unit variance. The
-//! effect excludes the error that a registration removes ([`BestFit`], [`Taught`]). For a picked part it also
-//! excludes the error of the pick ([`PickReference`]).
+//! error is `mu`. The linear error of the means of measured errors is `m`; it is 0 for other errors. The factors
+//! `x_k` have the distributions of the sources, scaled to unit variance. The effect excludes the error that a
+//! registration removes ([`BestFit`], [`Taught`]). For a picked part it also excludes the error of the pick
+//! ([`PickReference`]).
 
 mod budget;
 mod effects;

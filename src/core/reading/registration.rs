@@ -46,7 +46,8 @@ impl BestFit {
     /// Prepares the best fit of a chain; if `mean` is true, the fit includes the mean error of the
     /// second-order terms.
     pub fn new(chain: &Chain, sources: &ErrorSources, mean: bool) -> Self {
-        let workspace = WorkspaceAverage::new(chain);
+        let is_elastic = sources.list.iter().any(|s| s.parameter.is_elastic());
+        let workspace = WorkspaceAverage::new(chain, is_elastic);
         let (centre, square) = workspace.position(&sources.perturbation(chain, &[]));
         let covariance = square - centre * centre.transpose();
         let inertia = Matrix3::identity() * covariance.trace() - covariance;

@@ -81,7 +81,7 @@ impl<'a> SampleStream<'a> {
         }
         let (own, factors) = self.at.split_at(self.space.list.len());
         for ((value, source), (u, _)) in self.values.iter_mut().zip(&self.space.list).zip(own) {
-            *value = source.spread.map_or(0.0, |spread| drawn(&spread, *u));
+            *value = source.mean + source.spread.map_or(0.0, |spread| drawn(&spread, *u));
         }
         for (factor, (u, _)) in self.space.factors.iter().zip(factors) {
             let z = bounded_normal(*u);

@@ -143,6 +143,9 @@ pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
     match parameter {
         Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,
         Parameter::Tool(_) => true,
+        // The last joint turns the last link and its load, and so changes levers and torques.
+        Parameter::Elastic(_, link) => link + 1 == axes,
+        Parameter::Compliance(_) => true,
         _ => false,
     }
 }

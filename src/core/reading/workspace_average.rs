@@ -5,12 +5,15 @@
 //! map them linearly, and the mean over the range of a joint has a closed form ([`Harmonics`]). So the
 //! average is exact. The exception is an actuator that drives later joints through the coupling. The mean
 //! over its range is computed by a Gauss-Legendre rule with a relative error below 1e-4.
+//!
+//! Elastic deflections depend on all joints at once. Their share of the error is averaged over the postures of
+//! a Halton sequence, and the rest as above.
 
 use super::position_moments::{ErrorMoments, Harmonics, PositionMoments};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Model};
-use crate::kinematic_error::Perturbation;
+use crate::kinematic_error::{Perturbation, position_error};
 use crate::pose::Pose;
-use crate::robot::Chain;
+use crate::robot::{Chain, Frames};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::ops::Range;
 
@@ -20,6 +23,9 @@ const SPARE_NODES: f64 = 4.0;
 /// direction.
 const MAX_NODES: f64 = 128.0;
 
+/// Number of postures over which elastic deflections are averaged.
+const ELASTIC_POSTURES: usize = 1024;
+
 /// A chain prepared for averages over its workspace.
 #[derive(Debug, Clone)]
 pub struct WorkspaceAverage {
@@ -28,6 +34,8 @@ pub struct WorkspaceAverage {
     rows: Vec<AveragedRow>,
     /// Ranges of rows such that no actuator of one range drives a joint of another range.
     segments: Vec<Range<usize>>,
+    /// Postures over which elastic deflections are averaged; empty if no error is elastic.
+    postures: Vec<Frames>,
 }
 
 /// One Denavit-Hartenberg row with the actuator of its joint.
@@ -59,8 +67,8 @@ struct AveragedErrors<'a> {
 }
 
 impl WorkspaceAverage {
-    /// Prepares the averages over the workspace of a chain.
-    pub fn new(chain: &Chain) -> Self {
+    /// Prepares the averages over the workspace of a chain; `elastic` says whether any error is elastic.
+    pub fn new(chain: &Chain, elastic: bool) -> Self {
         let axes = chain.axes();
         let drives = |j: usize, i: usize| {
             let (low, high) = chain.links[j].limits;
@@ -74,7 +82,10 @@ impl WorkspaceAverage {
                 (j + 1..axes).filter(|&i| drives(j, i)).map(|i| chain.coupling[i][j].abs()).sum();
             AveragedRow::new(chain, j, driven)
         });
-        Self { mount: chain.mount, tool: chain.tool, rows: rows.collect(), segments }
+        let count = if elastic { ELASTIC_POSTURES } else { 0 };
+        let postures = (0..count).map(|k| chain.frames(&chain.posture(&chain.halton_sample(k))));
+        let (rows, postures) = (rows.collect(), postures.collect());
+        Self { mount: chain.mount, tool: chain.tool, rows, segments, postures }
     }
 
     /// Returns mean (m) and second moment (m2) of the TCP position without errors, base frame.
@@ -83,11 +94,24 @@ impl WorkspaceAverage {
         (mean, square)
     }
 
-    /// Returns the moments of the position error of the TCP by a model, base frame. The function allocates no
-    /// memory.
+    /// Returns the moments of the position error of the TCP by a model, base frame. Without elastic errors, the
+    /// function allocates no memory.
     pub fn error(&self, errors: &Perturbation, model: Model) -> ErrorMoments {
         let PositionMoments { error, second, .. } = self.moments(errors, model);
-        error + second
+        match errors.elastic {
+            None => error + second,
+            Some(_) => error + second + self.elastic(errors, model),
+        }
+    }
+
+    /// Returns the part of the moments of the position error that elastic deflections cause.
+    fn elastic(&self, errors: &Perturbation, model: Model) -> ErrorMoments {
+        let rigid = errors.rigid();
+        let sum = self.postures.iter().fold(ErrorMoments::NONE, |sum, frames| {
+            let mean = position_error(frames, errors, model) - position_error(frames, &rigid, model);
+            sum + ErrorMoments { mean, product: mean * frames.tcp.translation.transpose() }
+        });
+        sum * (1.0 / self.postures.len().max(1) as f64)
     }
 
     /// Returns the moments of the TCP position and its error, base frame.

@@ -1,6 +1,7 @@
 //! The Denavit-Hartenberg chain and its forward kinematics.
 
-use crate::cell::{JointKind, JointVector, MAX_JOINTS, Margins, Robot};
+use super::loads::Loads;
+use crate::cell::{HeldPart, JointKind, JointVector, MAX_JOINTS, Margins, Robot};
 use crate::low_discrepancy::halton;
 use crate::pose::{Pose, exact_sin_cos};
 use nalgebra::{Matrix3, Vector3};
@@ -77,6 +78,8 @@ pub struct Chain {
     turned_tool: bool,
     /// Unit vector along the tool axis, in the frame of the TCP.
     pub tool_axis: Vector3<f64>,
+    /// Masses of links, tool and held part, whose weights deflect elastic joints.
+    pub loads: Loads,
 }
 
 impl Chain {
@@ -87,6 +90,8 @@ impl Chain {
             let (theta, r, l, alpha, limits) = (j.theta, j.r, j.l, j.alpha, j.limits);
             Link { kind: j.kind, theta, r, l, alpha, cos_alpha, sin_alpha, limits }
         });
+        let mut loads = Loads::default();
+        robot.masses.iter().for_each(|m| loads[m.link].add(m.mass, &m.centre));
         Self {
             mount: robot.mount,
             links: links.collect(),
@@ -95,7 +100,15 @@ impl Chain {
             tool: robot.tool,
             turned_tool: robot.tool.rotation != Matrix3::identity(),
             tool_axis: robot.tool_axis,
+            loads,
         }
+    }
+
+    /// Returns this chain with the mass of a part that the tool holds.
+    pub fn carrying(mut self, part: &HeldPart) -> Self {
+        let last = self.axes();
+        self.loads[last].add(part.mass, &self.tool.transform(&part.centre));
+        self
     }
 
     /// Returns the chain of a robot, with its joint limits reduced by the margins of the cell.
@@ -110,6 +123,18 @@ impl Chain {
     /// Returns the number of joints.
     pub fn axes(&self) -> usize {
         self.links.len()
+    }
+
+    /// Returns an upper bound of the distance from the frame before a link to the frame after it, m.
+    pub fn link_length(&self, link: usize) -> f64 {
+        let farthest = |link: &Link| link.limits.0.abs().max(link.limits.1.abs());
+        let travel = match self.links[link].kind {
+            JointKind::Prismatic => {
+                self.coupling[link].iter().zip(&self.links).map(|(c, l)| c.abs() * farthest(l)).sum()
+            }
+            JointKind::Revolute => 0.0,
+        };
+        self.links[link].l.hypot(self.links[link].r.abs() + travel)
     }
 
     /// Returns the posture at actuator coordinates `q` (rad or m).

@@ -8,5 +8,9 @@
 //! directly never calls a trigonometric function.
 
 mod chain;
+mod gravity;
+mod loads;
 
 pub use chain::{Chain, Frames, Link, Posture};
+pub use gravity::{STANDARD_GRAVITY, gravity_torque, lever};
+pub use loads::{CarriedMass, Loads};

@@ -27,9 +27,45 @@ impl ErrorForm {
 
 words!(ErrorForm);
 
+/// Meaning of the numbers of an error set of a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorSetForm {
+    Plain(ErrorForm),
+    /// Errors of one robot with their signs, whose uncertainty a covariance gives.
+    Measured,
+}
+
+impl ErrorSetForm {
+    pub const ALL: [Self; 3] =
+        [Self::Plain(ErrorForm::Signed), Self::Plain(ErrorForm::Tolerance), Self::Measured];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain(form) => form.name(),
+            Self::Measured => "measured",
+        }
+    }
+
+    /// Returns the meaning of the numbers in the lists of the set: those of measured errors have signs.
+    pub fn of_lists(self) -> ErrorForm {
+        match self {
+            Self::Plain(form) => form,
+            Self::Measured => ErrorForm::Signed,
+        }
+    }
+}
+
+words!(ErrorSetForm);
+
 const FORM: Key = word::<ErrorForm>(
     "kind",
     "signed: errors of one robot, with their signs; tolerance: plus-or-minus values for all robots of a series.",
+)
+.required();
+
+const FORM_OF_SET: Key = word::<ErrorSetForm>(
+    "kind",
+    "signed: errors of one robot, with their signs; tolerance: plus-or-minus values for all robots of a series; measured: errors of one robot from a calibration, with their signs and a covariance of what is uncertain.",
 )
 .required();
 
@@ -71,6 +107,14 @@ key_table! {
 }
 
 key_table! {
+    elastic_term, "an elastic term", "Deflection of a joint by the weight at and beyond the end of a link: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number from 1 or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose lever counts, from the frame before row `link` to the frame after it: the joint itself or a later one.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
+        VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
+    }
+}
+
+key_table! {
     distribution, "`distribution`", "Distributions of the plus-or-minus values of rows and frames.", {
         DEFAULT = word::<Distribution>("default", "Distribution of all errors whose key is left out.").default(Literal::Word(Distribution::Normal.name()));
         DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one for each joint.");
@@ -81,23 +125,25 @@ key_table! {
         BASE = Key::new("base", BY_COMPONENT, "Distribution of the errors of the base frame: one word, or six for x, y, z and the rotations about them.");
         TOOL = Key::new("tool", BY_COMPONENT, "Distribution of the errors of the TCP: one word, or six for x, y, z and the rotations about them.");
         JOINTS = Key::new("joints", BY_COMPONENT, "Distribution of the errors of every joint frame: one word, or six for x, y, z and the rotations about them.");
+        ELASTIC = word::<Distribution>("elastic", "Distribution of all elastic terms.");
+        COMPLIANCE = Key::new("compliance", BY_JOINT, "Distribution of compliance_deg_per_Nm: one word, or a list with one for each joint.");
     }
 }
 
 /// Help text that lists the names of the parameters of a covariance.
-pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x)";
+pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2)";
 
 key_table! {
-    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters, whose plus-or-minus values must be 0.", {
-        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), or a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
-        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, one row for each of the parameters: mm2, mm times degrees, or degrees2.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
+    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters. In a tolerance, their plus-or-minus values must be 0.", {
+        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
+        MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, one row for each of the parameters: products of mm, degrees, degrees per m and degrees per N m.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }
 }
 
 key_table! {
-    error_set, "an error set", "Errors of the robot: one signed sample, or tolerances.", {
+    error_set, "an error set", "Errors of the robot: one signed sample, tolerances, or measured errors.", {
         SOURCE = super::SOURCE.required().example("").remedy("add source = \"...\"");
-        FORM = super::FORM;
+        FORM = super::FORM_OF_SET;
         DQ_DEG = Key::new("dq_deg", POSTURE, "Errors of the coordinates of revolute joints: one for each joint, 0 for a prismatic one.");
         DQ_MM = Key::new("dq_mm", POSTURE, "Errors of the coordinates of prismatic joints: one for each joint, 0 for a revolute one.");
         DR = row("dr_mm", "Errors of the axial offsets r: one for each joint.");
@@ -107,12 +153,15 @@ key_table! {
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
         JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves its joint and everything after it. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
+        ELASTIC = Key::new("elastic", ValueKind::List(&ValueKind::Table(&elastic_term::TABLE), (0, MANY), "elastic terms"), "Deflections of joints by gravity, as a calibration identifies them; each depends on the posture.").example("[{ joint = 2, link = 3, deg_per_m = -0.05 }]");
+        COMPLIANCE = Key::new("compliance_deg_per_Nm", POSTURE, "Compliances of the joints: the deflection per torque of gravity by the masses of links, tool and held part; one for each joint, 0 for a prismatic one.");
         DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table with words for rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
     }
     rules [
         Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance"] },
+        Rule::When { key: "kind", words: measured, needs: &[], never: &["distribution"] },
         Rule::NotNegativeWhen("kind", "tolerance"),
     ];
 }
@@ -133,6 +182,10 @@ key_table! {
         message: "the errors of equipment have no `covariance`",
         remedy: "give the plus-or-minus values in position_mm and rotation_deg",
     }];
+}
+
+fn measured() -> Vec<String> {
+    vec![ErrorSetForm::Measured.name().to_string()]
 }
 
 fn signed() -> Vec<String> {

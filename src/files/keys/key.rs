@@ -113,6 +113,9 @@ impl Key {
     pub fn unit(&self) -> KeyUnit {
         let endings = [
             ("mm_per_deg", KeyUnit::MillimetresPerDegree),
+            ("deg_per_m", KeyUnit::DegreesPerMetre),
+            ("deg_per_Nm", KeyUnit::DegreesPerNewtonMetre),
+            ("_kg", KeyUnit::Kilograms),
             ("_mm", KeyUnit::Millimetres),
             ("_deg", KeyUnit::Degrees),
             ("_percent", KeyUnit::Percent),

@@ -60,6 +60,23 @@ key_table! {
 const PAIRS: ValueKind =
     ValueKind::List(&ValueKind::List(&ValueKind::Text, (2, 2), "names"), (0, MANY), "pairs");
 
+/// Largest mass of a link, a tool or a part, kg.
+const MAX_MASS: f64 = 10_000.0;
+
+key_table! {
+    mass, "a mass", "Mass of a link, whose weight deflects joints with a compliance.", {
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link with which the mass moves: the number of the row before its frame.").required().example("2").remedy("add link = 2, the number of the link");
+        MASS = number("mass_kg", NumberRange::UpTo(MAX_MASS), "Mass.").required().example("12.5").remedy("add mass_kg = 12.5");
+        CENTRE = vector_or_zero("centre_mm", "Centre of mass in the frame of the link.");
+    }
+}
+
+const MASS_OF_TOOL: Key = number_or_zero(
+    "mass_kg",
+    NumberRange::UpTo(MAX_MASS),
+    "Mass, whose weight deflects joints with a compliance.",
+);
+
 key_table! {
     self_collision, "`self_collision`", "Solids of the robot that may touch.", {
         ALLOWED = Key::new("allowed", PAIRS, "Pairs of solids that may touch, by their names.").required().example("[[\"hand\", \"cable\"]]").remedy("add allowed = [[\"NAME\", \"NAME\"]], pairs of solids that may touch");
@@ -77,12 +94,16 @@ key_table! {
         RPY = super::RPY;
         AXIS = direction("axis", "Working direction in the frame of the TCP, of any length but 0.").required().remedy("add axis = [1, 0, 0], the working direction of the tool");
         SOLID = Key::new("solid", SOLIDS, "Solids of the tool, in the mechanical interface.");
+        MASS = super::MASS_OF_TOOL;
+        CENTRE = vector_or_zero("centre_mm", "Centre of mass of the tool, in the mechanical interface.");
     }
 }
 
 key_table! {
     held, "`held`", "Part that the robot holds at an operation; it is checked for collision, too.", {
-        SOLID = Key::new("solid", SOLIDS, "Solids of the part, in the frame of the TCP.").required().remedy("add solid = [{ name = \"part\", box = { centre_mm = [0, 0, 0], size_mm = [50, 50, 50] } }]");
+        SOLID = Key::new("solid", SOLIDS, "Solids of the part, in the frame of the TCP.").required_unless("mass_kg").remedy("add solid = [{ name = \"part\", box = { centre_mm = [0, 0, 0], size_mm = [50, 50, 50] } }]");
+        MASS = super::MASS_OF_TOOL;
+        CENTRE = vector_or_zero("centre_mm", "Centre of mass of the part, in the frame of the TCP.");
         TOUCHES = boolean("touches_surface", false, "Whether the part rests on the surface; it is then not checked for collision with the equipment of that surface.");
     }
 }
@@ -105,6 +126,7 @@ key_table! {
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers them.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
+        MASS = Key::new("mass", ValueKind::List(&ValueKind::Table(&mass::TABLE), (0, MANY), "masses"), "Masses of the links, for errors with compliance_deg_per_Nm.").example("[{ link = 2, mass_kg = 12.5, centre_mm = [-200, 0, 0] }]");
         SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked against itself; or the pairs of solids that may touch.").default(Literal::Boolean(true));
         ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
     }

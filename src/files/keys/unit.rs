@@ -10,15 +10,20 @@ pub enum KeyUnit {
     Degrees,
     Percent,
     MillimetresPerDegree,
+    DegreesPerMetre,
+    DegreesPerNewtonMetre,
+    Kilograms,
 }
 
 impl KeyUnit {
     /// Converts a number of a file to SI.
     pub fn si(self, value: f64) -> f64 {
         match self {
-            KeyUnit::None => value,
+            KeyUnit::None | KeyUnit::Kilograms => value,
             KeyUnit::Millimetres => units::m_from_mm(value),
-            KeyUnit::Degrees => units::rad_from_deg(value),
+            KeyUnit::Degrees | KeyUnit::DegreesPerMetre | KeyUnit::DegreesPerNewtonMetre => {
+                units::rad_from_deg(value)
+            }
             KeyUnit::Percent => units::share_from_percent(value),
             KeyUnit::MillimetresPerDegree => units::m_from_mm(value) / units::rad_from_deg(1.0),
         }
@@ -32,6 +37,9 @@ impl KeyUnit {
             KeyUnit::Degrees => "degrees",
             KeyUnit::Percent => "per cent",
             KeyUnit::MillimetresPerDegree => "mm per degree",
+            KeyUnit::DegreesPerMetre => "degrees per m",
+            KeyUnit::DegreesPerNewtonMetre => "degrees per N m",
+            KeyUnit::Kilograms => "kg",
         }
     }
 }

@@ -1,10 +1,11 @@
-//! Reader of the error sets of a robot: signed samples or tolerances of its kinematic parameters.
+//! Reader of the error sets of a robot: signed samples, tolerances or measured errors of its parameters.
 
+use super::elastic;
 use super::frame_error;
 use super::row_order::ErrorRows;
 use super::tolerance;
 use crate::cell::*;
-use crate::files::keys::errors::{ErrorForm, error_set};
+use crate::files::keys::errors::{ErrorForm, ErrorSetForm, error_set};
 use crate::files::keys::key::{Key, NumberRange};
 use crate::files::keys::robot::robot;
 use crate::files::toml::reader::Table;
@@ -31,13 +32,24 @@ pub fn read_all(
 
 fn read(name: &str, t: &mut Table, arm: ErrorRows<'_>) -> Option<ErrorSet> {
     t.text(&error_set::SOURCE);
-    let form = t.word(&error_set::FORM);
-    let values = read_values(name, t, arm, tolerance::range_of(form));
-    if form == Some(ErrorForm::Tolerance) {
-        return tolerance::read(t, values, arm).map(ErrorSet::Tolerance);
-    }
-    tolerance::refuse(t, form);
-    values.map(ErrorSet::Signed)
+    let form: Option<ErrorSetForm> = t.word(&error_set::FORM);
+    let of_lists = form.map(ErrorSetForm::of_lists);
+    let values = read_values(name, t, arm, tolerance::range_of(of_lists));
+    let set = match form {
+        Some(ErrorSetForm::Plain(ErrorForm::Tolerance)) => {
+            tolerance::read(t, values, arm).map(ErrorSet::Tolerance)
+        }
+        Some(ErrorSetForm::Measured) => {
+            let measured = tolerance::read_measured(t, values, arm)?;
+            Some(ErrorSet::Measured(Box::new(measured)))
+        }
+        _ => {
+            tolerance::refuse(t, of_lists);
+            values.map(ErrorSet::Signed)
+        }
+    }?;
+    elastic::refuse_too_many(&set, t);
+    Some(set)
 }
 
 /// Reads the errors of the D-H rows and frames: one number for each parameter.
@@ -55,17 +67,18 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
     let base = frame_error::read_part(t, &error_set::BASE, range);
     let tool = frame_error::read_part(t, &error_set::TOOL, range);
     let joints = frame_error::read_joints(t, arm, range);
+    let elastic = elastic::read(t, arm, range);
     let (dq_deg, dq_mm) = (dq_deg?, dq_mm?);
     check_joint_kinds(t, &error_set::DQ_DEG, &dq_deg, arm, JointKind::Revolute);
     check_joint_kinds(t, &error_set::DQ_MM, &dq_mm, arm, JointKind::Prismatic);
     // For every joint, one of the two values is zero.
     let dq = dq_deg.iter().zip(dq_mm).map(|(a, b)| a + b).collect();
     let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
-    let (base, tool, joints, name) = (base?, tool?, joints?, name.to_string());
+    let (base, tool, joints, elastic, name) = (base?, tool?, joints?, elastic?, name.to_string());
     if arm.modified {
         refuse_first_row(t, &base, &joints);
     }
-    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
+    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic };
     let mut values = rows.values();
     arm.in_order(&mut values);
     Some(SignedErrors::of_values(name, n, &values))

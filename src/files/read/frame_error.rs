@@ -47,7 +47,7 @@ pub fn read_joints(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Opt
 }
 
 /// Reads a joint by its name, or by its number from 1; returns its index.
-fn read_joint(node: &Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<usize> {
+pub fn read_joint(node: &Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<usize> {
     let Value::Text(name) = &node.value else {
         let number = value::whole(node, "`joint`", (1, arm.axes as u64), t.lib)?;
         return Some(number as usize - 1);

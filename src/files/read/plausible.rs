@@ -1,19 +1,25 @@
 //! Warnings about sizes that are probably in a wrong unit.
 //!
 //! A size is suspicious if it is more than 20 times the robot's reach, or less than a twentieth of the reach.
+//! An elastic error is suspicious if it may turn a joint by more than 5 degrees.
 //! The largest length tolerance is suspicious if it is more than a twentieth of the reach, or less than a
 //! millionth of the reach.
 
 use crate::cell::Coordinate;
 use crate::cell::{Cell, Equipment, Role};
-use crate::cell::{ErrorSet, Parameter, Tolerance};
+use crate::cell::{ErrorSet, Parameter, SignedErrors, Tolerance};
 use crate::cell::{Shape, extent_of};
 use crate::files::fault::Severity;
 use crate::files::toml::document::Library;
 use crate::files::toml::tree::{At, Node};
-use crate::units::{mm_from_m, rounded};
+use crate::kinematic_error::largest_deflection;
+use crate::robot::Chain;
+use crate::units::{deg_from_rad, mm_from_m, rounded};
 
 const FACTOR: f64 = 20.0;
+
+/// Deflection of a joint by gravity, degrees, above which an elastic error is probably in a wrong unit.
+const MAX_DEFLECTION_DEG: f64 = 5.0;
 
 /// Largest distance, m, by which rounding may put equipment below its supporting surface or beside it.
 const MAX_STAND_GAP: f64 = 1e-6;
@@ -34,6 +40,7 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     let side = |thing: &SizedObject| side(thing.size, reach);
     let reach_mm = millimetres(reach);
     let robot = place_of(root, "robot");
+    warn_of_deflections(cell, place_of(root, "errors"), lib);
     if let ErrorSet::Tolerance(set) = cell.error_set() {
         warn_of_tolerance(set, cell.robot.axes(), reach, place_of(root, "errors"), lib);
     }
@@ -85,6 +92,43 @@ fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut
         set.name
     );
     lib.fault(at, Severity::Warning, message, "are its lengths really in mm?");
+}
+
+/// Warns if elastic errors may turn a joint by an implausible angle, or if compliances lack masses.
+fn warn_of_deflections(cell: &Cell, at: At, lib: &mut Library<'_>) {
+    let (chain, set) = (Chain::new(&cell.robot), cell.error_set());
+    let name = set.name();
+    let (signed, spreads) = (set.signed().map(SignedErrors::values), set.tolerance().spreads);
+    let value = |k: usize| spreads[k].plus_minus.max(signed.as_ref().map_or(0.0, |values| values[k].abs()));
+    let used =
+        Parameter::of_robot(chain.axes()).enumerate().filter(|(k, p)| p.is_elastic() && value(*k) > 0.0);
+    let frames = chain.frames(&chain.zero_posture());
+    let mut lacks_masses = false;
+    for (k, parameter) in used {
+        let Some(largest) = largest_deflection(&chain, &frames, parameter, k) else { continue };
+        let is_held = cell.operations.iter().any(|o| o.held.mass > 0.0);
+        lacks_masses |= largest.factor == 0.0 && matches!(parameter, Parameter::Compliance(_)) && !is_held;
+        let angle = deg_from_rad(largest.factor * value(k));
+        if angle > MAX_DEFLECTION_DEG {
+            let message = format!(
+                "`{}` of `{name}` turns its joint by up to {} degrees",
+                parameter.name(),
+                rounded(angle, 1)
+            );
+            let help = "is it really in degrees per m, or degrees per N m?";
+            lib.fault(at, Severity::Warning, message, help);
+        }
+    }
+    if lacks_masses {
+        let message =
+            format!("compliances of `{name}` have no effect: nothing that the joints carry has a mass");
+        lib.fault(
+            at,
+            Severity::Warning,
+            message,
+            "add [[robot.mass]], or mass_kg of the tool or of the held part",
+        );
+    }
 }
 
 fn side(size: f64, reach: f64) -> Option<&'static str> {

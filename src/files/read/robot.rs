@@ -50,6 +50,8 @@ pub fn read(t: &mut Table) -> Option<Robot> {
     let tip = origin.as_ref().map_or(Pose::identity(), |origin| origin.tip);
     let own_solids = solids.len();
     tool::mount(&tool, (n, &tip), &mut solids, t);
+    let masses = tool::read_masses(t, n);
+    let tool_mass = tool.as_ref().and_then(|tool| tool.link_mass((n, &tip)));
     let base = solids.iter().filter(|s| s.link == 0).map(|s| &s.solid.shape);
     let needed: &[_] = if is_read && t.lib.errors() == before { &["footprint"] } else { &[] };
     let footprint = solid::read_footprint(t, &robot::FOOTPRINT, extent_of(base), needed);
@@ -58,8 +60,10 @@ pub fn read(t: &mut Table) -> Option<Robot> {
     let (Tool { pose: tool, axis: tool_axis, .. }, footprint) = (tool?, footprint?);
     let Mechanism { mut mount, joint_frames, .. } = from;
     let (convention, mut joints, coupling) = (from.convention?, from.joints?, from.coupling?);
+    let mut masses = masses?;
     if convention == Convention::Modified {
         onto_standard_rows(&mut solids, &joints);
+        masses_onto_standard_rows(&mut masses, &joints);
         mount = standard_rows(&mut joints);
     }
     Some(Robot {
@@ -74,6 +78,7 @@ pub fn read(t: &mut Table) -> Option<Robot> {
         tool: tip * tool,
         tool_axis,
         tool_solids: solids.len() - own_solids,
+        masses: masses.into_iter().chain(tool_mass).collect(),
         solids,
         self_collision: self_collision?,
         footprint,
@@ -189,6 +194,13 @@ fn onto_standard_rows(solids: &mut [LinkSolid], rows: &[Joint]) {
     for solid in solids.iter_mut().filter(|s| s.link > 0 && s.link < rows.len()) {
         let shape = solid.solid.shape.clone();
         solid.solid.shape = shape.seen_from(&common_normal(&rows[solid.link]).inverse());
+    }
+}
+
+/// Converts the masses of every link from the frame after its modified row to the frame after its standard row.
+fn masses_onto_standard_rows(masses: &mut [LinkMass], rows: &[Joint]) {
+    for mass in masses.iter_mut().filter(|m| m.link < rows.len()) {
+        mass.centre = common_normal(&rows[mass.link]).inverse().transform(&mass.centre);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Reader of tolerances: the distribution of each plus-or-minus value.
+//! Reader of tolerances: the distribution of each plus-or-minus value, and the spread of measured errors.
 
 use super::covariance;
 use super::row_order::ErrorRows;
@@ -29,12 +29,38 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
         plus_minus.map(|(plus_minus, distribution)| Spread { plus_minus, distribution, sigmas }).collect();
     // If the covariance was refused, the whole set counts as unreadable.
     let covariance = covariance?;
+    set_variances(&mut spreads, covariance.as_ref(), sigmas);
+    Some(Tolerance { name: values.name, spreads, covariance })
+}
+
+/// Reads sigmas and covariance of measured errors, whose values with their signs are `values`.
+pub fn read_measured(
+    t: &mut Table,
+    values: Option<SignedErrors>,
+    arm: ErrorRows<'_>,
+) -> Option<MeasuredErrors> {
+    if let Some(node) = t.get(&error_set::DISTRIBUTION) {
+        let message = "measured errors have no `distribution`: their covariance is that of normal variables";
+        t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
+    }
+    let sigmas = t.number(&error_set::SIGMAS);
+    let covariance =
+        t.if_given(&error_set::COVARIANCE, |t, key| t.table(key, |t| covariance::read(t, arm, None)));
+    let (mean, sigmas, covariance) = (values?, sigmas?, covariance?);
+    let none = Spread { plus_minus: 0.0, distribution: Distribution::Normal, sigmas };
+    let mut spreads = vec![none; Parameter::count(arm.axes)];
+    set_variances(&mut spreads, covariance.as_ref(), sigmas);
+    let spread = Tolerance { name: mean.name.clone(), spreads, covariance };
+    Some(MeasuredErrors { mean, spread })
+}
+
+/// Sets the spreads of the parameters of a covariance from its diagonal.
+fn set_variances(spreads: &mut [Spread], covariance: Option<&Covariance>, sigmas: f64) {
     for (k, &place) in covariance.iter().flat_map(|c| c.parameters.iter().enumerate()) {
-        let deviation = covariance.as_ref().map_or(0.0, |c| c.matrix[(k, k)].sqrt());
+        let deviation = covariance.map_or(0.0, |c| c.matrix[(k, k)].sqrt());
         let plus_minus = sigmas * deviation;
         spreads[place] = Spread { plus_minus, distribution: Distribution::Normal, sigmas };
     }
-    Some(Tolerance { name: values.name, spreads, covariance })
 }
 
 /// Refuses the keys of a tolerance in a signed set. A set of unknown kind gets no fault here.
@@ -66,12 +92,16 @@ fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
         // The words of `joints` apply to every joint frame.
         let frames = [distribution::BASE, distribution::TOOL, distribution::JOINTS];
         let frames = frames.map(|key| read_words(t, &key, PER_FRAME, default));
+        let elastic = t.if_given(&distribution::ELASTIC, Table::word).map(|word| word.unwrap_or(default));
+        let compliance = read_words(t, &distribution::COMPLIANCE, axes, default);
         let [links, frames] =
             [links.to_vec(), frames.to_vec()].map(|w| w.into_iter().collect::<Option<Vec<_>>>());
         let (links, frames) = (links?, frames?);
         let by_link = (0..axes).flat_map(|i| links.iter().map(move |row| row[i]));
         let joints = frames[2].repeat(axes.saturating_sub(1));
-        Some(by_link.chain(frames.into_iter().flatten()).chain(joints).collect())
+        let terms = vec![elastic?; axes * (axes + 1) / 2];
+        let frames = frames.into_iter().flatten().chain(joints);
+        Some(by_link.chain(frames).chain(terms).chain(compliance?).collect())
     })
 }
 

@@ -1,10 +1,10 @@
-//! Readers of tools, held parts, and pairs of solids of a robot that may touch each other.
+//! Readers of tools, held parts, masses, and pairs of solids of a robot that may touch each other.
 
 use super::header::header;
 use super::solid;
-use crate::cell::{HeldPart, LinkSolid, SelfCollision, Solid};
+use crate::cell::{HeldPart, LinkMass, LinkSolid, SelfCollision, Solid};
 use crate::files::fault::{did_you_mean, listed, shown};
-use crate::files::keys::robot::{held, robot, self_collision, tool};
+use crate::files::keys::robot::{held, mass, robot, self_collision, tool};
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{At, Node, Value};
 use crate::files::toml::value;
@@ -18,6 +18,8 @@ pub struct Tool {
     /// Working direction in the frame of the TCP, unit length.
     pub axis: Vector3<f64>,
     solids: Vec<Solid>,
+    /// Mass (kg) and its centre (m).
+    mass: (f64, Vector3<f64>),
     at: At,
 }
 
@@ -31,13 +33,14 @@ pub fn read(t: &mut Table) -> Option<Tool> {
         t.if_given(&tool::SOURCE, Table::text);
         let pose = t.pose(&tool::POSITION, &tool::RPY);
         let solids = solid::read_all(t, &tool::SOLID);
+        let (mass, centre) = (t.number(&tool::MASS), t.vector(&tool::CENTRE));
         let node = t.get(&tool::AXIS)?;
         let unit = t.vector(&tool::AXIS)?.try_normalize(1e-9);
         if unit.is_none() {
             let help = "write the working direction of the tool, for example axis = [1, 0, 0]";
             t.error(node.at, "the tool `axis` has no direction", help);
         }
-        Some(Tool { pose: pose?, axis: unit?, solids, at: t.at })
+        Some(Tool { pose: pose?, axis: unit?, solids, mass: (mass?, centre?), at: t.at })
     })
 }
 
@@ -63,11 +66,36 @@ pub fn mount(
     }
 }
 
+/// Reads `mass` of a robot: the masses of its links, in the frames of the file.
+pub fn read_masses(t: &mut Table, n: usize) -> Option<Vec<LinkMass>> {
+    if t.get(&robot::MASS).is_none() {
+        return Some(Vec::new());
+    }
+    let masses = t.tables(&robot::MASS, |t| {
+        let (kg, centre) = (t.number(&mass::MASS), t.vector(&mass::CENTRE));
+        let link = value::whole(t.get(&mass::LINK)?, "`link`", (1, n as u64), t.lib)?;
+        Some(LinkMass { link: link as usize, mass: kg?, centre: centre? })
+    });
+    masses?.into_iter().collect()
+}
+
+impl Tool {
+    /// Returns the mass of the tool, or None if it has none.
+    ///
+    /// `interface` is the index of the last link, which carries the tool. `tip` is the pose of the mechanical
+    /// interface in the frame after the last row.
+    pub fn link_mass(&self, (interface, tip): (usize, &Pose)) -> Option<LinkMass> {
+        let (mass, centre) = self.mass;
+        (mass > 0.0).then(|| LinkMass { link: interface, mass, centre: tip.transform(&centre) })
+    }
+}
+
 /// Reads `held` of an operation: solids in the frame of the TCP.
 pub fn read_held(t: &mut Table) -> Option<HeldPart> {
     let solids = solid::read_all(t, &held::SOLID);
     let touches_surface = t.boolean(&held::TOUCHES);
-    Some(HeldPart { solids, touches_surface: touches_surface? })
+    let (mass, centre) = (t.number(&held::MASS), t.vector(&held::CENTRE));
+    Some(HeldPart { solids, touches_surface: touches_surface?, mass: mass?, centre: centre? })
 }
 
 /// Reads `self_collision`: true or false, or `{ allowed = [["NAME", "NAME"], ...] }`, the pairs that may touch.

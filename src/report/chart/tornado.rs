@@ -8,7 +8,7 @@ use super::{WIDTH, words};
 use crate::assess::BudgetReport;
 use crate::cell::Reading;
 use crate::reading::Share;
-use crate::record::parameter_names as names;
+use crate::record::{ParameterUnit, parameter_names as names};
 use crate::units::{percent_from_share, rounded};
 
 /// Largest number of parameters with a bar of their own; the others share one bar.
@@ -80,7 +80,7 @@ fn under(a: &BudgetReport<'_>, count: usize) -> Vec<String> {
 /// text.
 fn row(a: &BudgetReport<'_>, share: &Share, part: f64) -> (String, f64, String) {
     let cell = a.context.cell;
-    let unit = names::unit(cell, share.parameter);
+    let unit = ParameterUnit::new(cell, share.parameter);
     let tolerance = rounded(unit.from_si(share.plus_minus), 4);
     let name = format!("{} \u{b1}{tolerance} {}", names::parameter(cell, share.parameter), unit.word());
     let alone = a.tighter.iter().find(|t| t.parameters[..] == [share.parameter]);

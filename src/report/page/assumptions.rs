@@ -62,6 +62,10 @@ fn errors(cell: &Cell) -> String {
     match cell.error_set() {
         ErrorSet::Signed(_) => format!("{name}, one signed sample{placeholder}"),
         ErrorSet::Tolerance(t) => format!("{name}, tolerances, {}{placeholder}", distributions(t)),
+        ErrorSet::Measured(m) if m.spread.covariance.is_some() => {
+            format!("{name}, measured errors with a covariance{placeholder}")
+        }
+        ErrorSet::Measured(_) => format!("{name}, measured errors without a covariance{placeholder}"),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::files::shown;
 use crate::raster;
 use crate::raster::Shot;
 use crate::reading::Share;
-use crate::record::{AlternativeEntry, SearchResult, goals, parameter_names as names};
+use crate::record::{AlternativeEntry, ParameterUnit, SearchResult, goals, parameter_names as names};
 use crate::report::chart;
 use crate::report::chart::ConvergenceHistory;
 use crate::report::text;
@@ -112,7 +112,7 @@ fn budget(subject: &Subject<'_>) -> Section {
 fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> PageTable {
     let unit = account.context.evaluator.sense.unit;
     let row = |share: &Share| {
-        let own = names::unit(a.cell, share.parameter);
+        let own = ParameterUnit::new(a.cell, share.parameter);
         let percent = |share: f64| format!("{:.1}", rounded(percent_from_share(share), 1));
         vec![
             names::parameter(a.cell, share.parameter),

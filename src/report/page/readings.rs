@@ -28,7 +28,7 @@ const COLUMNS: [fn(&Figures) -> f64; 6] =
 
 fn figures(a: &Assessment<'_>) -> PageTable {
     let sample = match a.cell.error_set() {
-        ErrorSet::Signed(_) => "signed sample",
+        ErrorSet::Signed(_) | ErrorSet::Measured(_) => "signed sample",
         ErrorSet::Tolerance(_) => "worst corner",
     };
     let mut rows = Vec::new();

@@ -4,10 +4,10 @@ use super::check::{requirement_line, samples_line};
 use super::table::TextTable;
 use super::{amount, fixed, percent1, place_words};
 use crate::assess::{BudgetReport, Tighter};
-use crate::cell::{Reading, Unit};
+use crate::cell::Reading;
 use crate::kinematic_error::NEGLIGIBLE;
 use crate::reading::{Figures, Share};
-use crate::record::parameter_names as names;
+use crate::record::{ParameterUnit, parameter_names as names};
 use crate::units::mm_from_m;
 use nalgebra::Vector3;
 use std::fmt::Write;
@@ -48,7 +48,7 @@ fn shares(a: &BudgetReport<'_>) -> String {
     table.row(["parameter", "+-", "x mm", "y mm", "z mm", &alone, "of worst case", "of variance"]);
     let cell = a.context.cell;
     for share in &a.budget.shares {
-        let own = names::unit(cell, share.parameter);
+        let own = ParameterUnit::new(cell, share.parameter);
         let mut row = vec![
             names::parameter(cell, share.parameter),
             format!("{} {}", value(own, share.plus_minus), own.word()),
@@ -70,7 +70,7 @@ fn terms(v: &Vector3<f64>) -> [String; 3] {
 }
 
 /// Returns the value of a parameter in its unit, rounded to 6 decimals.
-fn value(unit: Unit, si: f64) -> String {
+fn value(unit: ParameterUnit, si: f64) -> String {
     crate::units::rounded(unit.from_si(si), 6).to_string()
 }
 

@@ -78,6 +78,7 @@ pub fn kind_of(set: &ErrorSet) -> &'static str {
     match set {
         ErrorSet::Signed(_) => "a signed sample",
         ErrorSet::Tolerance(_) => "a tolerance",
+        ErrorSet::Measured(_) => "measured errors",
     }
 }
 

@@ -4,11 +4,11 @@ use super::check::{requirement_line, samples_line};
 use super::table::TextTable;
 use super::{fixed, percent, place_words};
 use crate::assess::{Explanation, MotionFrame, ParameterEffect, ParameterMotion};
-use crate::cell::{Convention, Frame, JointKind, Reading, Registration, Unit};
+use crate::cell::{Convention, Frame, JointKind, Reading, Registration};
 use crate::pose::Displacement;
 use crate::record::parameter_names::{self as names, frame_name};
-use crate::record::value_word;
-use crate::units::{deg_from_rad, mm_from_m, rad_from_deg, rounded};
+use crate::record::{ParameterUnit, value_word};
+use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
@@ -104,7 +104,8 @@ fn motions(e: &Explanation<'_>) -> String {
 fn motion_words(motion: &ParameterMotion) -> String {
     let axis = ["x", "y", "z"][motion.axis];
     let how = if motion.turns { "turn about" } else { "slide along" };
-    let factor = if motion.factor == 1.0 { String::new() } else { format!(", times {}", motion.factor) };
+    let factor =
+        if motion.factor == 1.0 { String::new() } else { format!(", times {}", rounded(motion.factor, 6)) };
     format!("{how} {axis} of {}{factor}", frame_name(motion.place))
 }
 
@@ -118,18 +119,20 @@ fn effects(e: &Explanation<'_>) -> String {
     table.row(head.into_iter().chain(["linear term mm"]));
     let cell = e.context.cell;
     for line in &e.lines {
-        let unit = names::unit(cell, line.source.parameter);
+        let unit = ParameterUnit::new(cell, line.source.parameter);
         let mut row = vec![
             names::parameter(cell, line.source.parameter),
             format!("{} {}", rounded(unit.from_si(line.value), 6), unit.word()),
-            triple(&per_unit(&line.alone.position, unit), 5, |v| v),
+            triple(&unit.effect_mm(&line.alone.position), 5, |v| v),
         ];
         if takes_off {
-            row.push(triple(&per_unit(&(line.alone - line.left).position, unit), 5, |v| v));
+            row.push(triple(&unit.effect_mm(&(line.alone - line.left).position), 5, |v| v));
         }
         row.push(triple(&line.term().position, 5, mm_from_m));
         table.row(row);
     }
+    let is_elastic = e.lines.iter().any(|line| line.source.parameter.is_elastic());
+    let elastic = if is_elastic { ", for an elastic error 1 deg/m or 1 deg/Nm" } else { "" };
     let mut sum = vec!["sum".to_string(), String::new(), String::new()];
     if takes_off {
         sum.push(String::new());
@@ -137,7 +140,7 @@ fn effects(e: &Explanation<'_>) -> String {
     sum.push(triple(&e.lines.iter().map(|l: &ParameterEffect| l.term().position).sum(), 5, mm_from_m));
     table.row(sum);
     format!(
-        "\n4. Effect on the TCP: g = w x (p - o) for a turn, g = w for a slide; unit 1 deg or 1 mm; {sample}\n{}",
+        "\n4. Effect on the TCP: g = w x (p - o) for a turn, g = w for a slide; unit 1 deg or 1 mm{elastic}; {sample}\n{}",
         table.render()
     )
 }
@@ -146,14 +149,6 @@ fn sample_word(e: &Explanation<'_>) -> &'static str {
     match e.context.evaluator.reading {
         Reading::Signed => "values of the signed sample",
         _ => "values of the worst corner",
-    }
-}
-
-/// Converts an effect per SI unit to the effect of 1 degree or 1 mm, in mm.
-fn per_unit(g: &Vector3<f64>, unit: Unit) -> Vector3<f64> {
-    match unit {
-        Unit::Angle => g.map(mm_from_m) * rad_from_deg(1.0),
-        _ => *g,
     }
 }
 

@@ -28,7 +28,7 @@ pub use calibration::{calibration, stated_calibration};
 pub use check::{yield_in_words, yield_lines};
 pub use compare::{comparison, comparison_table, feasibility, side_by_side, verdict};
 pub use correction::correction;
-pub use envelope::{envelope, envelope_title, robot, robots};
+pub use envelope::{envelope, envelope_title, kind_of, robot, robots};
 pub use errors::{errors, presets};
 pub use explain::explanation;
 pub use front::{front, goals_line};

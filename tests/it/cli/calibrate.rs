@@ -1,7 +1,7 @@
 //! Tests `calibrate` with measured positions of a real arm (tests/data/ipa_ur10) and with wrong tables.
 
 use crate::cli::sandbox::{Sandbox, items, number, text};
-use crate::common::root;
+use crate::common::{cell_of_robot, root};
 use sweetspot::record::{CalibrationDocument, DocumentKind};
 
 fn series(name: &str) -> String {
@@ -34,15 +34,33 @@ fn a_calibration_of_a_real_arm_predicts_other_series() {
     assert_ne!(other["parameters"], document["parameters"]);
 }
 
+/// A cell reads the table with its elastic terms and its covariance, in every reading.
 #[test]
 fn the_table_of_measured_errors_is_ready_for_the_robot_file() {
     let shop = Sandbox::new();
-    let table = shop.done(&["calibrate", "ur10", &series("D"), "--toml"]).out;
-    assert!(table.starts_with("[errors.measured]\n"), "{table}");
+    let run = shop.done(&["calibrate", "ur10", &series("D"), "--elastic", "--toml"]);
+    let table = run.out;
+    assert!(table.starts_with("[errors.measured]\nkind = \"measured\"\n"), "{table}");
+    assert!(!run.err.contains("no elastic terms"), "{}", run.err);
+    assert!(
+        table.contains("{ joint = 2, link = 3, deg_per_m = ") && table.contains("\"elastic 2 3\""),
+        "{table}"
+    );
     let robot = shop.done(&["robot", "ur10", "--toml"]).out;
     shop.write("measured.toml", &format!("{robot}\n{table}"));
     let sheet = shop.done(&["robot", "measured.toml"]);
-    assert!(sheet.out.contains("measured"), "{}", sheet.out);
+    assert!(sheet.out.contains("measured errors"), "{}", sheet.out);
+    let cell = cell_of_robot("ur10").replace("robots/ur10.toml", "measured.toml");
+    let chosen =
+        cell.lines().map(|line| if line.starts_with("errors") { "errors = \"measured\"" } else { line });
+    shop.write("cell.toml", &chosen.collect::<Vec<_>>().join("\n"));
+    let signed = shop.done(&["explain", "cell.toml"]);
+    assert!(signed.out.contains("elastic 2 3") && signed.out.contains("deg/m"), "{}", signed.out);
+    for reading in ["worst-case", "statistical"] {
+        shop.done(&["map", "cell.toml", "--reading", reading, "--json"]);
+        let budget = shop.done(&["budget", "cell.toml", "--reading", reading]);
+        assert!(budget.out.contains("elastic 2 3"), "{}", budget.out);
+    }
     let words = shop.done(&["calibrate", "ur10", &series("D")]);
     assert!(
         words.out.contains("Rank ") && words.err.contains("next: sweetspot calibrate ur10"),

@@ -87,7 +87,7 @@ fn off(a: Displacement, b: Displacement) -> f64 {
 fn worst(robot: &Robot, q: &JointVector, expansion: &mut Expansion) -> (f64, f64) {
     let chain = Chain::new(robot);
     expansion.set(&chain.frames(&chain.posture(q)));
-    let count = Parameter::count(robot.axes());
+    let count = Parameter::first_elastic(robot.axes());
     let (mut first, mut second) = (0f64, 0f64);
     for (j, k) in (0..count).flat_map(|j| (j..count).map(move |k| (j, k))) {
         let mut values = vec![HyperDual64::from(0.0); count];

@@ -36,6 +36,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
         tool_axis,
         solids,
         tool_solids,
+        masses: vec![],
         footprint,
         errors,
         urdf: None,
@@ -91,6 +92,7 @@ pub fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) ->
         base,
         tool,
         joints,
+        elastic: vec![],
     }
 }
 

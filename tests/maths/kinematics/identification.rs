@@ -110,7 +110,8 @@ fn the_identification_condition_agrees_with_the_matrix_product() {
 }
 
 fn of_product(robot: &Robot, parameters: &[Parameter], length: f64) -> DMatrix<f64> {
-    let all: Vec<_> = Parameter::of_robot(robot.axes()).collect();
+    let all = Parameter::of_robot(robot.axes()).take(Parameter::first_elastic(robot.axes()));
+    let all: Vec<_> = all.collect();
     let joints = joints(robot);
     let mut jacobian = DMatrix::zeros(6 * POSTURES, parameters.len());
     for (c, parameter) in parameters.iter().enumerate() {

@@ -2,7 +2,7 @@
 //! derivatives by dual numbers, references in 60 digits and cases done by hand.
 
 mod derivatives;
-mod errors;
+pub mod errors;
 mod identification;
 mod inverse;
 mod modified;

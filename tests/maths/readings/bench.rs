@@ -83,8 +83,9 @@ pub fn random_tolerance(
     distributions: &[Distribution],
 ) -> Tolerance {
     let count = Parameter::count(axes);
-    let mut chosen: Vec<usize> = (0..count).collect();
-    (0..wrong).for_each(|k| chosen.swap(k, rng.random_range(k..count)));
+    let rigid = Parameter::first_elastic(axes);
+    let mut chosen: Vec<usize> = (0..rigid).collect();
+    (0..wrong).for_each(|k| chosen.swap(k, rng.random_range(k..rigid)));
     let mut spreads = vec![Spread::of_magnitude(0.0); count];
     for (place, parameter) in Parameter::of_robot(axes).enumerate() {
         let turns = match parameter {

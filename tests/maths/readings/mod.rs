@@ -1,9 +1,10 @@
 //! Tests the readings of the errors against brute force, Monte Carlo, closed forms and published values.
 
-mod bench;
+pub mod bench;
 mod best_fit;
 mod bounded;
 mod joint;
+mod measured;
 mod norm;
 mod normal_quantile;
 mod refuted;

@@ -31,7 +31,8 @@ pub fn all_wrong_with(robot: Robot, rng: &mut ChaCha8Rng) -> Cell {
     let mut quarter = || frame().map(|v: f64| v / 4.0);
     let joints = (0..n).map(|_| quarter()).collect();
     let fixture = frame();
-    let signed = SignedErrors { name: "all".into(), dq, dr, dl, dalpha, dbeta, base, tool, joints };
+    let (name, elastic) = ("all".into(), vec![]);
+    let signed = SignedErrors { name, dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic };
     (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
     cell.equipment[0].errors = Some(FrameErrors::Signed(fixture));
     cell
@@ -185,6 +186,7 @@ fn fixture_errors_match_hand_calculation() {
         base: [0.0; 6],
         tool: [0.0; 6],
         joints: vec![[0.0; 6]; n],
+        elastic: vec![],
     };
     (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
     cell.equipment[0].placement[3] = Coordinate::Fixed(FRAC_PI_2);

@@ -35,9 +35,9 @@ struct ConstantMotion {
 }
 
 impl PerturbedChain {
-    /// Prepares a chain; None if a joint is prismatic.
+    /// Prepares a chain; None if a joint is prismatic or elastic, because its motions are then not constant.
     pub fn new(chain: &Chain, errors: &Perturbation) -> Option<Self> {
-        if chain.links.iter().any(|l| l.kind == JointKind::Prismatic) {
+        if errors.elastic.is_some() || chain.links.iter().any(|l| l.kind == JointKind::Prismatic) {
             return None;
         }
         let framed = |error: &Option<FrameError>| error.as_ref().map_or(Pose::identity(), moved);

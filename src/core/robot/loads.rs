@@ -1,0 +1,25 @@
+//! Masses that the joints of a chain carry.
+
+use crate::cell::MAX_JOINTS;
+use nalgebra::Vector3;
+
+/// Masses that move with each Denavit-Hartenberg frame: entry k for the frame after link k, entry 0 for the
+/// base, which no joint carries.
+pub type Loads = [CarriedMass; MAX_JOINTS + 1];
+
+/// Masses that move with one frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CarriedMass {
+    /// Total mass, kg.
+    pub mass: f64,
+    /// Sum of every mass times its centre in the frame, kg m.
+    pub moment: Vector3<f64>,
+}
+
+impl CarriedMass {
+    /// Adds a mass (kg) with its centre in the frame (m).
+    pub fn add(&mut self, mass: f64, centre: &Vector3<f64>) {
+        self.mass += mass;
+        self.moment += centre * mass;
+    }
+}

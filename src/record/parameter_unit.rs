@@ -1,0 +1,79 @@
+//! Units of error parameters in documents and reports.
+
+use super::numbers::nine_digits;
+use crate::cell::{Cell, JointKind, Parameter, Robot};
+use crate::units::{deg_from_rad, mm_from_m, rad_from_deg};
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Unit of an error parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum ParameterUnit {
+    #[serde(rename = "mm")]
+    Length,
+    #[serde(rename = "deg")]
+    Angle,
+    /// Deflection of a joint per horizontal lever of a link.
+    #[serde(rename = "deg/m")]
+    AnglePerLever,
+    /// Deflection of a joint per torque.
+    #[serde(rename = "deg/Nm")]
+    AnglePerTorque,
+}
+
+impl ParameterUnit {
+    pub const ALL: [Self; 4] = [Self::Length, Self::Angle, Self::AnglePerLever, Self::AnglePerTorque];
+
+    /// Returns the unit of a parameter of a cell.
+    pub fn new(cell: &Cell, parameter: Parameter) -> Self {
+        Self::of_robot(&cell.robot, parameter)
+    }
+
+    /// Returns the unit of a parameter of a robot.
+    pub fn of_robot(robot: &Robot, parameter: Parameter) -> Self {
+        let turns = match parameter {
+            Parameter::Dq(i) => robot.joints[i].kind == JointKind::Revolute,
+            Parameter::Dr(_) | Parameter::Dl(_) => false,
+            Parameter::Dalpha(_) | Parameter::Dbeta(_) => true,
+            Parameter::Base(c) | Parameter::Tool(c) => c >= 3,
+            Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c >= 3,
+            Parameter::Elastic(..) => return Self::AnglePerLever,
+            Parameter::Compliance(_) => return Self::AnglePerTorque,
+        };
+        if turns { Self::Angle } else { Self::Length }
+    }
+
+    /// Returns the name of the unit in files and reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Length => "mm",
+            Self::Angle => "deg",
+            Self::AnglePerLever => "deg/m",
+            Self::AnglePerTorque => "deg/Nm",
+        }
+    }
+
+    /// Converts a value from SI to the unit of files and reports.
+    pub fn from_si(self, value: f64) -> f64 {
+        match self {
+            Self::Length => mm_from_m(value),
+            Self::Angle | Self::AnglePerLever | Self::AnglePerTorque => deg_from_rad(value),
+        }
+    }
+
+    /// Converts a value from SI to the unit of documents, with nine significant digits.
+    pub fn shown(self, value: f64) -> f64 {
+        nine_digits(self.from_si(value))
+    }
+
+    /// Converts an effect per SI unit to the effect of one of these units, in mm.
+    pub fn effect_mm(self, effect: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Length => *effect,
+            Self::Angle | Self::AnglePerLever | Self::AnglePerTorque => {
+                effect.map(mm_from_m) * rad_from_deg(1.0)
+            }
+        }
+    }
+}
