@@ -40,9 +40,6 @@ pub(super) struct Fit<'a> {
     pub values: Vec<f64>,
     pub frames: Vec<SessionFrames>,
     pub misfit: Misfit,
-    /// Ratio by which the covariances of the misfit are larger in the fit, because misfits of near postures
-    /// are correlated.
-    correlation: f64,
     /// Covariance of the unknowns, followed by those of the frames of every session.
     pub covariance: DMatrix<f64>,
 }
@@ -59,9 +56,9 @@ pub(super) struct Residual {
 }
 
 impl Residual {
-    /// Returns the squared distance divided by the covariance; the spread counts `factor` times.
-    pub fn normalised(&self, factor: f64) -> f64 {
-        let covariance = self.misfit + self.spread * factor;
+    /// Returns the squared distance divided by the covariance of misfit and prediction.
+    pub fn normalised(&self) -> f64 {
+        let covariance = self.misfit + self.spread;
         covariance.cholesky().map_or(f64::INFINITY, |c| self.by.dot(&c.solve(&self.by)))
     }
 }
@@ -71,6 +68,9 @@ struct Equation {
     residual: Vector3<f64>,
     drives: Vec<Vector3<f64>>,
     motions: Vec<PointMotion>,
+    /// Covariance of the misfit, m^2.
+    misfit: Matrix3<f64>,
+    /// Factor of the covariance by which the fit divides, m^2.
     factor: Cholesky<f64, Const<3>>,
     weight: f64,
 }
@@ -83,7 +83,6 @@ impl<'a> Fit<'a> {
             values: vec![0.0; question.unknowns.len()],
             frames: Vec::new(),
             misfit: Misfit::expected(question.chain, 0.0),
-            correlation: 1.0,
             covariance: DMatrix::zeros(0, 0),
         };
         let (mut squares, mut count) = (0.0, 0.0);
@@ -102,14 +101,13 @@ impl<'a> Fit<'a> {
         fit.solved(sessions, true)
     }
 
-    /// Fits the unknowns again, with the present variances multiplied by a factor.
-    pub fn again(&self, sessions: &[MeasuringSession], correlation: f64) -> Result<Self, String> {
+    /// Fits the unknowns again with the present variances.
+    pub fn again(&self, sessions: &[MeasuringSession]) -> Result<Self, String> {
         let fit = Self {
             question: self.question,
             values: self.values.clone(),
             frames: self.frames.clone(),
             misfit: self.misfit.clone(),
-            correlation,
             covariance: DMatrix::zeros(0, 0),
         };
         fit.solved(sessions, false)
@@ -160,9 +158,10 @@ impl<'a> Fit<'a> {
             for measured in &session.measured {
                 let equation = self.equation(measured, s);
                 let residual = equation.residual;
-                let scatter = residual * residual.transpose() * equation.weight
-                    + spread(&equation.motions, &own) / self.correlation;
-                scores.add(&equation.drives, &equation.factor.inverse(), &scatter);
+                let of_fit = equation.factor.l_dirty().lower_triangle().norm_squared();
+                let spread = spread(&equation.motions, &own) * (equation.misfit.trace() / of_fit);
+                let scatter = residual * residual.transpose() * equation.weight + spread;
+                scores.add(&equation.drives, &factor(equation.misfit).inverse(), &scatter);
             }
         }
         let (misfit, change) = self.misfit.improved(&scores, share);
@@ -204,14 +203,12 @@ impl<'a> Fit<'a> {
         let at = frames.reached(&pose.interface, measured.reflector);
         let residual = frames.residual(&pose.interface, measured);
         let drives = drives(chain, &pose, &at);
-        let covariance = self.misfit.covariance(&drives, measured.sigma);
-        // The covariance is at least that of the smallest variance, so it has a factor.
-        let factor = Cholesky::new_with_substitute(covariance, f64::MIN_POSITIVE)
-            .unwrap_or_else(|| Cholesky::pack_dirty(Matrix3::identity()));
-        let weight = (HUBER / residual.dot(&factor.solve(&residual)).sqrt()).min(1.0);
+        let misfit = self.misfit.covariance(&drives, measured.sigma);
+        let weight = (HUBER / residual.dot(&factor(misfit).solve(&residual)).sqrt()).min(1.0);
+        let factor = factor(self.misfit.covariance_of_fit(&drives, measured.sigma));
         let of_chain = self.question.unknowns.iter().map(|u| pose.motion(chain, *u, &at));
         let motions = of_chain.chain(frames.motions(&pose.interface, measured.reflector)).collect();
-        Equation { residual, drives, motions, factor, weight }
+        Equation { residual, drives, motions, misfit, factor, weight }
     }
 
     /// Returns the Hessian of half the sum of squares, and its negative gradient.
@@ -231,7 +228,6 @@ impl<'a> Fit<'a> {
             let mut bent = DMatrix::zeros(common + own, common + own);
             for (i, measured) in session.measured.iter().enumerate() {
                 let Equation { residual, motions, factor, weight, .. } = self.equation(measured, s);
-                let weight = weight / self.correlation;
                 let whitened = |v: &Vector3<f64>| {
                     factor.l_dirty().solve_lower_triangular(v).unwrap_or_default() * weight.sqrt()
                 };
@@ -273,6 +269,11 @@ impl<'a> Fit<'a> {
 pub(super) fn drives(chain: &Chain, pose: &Deformed, at: &Vector3<f64>) -> Vec<Vector3<f64>> {
     let motion = |j: usize| pose.motion(chain, Unknown::Row(Parameter::Dq(j)), at).slope;
     (0..chain.axes()).map(motion).collect()
+}
+
+/// Returns the Cholesky factor of a covariance, which has one because no variance is 0.
+fn factor(covariance: Matrix3<f64>) -> Cholesky<f64, Const<3>> {
+    covariance.cholesky().unwrap_or_else(|| Cholesky::pack_dirty(Matrix3::identity()))
 }
 
 /// Returns the covariance of a position whose motions have the covariance `of_motions`.

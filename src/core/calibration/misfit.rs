@@ -29,6 +29,12 @@ const STEEPEST: f64 = 10.0;
 /// Share of the expected variance of a joint at which a change no longer matters.
 const NEGLIGIBLE: f64 = 1e-3;
 
+/// Ratio by which the variances of the joints are larger in the fit.
+///
+/// Errors of a joint are functions of the posture, so near postures have nearly the same misfit, and many of
+/// them tell less than as many independent ones. The value is that of a real arm (results/measured).
+const CORRELATED: f64 = 4.0;
+
 /// Variances of the errors that the identified parameters do not explain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Misfit {
@@ -57,6 +63,12 @@ impl Misfit {
     pub fn covariance(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
         let own = Matrix3::identity() * (self.position + stated.unwrap_or(0.0).powi(2));
         drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)
+    }
+
+    /// Returns the covariance by which the fit divides: misfits of the joints count [`CORRELATED`] times.
+    pub fn covariance_of_fit(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
+        let joints = self.joints.iter().map(|v| v * CORRELATED).collect();
+        Self { joints, ..self.clone() }.covariance(drives, stated)
     }
 
     /// Returns the variances after a share of one step of the scoring, and their largest relative change.

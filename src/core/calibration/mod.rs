@@ -13,13 +13,12 @@
 //! terms. The fit minimises, with Huber's loss,
 //!
 //! ```text
-//! sum_i r_i^T S_i^-1 r_i / c + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f
+//! sum_i r_i^T S_i^-1 r_i + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f
 //! ```
 //!
 //! by Newton's method with exact derivatives. Here `s_k` is the standard deviation of parameter `a_k`
 //! before the measurement, and `S_i` the covariance of what the parameters do not explain (see `misfit`): no
-//! model is complete, and the remaining errors of a real arm are those of its joints. Such errors are
-//! correlated between near postures. The ratio c makes up for this; the cross-validation finds it.
+//! model is complete, and most of what remains of a real arm are errors of its joints.
 
 mod accuracy;
 mod deformed;

@@ -7,11 +7,13 @@ use super::misfit::Misfit;
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
 use super::unknown::{Identified, Unknown};
-use super::validation::{CHI_SQUARED_95, correlation, held_out};
+use super::validation::held_out;
 use crate::cell::JointVector;
 use crate::robot::Chain;
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
 
+/// 95 % quantile of the chi-squared distribution with three degrees of freedom.
+const CHI_SQUARED_95: f64 = 7.814727903251179;
 /// Normalised residual above which a position is an outlier.
 const OUTLIER: f64 = 6.0;
 
@@ -44,9 +46,6 @@ pub struct Calibration {
     pub held_out: Option<Accuracy>,
     /// Variances of what the parameters do not explain.
     pub misfit: Misfit,
-    /// Ratio by which the variances of the misfit were raised in the fit, because misfits of near postures
-    /// are correlated; 1 if the cross-validation shows no correlation.
-    pub correlation: f64,
     chain: Chain,
 }
 
@@ -65,13 +64,8 @@ pub fn calibrate(
     if equations < count {
         return Err(format!("{equations} measured coordinates cannot determine {count} unknowns"));
     }
-    let mut fit = Fit::new(Question { chain, unknowns, priors }, sessions)?;
-    let mut left_out = held_out(&fit, sessions, 1.0);
-    let correlation = correlation(&left_out);
-    if correlation > 1.0 {
-        fit = fit.again(sessions, correlation)?;
-        left_out = held_out(&fit, sessions, correlation);
-    }
+    let fit = Fit::new(Question { chain, unknowns, priors }, sessions)?;
+    let left_out = held_out(&fit, sessions);
     let covariance = fit.covariance.view((0, 0), (unknowns.len(), unknowns.len())).into_owned();
     let values = fit.values.iter().zip(unknowns).zip(priors).enumerate();
     let identified = values.map(|(k, ((value, unknown), prior))| Identified {
@@ -96,7 +90,6 @@ pub fn calibrate(
         residual: (squares / (equations - count).max(1) as f64).sqrt(),
         held_out: Accuracy::of(left_out.iter().map(|r| r.by.norm()).collect()),
         misfit: fit.misfit.clone(),
-        correlation,
         covariance,
         chain: chain.clone(),
     })
@@ -114,7 +107,7 @@ fn undetermined(covariance: &DMatrix<f64>, priors: &[f64]) -> Vec<Vec<f64>> {
 
 impl FittedSession {
     fn new(frames: SessionFrames, residuals: &[Residual]) -> Self {
-        let outliers = residuals.iter().filter(|r| r.normalised(1.0) > OUTLIER.powi(2));
+        let outliers = residuals.iter().filter(|r| r.normalised() > OUTLIER.powi(2));
         Self {
             frames,
             distances: residuals.iter().map(|r| r.by.norm()).collect(),
@@ -168,7 +161,7 @@ impl Calibration {
                 }
             })
             .collect();
-        let inside = residuals.iter().filter(|r| r.normalised(1.0) <= CHI_SQUARED_95).count();
+        let inside = residuals.iter().filter(|r| r.normalised() <= CHI_SQUARED_95).count();
         let share = inside as f64 / residuals.len() as f64;
         Some((FittedSession::new(frames, &residuals), share))
     }

@@ -38,7 +38,7 @@ impl Identified {
 }
 
 /// Ratio to the largest lever below which a lever is left out.
-const SHORT_LEVER: f64 = 0.2;
+const SHORT_LEVER: f64 = 1.0 / 6.0;
 
 /// Returns the unknowns of a chain; with the elastic terms if `elastic` is true.
 ///

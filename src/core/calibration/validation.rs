@@ -6,19 +6,11 @@ use crate::cell::MAX_JOINTS;
 
 /// Number of blocks of the joint space.
 const BLOCKS: usize = 8;
-/// Probability of the ellipsoids.
-const PROBABILITY: f64 = 0.95;
-/// 95 % quantile of the chi-squared distribution with three degrees of freedom.
-pub(super) const CHI_SQUARED_95: f64 = 7.814727903251179;
-/// Largest ratio by which the variances of the fit are raised.
-const MAX_CORRELATION: f64 = 25.0;
-/// Number of halvings of the interval of this ratio.
-const HALVINGS: usize = 40;
 
 /// Returns the residuals of positions whose block of the joint space was left out of the fit.
 ///
 /// Blocks without which the sessions cannot be fitted are left out.
-pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession], correlation: f64) -> Vec<Residual> {
+pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Residual> {
     let blocks: Vec<Vec<usize>> = sessions.iter().map(|s| blocks(&s.measured)).collect();
     let mut residuals = Vec::new();
     for left_out in 0..BLOCKS {
@@ -37,34 +29,12 @@ pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession], correlation
         if kept.iter().map(reflectors).ne(sessions.iter().map(reflectors)) {
             continue;
         }
-        let Ok(fit) = fit.again(&kept, correlation) else { continue };
+        let Ok(fit) = fit.again(&kept) else { continue };
         for (s, session) in split(false).iter().enumerate() {
             residuals.extend(fit.residuals(&session.measured, s, &fit.own_covariance(&kept, s)));
         }
     }
     residuals
-}
-
-/// Returns the ratio by which the spread of predictions must grow until 95 % of the held-out positions are
-/// in their 95 % ellipsoids.
-///
-/// The ratio is 1 if the share does not differ from 95 % by more than two standard deviations of a sample.
-pub(super) fn correlation(held_out: &[Residual]) -> f64 {
-    let count = held_out.len() as f64;
-    let inside = |ratio: f64| {
-        let inside = held_out.iter().filter(|r| r.normalised(ratio) <= CHI_SQUARED_95);
-        inside.count() as f64 / count
-    };
-    let chance = 2.0 * (PROBABILITY * (1.0 - PROBABILITY) / count).sqrt();
-    if held_out.is_empty() || inside(1.0) >= PROBABILITY - chance {
-        return 1.0;
-    }
-    let (mut low, mut high) = (1.0, MAX_CORRELATION);
-    for _ in 0..HALVINGS {
-        let middle = (low + high) / 2.0;
-        if inside(middle) < PROBABILITY { low = middle } else { high = middle }
-    }
-    high
 }
 
 /// Returns the number of the block of every position. The blocks have about equal numbers of positions; each
