@@ -135,8 +135,9 @@ impl<'a> Fit<'a> {
             self.covariance = factor.inverse();
             let change = if finds_misfit { self.improve_misfit(sessions, share) } else { 0.0 };
             // Where the variances swing, shorter steps settle them.
-            share = if change > before { (share / 2.0).max(LEAST_SHARE) } else { (share * 1.5).min(1.0) };
-            before = change;
+            let whole = change / share;
+            share = if whole > before { (share / 2.0).max(LEAST_SHARE) } else { (share * 1.5).min(1.0) };
+            before = whole;
             let largest =
                 of_unknowns.iter().zip(priors).fold(0.0_f64, |most, (by, s)| most.max((by / s).abs()));
             if finds_misfit && largest < ROUGHLY && change < SETTLED {
