@@ -23,6 +23,11 @@ const SERIES: [&str; 4] = ["A", "B", "C", "D"];
 /// Least number of poses of a spot.
 const POSES_OF_SPOT: usize = 10;
 
+/// Figure of a commanded position by which a rule of thumb ranks spots.
+type Rule<'a> = &'a dyn Fn(&Vector3<f64>) -> f64;
+/// Function that prints the figures of one study.
+type Study = fn(&Data);
+
 /// Arm and its four series of measured positions.
 struct Data {
     chain: Chain,
@@ -223,7 +228,7 @@ fn rank(data: &Data) {
         judged(&data.of_spots(&errors))
     };
     let shoulder = Vector3::new(0.0, 0.0, 0.1273);
-    let rules: [(&str, &dyn Fn(&Vector3<f64>) -> f64); 3] = [
+    let rules: [(&str, Rule<'_>); 3] = [
         ("radius", &|p| p.xy().norm()),
         ("distance from the shoulder", &|p| (p - shoulder).norm()),
         ("height", &|p| p.z),
@@ -249,7 +254,7 @@ fn speed(data: &Data) {
 fn main() {
     let data = Data::new();
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let studies: [(&str, fn(&Data)); 4] =
+    let studies: [(&str, Study); 4] =
         [("transfer", transfer), ("pooled", pooled), ("rank", rank), ("speed", speed)];
     for (name, study) in studies {
         if wanted.is_empty() || wanted.iter().any(|w| w == name) {

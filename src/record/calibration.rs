@@ -1,7 +1,7 @@
 //! The document of `calibrate --json`.
 
 use super::numbers::{degrees, millimetres, nine_digits};
-use crate::calibration::{Accuracy, Calibration, Identified, Unknown};
+use crate::calibration::{Accuracy, Calibration, FittedSession, Identified, Misfit, Unknown};
 use crate::cell::{Convention, JointKind, Parameter, Robot, SignedErrors};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -33,8 +33,30 @@ pub struct CalibrationDocument {
     pub unidentified: Vec<String>,
     /// Residual standard deviation per axis, mm. Null if a file states the parameters.
     pub residual_mm: Option<f64>,
+    /// Errors that the parameters do not explain. Null if a file states the parameters.
+    pub misfit: Option<MisfitEntry>,
     /// Time of the fit and of the cross-validation, s.
     pub seconds: f64,
+}
+
+/// Standard deviations of the errors that the parameters do not explain.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MisfitEntry {
+    /// Standard deviation of every joint: deg for a revolute joint, mm for a prismatic one.
+    pub joints: Vec<f64>,
+    /// Standard deviation of a position per axis, mm.
+    pub position_mm: f64,
+}
+
+/// Measured position that the misfit does not explain.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutlierRow {
+    /// Row of the file, counted from 1 without the header.
+    pub row: usize,
+    /// Distance of the measured from the predicted position, mm.
+    pub distance_mm: f64,
 }
 
 /// File of measured positions in the fit.
@@ -48,6 +70,8 @@ pub struct CalibratedFile {
     pub before: AccuracyEntry,
     /// Position errors of the calibrated robot; base and reflector are fitted.
     pub after: AccuracyEntry,
+    /// Rows whose distance is more than six standard deviations.
+    pub outliers: Vec<OutlierRow>,
 }
 
 /// File of measured positions outside the fit.
@@ -63,6 +87,8 @@ pub struct TestedFile {
     pub after: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids.
     pub coverage_95: f64,
+    /// Rows whose distance is more than six standard deviations.
+    pub outliers: Vec<OutlierRow>,
 }
 
 /// Statistics of position errors, mm.
@@ -100,6 +126,25 @@ impl AccuracyEntry {
             p95_mm: millimetres(accuracy.p95),
             max_mm: millimetres(accuracy.max),
         }
+    }
+}
+
+impl OutlierRow {
+    /// Returns the outliers of a session.
+    pub fn of(session: &FittedSession) -> Vec<Self> {
+        let entry = |&(row, distance): &(usize, f64)| Self { row, distance_mm: millimetres(distance) };
+        session.outliers.iter().map(entry).collect()
+    }
+}
+
+impl MisfitEntry {
+    fn new(robot: &Robot, misfit: &Misfit) -> Self {
+        let deviation = |(variance, kind): (&f64, JointKind)| match kind {
+            JointKind::Revolute => degrees(variance.sqrt()),
+            JointKind::Prismatic => millimetres(variance.sqrt()),
+        };
+        let joints = misfit.joints.iter().zip(robot.joints.iter().map(|joint| joint.kind));
+        Self { joints: joints.map(deviation).collect(), position_mm: millimetres(misfit.position.sqrt()) }
     }
 }
 
@@ -172,6 +217,7 @@ impl CalibrationDocument {
             unidentified: vec!["the covariance: the file states none".into()],
             parameters,
             residual_mm: None,
+            misfit: None,
             seconds: 0.0,
         }
     }
@@ -206,6 +252,7 @@ impl CalibrationDocument {
             unidentified: unidentified.collect(),
             parameters,
             residual_mm: Some(millimetres(calibration.residual)),
+            misfit: Some(MisfitEntry::new(robot, &calibration.misfit)),
             seconds: nine_digits(seconds),
         }
     }

@@ -42,7 +42,8 @@ mod words;
 pub use budget::{BudgetDocument, OperationBudget, ShareEntry, TightenEntry, TotalEntry};
 pub use buildability::{AssumedEntry, CertifiedEntry};
 pub use calibration::{
-    AccuracyEntry, CALIBRATION_SCHEMA, CalibratedFile, CalibrationDocument, IdentifiedParameter, TestedFile,
+    AccuracyEntry, CALIBRATION_SCHEMA, CalibratedFile, CalibrationDocument, IdentifiedParameter, MisfitEntry,
+    OutlierRow, TestedFile,
 };
 pub use cell_yield::CellYieldEntry;
 pub use check::{

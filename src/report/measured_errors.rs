@@ -66,31 +66,51 @@ fn elastic(calibration: &Calibration) -> String {
     if terms.is_empty() { terms } else { format!("elastic = [\n{terms}]\n") }
 }
 
-/// Returns the covariance of all identified parameters, with all digits.
+/// Returns the covariance of the identified parameters and of what they do not explain, with all digits.
+///
+/// The misfit of a joint is a variance of its coordinate. That of positions is a variance of the TCP.
 fn covariance(robot: &Robot, calibration: &Calibration) -> String {
-    let names: Vec<String> =
-        calibration.identified.iter().map(|i| format!("\"{}\"", of_file(robot, i.unknown).name())).collect();
-    let scale = |unknown: Unknown| match of_file(robot, unknown) {
-        Parameter::Dr(_) | Parameter::Dl(_) => mm_from_m(1.0),
-        Parameter::Dq(i) if slides(robot, i) => mm_from_m(1.0),
-        _ => deg_from_rad(1.0),
-    };
-    let scales: Vec<f64> = calibration.identified.iter().map(|i| scale(i.unknown)).collect();
+    let identified = calibration.identified.iter().map(|i| of_file(robot, i.unknown));
+    let mut parameters: Vec<Parameter> = identified.collect();
+    let misfit = &calibration.misfit;
+    let of_joints =
+        misfit.joints.iter().enumerate().map(|(joint, variance)| (Parameter::Dq(joint), *variance));
+    let of_tool = (0..3).map(|axis| (Parameter::Tool(axis), misfit.position));
+    let unexplained: Vec<_> = of_joints.chain(of_tool).collect();
+    for (parameter, _) in &unexplained {
+        if !parameters.contains(parameter) {
+            parameters.push(*parameter);
+        }
+    }
+    let size = parameters.len();
+    let mut matrix = calibration.covariance.clone().resize(size, size, 0.0);
+    for (k, parameter) in parameters.iter().enumerate() {
+        let own = unexplained.iter().find(|(unexplained, _)| unexplained == parameter);
+        matrix[(k, k)] += own.map_or(0.0, |(_, variance)| *variance);
+    }
+    let scales: Vec<f64> = parameters.iter().map(|parameter| scale(robot, *parameter)).collect();
+    let names: Vec<String> = parameters.iter().map(|parameter| format!("\"{}\"", parameter.name())).collect();
     let mut out = format!("[errors.measured.covariance]\nparameters = [{}]\nmatrix = [\n", names.join(", "));
-    for (i, row) in calibration.covariance.row_iter().enumerate() {
+    for i in 0..size {
+        // Both halves of the matrix come from one of them, so that the file is symmetric to the last digit.
         let entry = |j: usize| {
-            // Both halves of the matrix come from one of them, so that the file is symmetric to the last digit.
             let (a, b) = (i.min(j), i.max(j));
-            let value = calibration.covariance[(a, b)] * scales[a] * scales[b];
-            // Writing to a String cannot fail.
-            let mut text = String::new();
-            let _ = write!(text, "{value:e}");
-            text
+            format!("{:e}", matrix[(a, b)] * scales[a] * scales[b])
         };
-        let row: Vec<String> = (0..row.ncols()).map(entry).collect();
+        let row: Vec<String> = (0..size).map(entry).collect();
+        // Writing to a String cannot fail.
         let _ = writeln!(out, "    [{}],", row.join(", "));
     }
     out + "]\n"
+}
+
+/// Returns the number of mm or degrees in one unit (m or rad) of a parameter.
+fn scale(robot: &Robot, parameter: Parameter) -> f64 {
+    match parameter {
+        Parameter::Dr(_) | Parameter::Dl(_) | Parameter::Tool(_) => mm_from_m(1.0),
+        Parameter::Dq(i) if slides(robot, i) => mm_from_m(1.0),
+        _ => deg_from_rad(1.0),
+    }
 }
 
 /// Returns the parameter of an unknown with the row number of the robot file.

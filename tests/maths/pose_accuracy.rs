@@ -25,7 +25,7 @@ fn arm(name: &str) -> (Robot, Chain, TestCube) {
 fn tolerances(robot: &Robot) -> Vec<Spread> {
     let set = robot.errors.iter().find_map(|set| match set {
         ErrorSet::Tolerance(t) => Some(t.spreads.clone()),
-        ErrorSet::Signed(_) => None,
+        ErrorSet::Signed(_) | ErrorSet::Measured(_) => None,
     });
     set.unwrap()
 }

@@ -10,7 +10,7 @@ use crate::calibration::{Accuracy, Deformed, MeasuringSession, aligned, calibrat
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, json_text, output};
-use crate::record::{AccuracyEntry, CalibratedFile, CalibrationDocument, TestedFile};
+use crate::record::{AccuracyEntry, CalibratedFile, CalibrationDocument, OutlierRow, TestedFile};
 use crate::report;
 use crate::robot::Chain;
 use std::time::Instant;
@@ -58,6 +58,7 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
             poses: session.measured.len(),
             before: nominal(&chain, session)?,
             after: AccuracyEntry::new(&Accuracy::of(fitted.distances.clone())?),
+            outliers: OutlierRow::of(fitted),
         })
     });
     let tested = tests.iter().filter_map(|session| {
@@ -66,6 +67,7 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
             file: session.name.clone(),
             poses: session.measured.len(),
             before: nominal(&chain, session)?,
+            outliers: OutlierRow::of(&fitted),
             after: AccuracyEntry::new(&Accuracy::of(fitted.distances)?),
             coverage_95,
         })

@@ -3,7 +3,7 @@
 use super::fixed;
 use super::table::TextTable;
 use crate::files::shown;
-use crate::record::{AccuracyEntry, CalibrationDocument};
+use crate::record::{AccuracyEntry, CalibrationDocument, OutlierRow};
 use std::fmt::Write;
 
 /// Returns accuracy before and after, identified parameters and their rank.
@@ -36,6 +36,10 @@ pub fn calibration(document: &CalibrationDocument) -> String {
         rows(&format!("test {}", t.file), t.poses, &t.before, &t.after, share);
     }
     out.push_str(&accuracy.render());
+    let sessions = document.sessions.iter().map(|s| (&s.file, &s.outliers));
+    for (file, outliers) in sessions.chain(document.tests.iter().map(|t| (&t.file, &t.outliers))) {
+        out.push_str(&outlier_rows(file, outliers));
+    }
     // Writing to a String cannot fail.
     let _ = match &document.held_out {
         Some(of) => writeln!(
@@ -74,7 +78,34 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     for direction in &document.unidentified {
         let _ = writeln!(out, "  not determined: {direction}");
     }
+    if let Some(misfit) = &document.misfit {
+        let joints: Vec<_> = misfit.joints.iter().map(|deviation| fixed(*deviation, 4)).collect();
+        let _ = writeln!(
+            out,
+            "\nMisfit, standard deviations of what the parameters do not explain: joints {} (deg or mm), \
+             positions {} mm.",
+            joints.join(", "),
+            fixed(misfit.position_mm, 3)
+        );
+    }
     out
+}
+
+/// Largest number of outliers in the text.
+const SHOWN_OUTLIERS: usize = 10;
+
+/// Returns a line that names the outliers of a file; empty if there are none.
+fn outlier_rows(file: &str, outliers: &[OutlierRow]) -> String {
+    if outliers.is_empty() {
+        return String::new();
+    }
+    let mut worst = outliers.to_vec();
+    worst.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
+    let rows =
+        worst.iter().take(SHOWN_OUTLIERS).map(|o| format!("{} ({} mm)", o.row, fixed(o.distance_mm, 3)));
+    let rows: Vec<_> = rows.collect();
+    let dots = if worst.len() > SHOWN_OUTLIERS { ", ..." } else { "" };
+    format!("  outliers of {}, {} rows: {}{dots}\n", shown(file), outliers.len(), rows.join(", "))
 }
 
 /// Returns the errors that a file states, parameter by parameter.
