@@ -1,7 +1,8 @@
 //! Figures of results/measured, from the tracker data of a real UR10: `cargo bench --bench measured [-- STUDY ...]`.
 //!
 //! The studies are `transfer` (one series predicts the others), `pooled` (all four series), `rank` (does the error
-//! map name the accurate spots) and `speed`. Every study draws its poses with seeds 1 to 20 and prints medians.
+//! map name the accurate spots), `plan` (do chosen poses tell more than random ones) and `speed`. Poses are drawn with
+//! the seeds 1 to 20; medians are printed.
 
 #![allow(clippy::expect_used, clippy::print_stdout)] // without the data there is nothing to measure
 
@@ -12,8 +13,8 @@ use std::io::Read;
 use std::path::Path;
 use std::time::Instant;
 use sweetspot::calibration::{
-    Calibration, Deformed, MeasuredPosition, MeasuringSession, Unknown, aligned, calibrate, drawn, explain,
-    unknowns,
+    Calibration, Deformed, IntendedCalibration, MeasuredPosition, MeasuringSession, PlanProblem, Unknown,
+    UnmodelledError, aligned, calibrate, drawn, explain, unknowns,
 };
 use sweetspot::files;
 use sweetspot::robot::Chain;
@@ -71,10 +72,13 @@ impl Data {
             name: SERIES[series].into(),
             measured: drawn(&self.series[series], count, seed),
         };
-        let sessions: Vec<_> = sessions.iter().map(session).collect();
+        self.fitted(&sessions.iter().map(session).collect::<Vec<_>>(), terms)
+    }
+
+    fn fitted(&self, sessions: &[MeasuringSession], terms: Terms) -> Calibration {
         let unknowns = unknowns(&self.chain, terms == Terms::Elastic);
         let priors: Vec<_> = unknowns.iter().map(|u: &Unknown| u.default_prior()).collect();
-        calibrate(&self.chain, &sessions, &unknowns, &priors).expect("a calibration")
+        calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
 
     /// Returns the mean measured error of every spot of series A with enough poses, by a function of its poses.
@@ -239,6 +243,36 @@ fn rank(data: &Data) {
     }
 }
 
+/// Prints what chosen poses of series C tell about the other series, beside random draws of as many.
+fn plan(data: &Data) {
+    println!("\nplan: poses of series C, mean error in mm on A, B and D");
+    let others = [0, 1, 3];
+    let judged = |result: &Calibration| {
+        others.map(|other| mean(&result.tested(&data.series[other]).expect("a test").0.distances) * 1e3)
+    };
+    let unknowns = unknowns(&data.chain, true);
+    let priors: Vec<_> = unknowns.iter().map(|u: &Unknown| u.default_prior()).collect();
+    let intended = IntendedCalibration {
+        chain: &data.chain,
+        unknowns: &unknowns,
+        priors: &priors,
+        reflector: data.chain.tool.translation,
+        error: UnmodelledError::default(),
+    };
+    let candidates: Vec<_> = data.series[2].iter().map(|m| m.joints).collect();
+    let problem = PlanProblem::new(&intended, &candidates, &candidates);
+    for count in [30, 50] {
+        let chosen = problem.best(count, &mut |_, _| ()).expect("a plan");
+        let measured = chosen.into_iter().map(|i| data.series[2][i]).collect();
+        let planned =
+            judged(&data.fitted(&[MeasuringSession { name: "C".into(), measured }], Terms::Elastic));
+        let random: Vec<_> =
+            SEEDS.map(|seed| judged(&data.calibrated(&[(2, count)], seed, Terms::Elastic))).collect();
+        let random = [0, 1, 2].map(|k| median(&random.iter().map(|r| r[k]).collect::<Vec<_>>()));
+        println!("{count} poses: plan {planned:.3?}, median of 20 random draws {random:.3?}");
+    }
+}
+
 /// Prints the time of a fit of 1000 poses.
 fn speed(data: &Data) {
     let times: Vec<_> = (1..=5)
@@ -254,8 +288,8 @@ fn speed(data: &Data) {
 fn main() {
     let data = Data::new();
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let studies: [(&str, Study); 4] =
-        [("transfer", transfer), ("pooled", pooled), ("rank", rank), ("speed", speed)];
+    let studies: [(&str, Study); 5] =
+        [("transfer", transfer), ("pooled", pooled), ("rank", rank), ("plan", plan), ("speed", speed)];
     for (name, study) in studies {
         if wanted.is_empty() || wanted.iter().any(|w| w == name) {
             study(&data);

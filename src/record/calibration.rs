@@ -1,7 +1,7 @@
 //! The document of `calibrate --json`.
 
 use super::numbers::{degrees, millimetres, nine_digits};
-use crate::calibration::{Accuracy, Calibration, FittedSession, Identified, Misfit, Unknown};
+use crate::calibration::{Accuracy, Calibration, FittedSession, Identified, ResidualVariances, Unknown};
 use crate::cell::{Convention, JointKind, Parameter, Robot, SignedErrors};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -138,7 +138,7 @@ impl OutlierRow {
 }
 
 impl MisfitEntry {
-    fn new(robot: &Robot, misfit: &Misfit) -> Self {
+    fn new(robot: &Robot, misfit: &ResidualVariances) -> Self {
         let deviation = |(variance, kind): (&f64, JointKind)| match kind {
             JointKind::Revolute => degrees(variance.sqrt()),
             JointKind::Prismatic => millimetres(variance.sqrt()),

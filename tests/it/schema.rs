@@ -88,7 +88,7 @@ fn the_schemas_distinguish_the_file_kinds() {
 const BEYOND: [(&str, &str); 6] = [
     (
         "another file gives it, or should",
-        "covariance_incomplete cyclic_from cyclic_from_itself equipment_of_nothing error_set_without_kind fence_without_polygon file_without_schema mesh_empty mesh_file_missing mesh_open mesh_with_lost_vertex mesh_with_nan mesh_with_words missing_keys missing_reference missing_robot missing_similar_key part_in_metres path_leaves_folder placement_missing_z robot_where_equipment_is_wanted sense_of_nothing tool_without_axis",
+        "covariance_incomplete cyclic_from cyclic_from_itself equipment_of_nothing error_set_without_kind fence_without_polygon file_without_schema held_of_nothing mesh_empty mesh_file_missing mesh_open mesh_with_lost_vertex mesh_with_nan mesh_with_words missing_keys missing_reference missing_robot missing_similar_key part_in_metres path_leaves_folder placement_missing_z robot_where_equipment_is_wanted sense_of_nothing tool_without_axis",
     ),
     (
         "a name refers to nothing, or to the wrong thing",

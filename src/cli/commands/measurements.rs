@@ -147,9 +147,8 @@ fn remarks(
     // A tracker stands away from the robot.
     if reading.base.translation.norm() < NEAR_BASE {
         let axis = reading.base.rotation.column(0).into_owned();
-        let turn = deg_from_rad(axis.y.atan2(axis.x));
-        let about =
-            if (turn.abs() - 180.0).abs() < 2.0 { ", turned by 180 deg about its z axis" } else { "" };
+        let is_turned = axis.x < -UPRIGHT;
+        let about = if is_turned { ", turned by 180 deg about its z axis" } else { "" };
         if reading.base.rotation[(2, 2)] > UPRIGHT {
             said.push(format!(
                 "the positions are in the base frame of the robot{about}; the base is fitted anew"

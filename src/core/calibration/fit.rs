@@ -1,7 +1,7 @@
 //! The fit of all unknowns to the measured positions of all sessions.
 
 use super::deformed::{Deformed, PointMotion};
-use super::misfit::{Misfit, Scores};
+use super::residual_variances::{ResidualVariances, Scores};
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
 use super::unknown::Unknown;
@@ -25,9 +25,9 @@ const HUBER: f64 = 4.0;
 /// Standard deviation of the coordinates of a reflector before the measurement, m.
 const FARTHEST_REFLECTOR: f64 = 1.0;
 
-/// What a fit is asked.
+/// Arm and unknowns of a fit.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Question<'a> {
+pub(super) struct FitProblem<'a> {
     pub chain: &'a Chain,
     pub unknowns: &'a [Unknown],
     /// Standard deviations of the unknowns before the measurement.
@@ -36,10 +36,10 @@ pub(super) struct Question<'a> {
 
 /// Values of the unknowns and the frames of the sessions at the minimum.
 pub(super) struct Fit<'a> {
-    question: Question<'a>,
+    question: FitProblem<'a>,
     pub values: Vec<f64>,
     pub frames: Vec<SessionFrames>,
-    pub misfit: Misfit,
+    pub misfit: ResidualVariances,
     /// Covariance of the unknowns, followed by those of the frames of every session.
     pub covariance: DMatrix<f64>,
 }
@@ -77,12 +77,12 @@ struct Equation {
 
 impl<'a> Fit<'a> {
     /// Fits the unknowns and the variances of the misfit.
-    pub fn new(question: Question<'a>, sessions: &[MeasuringSession]) -> Result<Self, String> {
+    pub fn new(question: FitProblem<'a>, sessions: &[MeasuringSession]) -> Result<Self, String> {
         let mut fit = Self {
             question,
             values: vec![0.0; question.unknowns.len()],
             frames: Vec::new(),
-            misfit: Misfit::expected(question.chain, 0.0),
+            misfit: ResidualVariances::expected(question.chain, 0.0),
             covariance: DMatrix::zeros(0, 0),
         };
         let (mut squares, mut count) = (0.0, 0.0);
@@ -97,7 +97,7 @@ impl<'a> Fit<'a> {
             count += 3.0 * session.measured.len() as f64;
             fit.frames.push(frames);
         }
-        fit.misfit = Misfit::expected(question.chain, (squares / count).sqrt());
+        fit.misfit = ResidualVariances::expected(question.chain, (squares / count).sqrt());
         fit.solved(sessions, true)
     }
 

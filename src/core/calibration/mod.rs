@@ -17,18 +17,18 @@
 //! ```
 //!
 //! by Newton's method with exact derivatives. Here `s_k` is the standard deviation of parameter `a_k`
-//! before the measurement, and `S_i` the covariance of what the parameters do not explain (see `misfit`): no
+//! before the measurement, and `S_i` the covariance of what the parameters do not explain (see `residual_variances`): no
 //! model is complete, and most of what remains of a real arm are errors of its joints.
 
 mod accuracy;
 mod deformed;
 mod fit;
 mod hypothesis;
-mod misfit;
 mod plan;
 mod plan_posterior;
 mod plan_problem;
 mod raw;
+mod residual_variances;
 mod result;
 mod rigid;
 mod session;
@@ -42,9 +42,9 @@ pub use deformed::{Deformed, PointMotion};
 pub use hypothesis::{
     DataReading, JointMap, LENGTH_UNITS, RotationReading, explain, explain_rotations, spread_out, unit_name,
 };
-pub use misfit::Misfit;
 pub use plan_problem::{IntendedCalibration, PlanProblem, UnmodelledError};
 pub use raw::{RawMeasurement, RawRotation, RotationConvention};
+pub use residual_variances::ResidualVariances;
 pub use result::{Calibration, FittedSession, calibrate};
 pub use rigid::{SessionFrames, aligned};
 pub use session::{MeasuredPosition, MeasuringSession, drawn};

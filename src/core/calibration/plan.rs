@@ -11,8 +11,8 @@
 //! each other have nearly the same misfit and tell the same thing twice. The e_i are independent.
 //!
 //! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of
-//! the task (I-optimality). A plan that maximises a determinant (D-optimality) measures what is far away
-//! instead, and trusts the model too much. After a calibration the base is registered anew, so a rigid motion
+//! the task (I-optimality). A plan that maximises a determinant (D-optimality) would know the unknowns well,
+//! whether the task needs them or not. After a calibration the base is registered anew, so a rigid motion
 //! that fits the candidates does not count as an error.
 
 use super::plan_posterior::PlanPosterior;

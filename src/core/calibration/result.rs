@@ -2,8 +2,8 @@
 
 use super::accuracy::Accuracy;
 use super::deformed::Deformed;
-use super::fit::{Fit, Question, Residual, drives};
-use super::misfit::Misfit;
+use super::fit::{Fit, FitProblem, Residual, drives};
+use super::residual_variances::ResidualVariances;
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
 use super::unknown::{Identified, Unknown};
@@ -45,7 +45,7 @@ pub struct Calibration {
     /// Distances of measured positions from predictions of a fit without their block of the joint space, m.
     pub held_out: Option<Accuracy>,
     /// Variances of what the parameters do not explain.
-    pub misfit: Misfit,
+    pub misfit: ResidualVariances,
     chain: Chain,
 }
 
@@ -64,7 +64,7 @@ pub fn calibrate(
     if equations < count {
         return Err(format!("{equations} measured coordinates cannot determine {count} unknowns"));
     }
-    let fit = Fit::new(Question { chain, unknowns, priors }, sessions)?;
+    let fit = Fit::new(FitProblem { chain, unknowns, priors }, sessions)?;
     let left_out = held_out(&fit, sessions);
     let covariance = fit.covariance.view((0, 0), (unknowns.len(), unknowns.len())).into_owned();
     let values = fit.values.iter().zip(unknowns).zip(priors).enumerate();

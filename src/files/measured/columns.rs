@@ -1,7 +1,7 @@
 //! Columns of a table: which of them hold joints, positions, orientations and uncertainties.
 
 use super::name::{ColumnWords, StatedUnit};
-use super::positions::positions;
+use super::positions::{ReflectorColumns, positions};
 use crate::files::fault::{did_you_mean, listed, shown};
 
 /// Names that state which column holds a quantity: `q1`, `q2` ..., `x`, `y`, `z`.
@@ -18,14 +18,6 @@ pub enum RotationForm {
     Quaternion,
     /// Nine numbers of a matrix, row by row.
     Matrix,
-}
-
-/// Columns of one reflector.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ReflectorColumns {
-    /// Name of the reflector; empty if the table has one position per row.
-    pub name: String,
-    pub position: [usize; 3],
 }
 
 /// Columns of a table with their places, counted from 0.

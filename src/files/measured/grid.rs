@@ -1,6 +1,6 @@
 //! Tables in a text: separator, header, units, and the lines of numbers.
 
-use super::number::Field;
+use super::number::FieldValue;
 
 /// Character between the fields of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,10 +54,10 @@ impl Separator {
 
     /// Returns how well the separator splits lines: the number of numbers, less half the other words.
     fn score(self, lines: &[&str]) -> f64 {
-        let value = |field: &str| match Field::read(field) {
-            Field::Number(_) => 1.0,
-            Field::Missing => 0.0,
-            Field::Other => -0.5,
+        let value = |field: &str| match FieldValue::read(field) {
+            FieldValue::Number(_) => 1.0,
+            FieldValue::Missing => 0.0,
+            FieldValue::Other => -0.5,
         };
         let score = |line: &str| self.split(line).into_iter().map(value).sum::<f64>().max(0.0);
         lines.iter().map(|line| score(line)).sum()
@@ -86,7 +86,7 @@ pub struct GridLine<'t> {
 
 /// Table of one text.
 #[derive(Debug, Clone)]
-pub struct Grid<'t> {
+pub struct FieldGrid<'t> {
     separator: Separator,
     /// Names of the columns; their numbers from 1 if the table has no line of names.
     pub header: Vec<String>,
@@ -97,7 +97,7 @@ pub struct Grid<'t> {
     pub lines: Vec<GridLine<'t>>,
 }
 
-impl<'t> Grid<'t> {
+impl<'t> FieldGrid<'t> {
     /// Finds the table of a text. A text without a line of numbers gives a table without lines.
     pub fn new(text: &'t str) -> Self {
         let lines = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim_end_matches(['\r', ' '])));
@@ -152,7 +152,7 @@ impl<'t> Grid<'t> {
 }
 
 fn numbers(separator: Separator, line: &str) -> usize {
-    separator.split(line).into_iter().filter(|field| Field::read(field).number().is_some()).count()
+    separator.split(line).into_iter().filter(|field| FieldValue::read(field).number().is_some()).count()
 }
 
 /// Returns the separator of which a line of names has the most.
@@ -163,7 +163,7 @@ fn separator_of_names(lines: &[&str]) -> Separator {
 
 /// Returns whether the fields can name the columns of a table with `width` columns.
 fn is_header(fields: &[&str], width: usize) -> bool {
-    let words = fields.iter().filter(|field| Field::read(field) == Field::Other).count();
+    let words = fields.iter().filter(|field| FieldValue::read(field) == FieldValue::Other).count();
     fields.len() >= LEAST_NUMBERS.min(width.max(1)) && 2 * fields.len() >= width && 2 * words >= fields.len()
 }
 

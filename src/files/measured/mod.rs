@@ -19,7 +19,7 @@ pub use name::StatedUnit;
 use super::fault::Fault;
 use crate::calibration::RawMeasurement;
 use columns::{FoundColumns, TableNames};
-use grid::Grid;
+use grid::FieldGrid;
 
 /// Table of measured positions as the file states them, without conversion of units.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +71,7 @@ pub fn read(
     columns: &ColumnNames,
     joint_table: Option<JointTable<'_>>,
 ) -> Result<MeasuredTable, Vec<Fault>> {
-    let grid = Grid::new(text);
+    let grid = FieldGrid::new(text);
     let fault = |line: Option<usize>, (message, help): (String, String)| {
         vec![Fault { line: line.unwrap_or(1), ..Fault::of_file(file, message, help) }]
     };
@@ -98,7 +98,7 @@ pub fn read(
             (found, None, names)
         }
         Some(table) => {
-            let other = Grid::new(table.text);
+            let other = FieldGrid::new(table.text);
             let paired = pairing::pair(&grid, &other, table.file, columns, joints)?;
             notes.push(paired.note);
             let is_numbered = grid.header_line.is_none() && !grid.lines.is_empty();

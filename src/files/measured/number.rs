@@ -2,7 +2,7 @@
 
 /// Content of one field of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Field {
+pub enum FieldValue {
     Number(f64),
     /// Empty field, or a word for a missing value.
     Missing,
@@ -19,7 +19,7 @@ const UNITS: [&str; 6] = ["mm", "deg", "rad", "°", "in", "m"];
 /// Size of a number from which it is no measurement.
 const TOO_LARGE: f64 = 1e15;
 
-impl Field {
+impl FieldValue {
     /// Reads a field without its quotes.
     pub fn read(text: &str) -> Self {
         let text = text.trim();
@@ -49,12 +49,12 @@ impl Field {
 }
 
 /// Reads a number with a decimal point; words such as inf are none.
-fn plain(text: &str) -> Option<Field> {
+fn plain(text: &str) -> Option<FieldValue> {
     if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
         return None;
     }
     let number = text.parse::<f64>().or_else(|_| text.replace(['D', 'd'], "e").parse::<f64>()).ok()?;
-    Some(if number.abs() < TOO_LARGE { Field::Number(number) } else { Field::Other })
+    Some(if number.abs() < TOO_LARGE { FieldValue::Number(number) } else { FieldValue::Other })
 }
 
 /// Removes the separators of thousands: the later one of point and comma is the decimal sign.

@@ -1,7 +1,7 @@
 //! Joints from a second table: rows are matched by a shared column, or by their order.
 
 use super::columns::{ColumnNames, TableNames};
-use super::grid::Grid;
+use super::grid::FieldGrid;
 use super::name::StatedUnit;
 use super::rows::joint_fields;
 use crate::cell::JointVector;
@@ -42,8 +42,8 @@ const KEYS: [&str; 14] = [
 ///
 /// Returns the faults of the second table.
 pub fn pair(
-    positions: &Grid<'_>,
-    joints: &Grid<'_>,
+    positions: &FieldGrid<'_>,
+    joints: &FieldGrid<'_>,
     file: &str,
     columns: &ColumnNames,
     robot_joints: &[&str],
@@ -91,9 +91,9 @@ pub fn pair(
 
 /// Returns the column that identifies postures in both tables, and the line of the joints for every line of
 /// positions.
-fn shared_key(positions: &Grid<'_>, joints: &Grid<'_>) -> Option<(String, Vec<Option<usize>>)> {
+fn shared_key(positions: &FieldGrid<'_>, joints: &FieldGrid<'_>) -> Option<(String, Vec<Option<usize>>)> {
     let place =
-        |grid: &Grid<'_>, key: &str| grid.header.iter().position(|name| name.eq_ignore_ascii_case(key));
+        |grid: &FieldGrid<'_>, key: &str| grid.header.iter().position(|name| name.eq_ignore_ascii_case(key));
     let both = KEYS.iter().filter_map(|key| Some((place(positions, key)?, place(joints, key)?)));
     for (of_position, of_joints) in both {
         let mut lines = HashMap::new();

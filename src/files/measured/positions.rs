@@ -1,8 +1,15 @@
 //! Columns of positions: triples of x, y and z with words in common.
 
-use super::columns::ReflectorColumns;
 use super::name::{ColumnOrigin, ColumnWords};
 use std::collections::HashMap;
+
+/// Columns of one reflector.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReflectorColumns {
+    /// Name of the reflector; empty if the table has one position per row.
+    pub name: String,
+    pub position: [usize; 3],
+}
 
 /// Returns the positions of the most telling origin: one, or those of numbered reflectors.
 pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {

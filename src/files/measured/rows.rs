@@ -1,8 +1,8 @@
 //! Rows of a table of measured positions.
 
 use super::columns::{ColumnFault, FoundColumns, RotationForm};
-use super::grid::{Grid, GridLine};
-use super::number::Field;
+use super::grid::{FieldGrid, GridLine};
+use super::number::FieldValue;
 use crate::calibration::{MeasuredPosition, RawMeasurement, RawRotation};
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::files::fault::{Fault, shown};
@@ -32,7 +32,7 @@ pub struct ReadRows {
 /// Returns the faults of the rows, at most [`MAX_FAULTS`].
 pub fn read(
     file: &str,
-    grid: &Grid<'_>,
+    grid: &FieldGrid<'_>,
     found: &FoundColumns,
     joints: Option<&[Option<JointVector>]>,
 ) -> Result<ReadRows, Vec<Fault>> {
@@ -69,14 +69,14 @@ pub fn read(
 }
 
 /// Returns whether a column has another name in most rows: then it names postures, not reflectors.
-fn identifies_rows(grid: &Grid<'_>, column: usize) -> bool {
+fn identifies_rows(grid: &FieldGrid<'_>, column: usize) -> bool {
     let names: HashSet<_> =
         grid.lines.iter().filter_map(|line| grid.fields(line).get(column).copied()).collect();
     grid.lines.len() > 4 && 2 * names.len() > grid.lines.len()
 }
 
 struct RowReader<'a, 't> {
-    grid: &'a Grid<'t>,
+    grid: &'a FieldGrid<'t>,
     found: &'a FoundColumns,
     joints: Option<&'a [Option<JointVector>]>,
     rows: Vec<RawMeasurement>,
@@ -91,7 +91,7 @@ impl RowReader<'_, '_> {
     /// Reads line `k`, counted from 0, and returns its faults.
     fn read(&mut self, k: usize, line: &GridLine<'_>) -> Vec<ColumnFault> {
         let fields = self.grid.fields(line);
-        let numbers: Vec<Field> = fields.iter().map(|field| Field::read(field)).collect();
+        let numbers: Vec<FieldValue> = fields.iter().map(|field| FieldValue::read(field)).collect();
         if numbers.iter().all(|field| field.number().is_none()) {
             self.texts += 1;
             return Vec::new();
@@ -138,7 +138,7 @@ impl RowReader<'_, '_> {
     }
 
     /// Returns the orientation of a row; None if a number of it is missing.
-    fn rotation(&self, numbers: &[Field]) -> Option<RawRotation> {
+    fn rotation(&self, numbers: &[FieldValue]) -> Option<RawRotation> {
         let (form, places) = self.found.rotation.as_ref()?;
         let all = places.iter().map(|&k| numbers.get(k)?.number()).collect::<Option<Vec<_>>>()?;
         Some(match form {
@@ -150,7 +150,7 @@ impl RowReader<'_, '_> {
     }
 
     /// Returns the stated standard deviation per axis, in the unit of the position; None if it is missing.
-    fn sigma(&self, numbers: &[Field]) -> Option<f64> {
+    fn sigma(&self, numbers: &[FieldValue]) -> Option<f64> {
         let (places, deviations) = self.found.uncertainty.as_ref()?;
         let all = places.iter().map(|&k| numbers.get(k)?.number()).collect::<Option<Vec<_>>>()?;
         let square = all.iter().map(|u| u * u).sum::<f64>() / all.len() as f64;
@@ -171,12 +171,12 @@ impl RowReader<'_, '_> {
 
 /// Returns the position in three columns; None if it was not measured. The error is the column that holds no
 /// number.
-fn position(places: &[usize; 3], numbers: &[Field]) -> Result<Option<Vector3<f64>>, usize> {
+fn position(places: &[usize; 3], numbers: &[FieldValue]) -> Result<Option<Vector3<f64>>, usize> {
     let mut position = [None; 3];
     for (coordinate, &place) in position.iter_mut().zip(places) {
-        *coordinate = match numbers.get(place).copied().unwrap_or(Field::Missing) {
-            Field::Number(number) if number.abs() < TOO_FAR => Some(number),
-            Field::Missing => None,
+        *coordinate = match numbers.get(place).copied().unwrap_or(FieldValue::Missing) {
+            FieldValue::Number(number) if number.abs() < TOO_FAR => Some(number),
+            FieldValue::Missing => None,
             _ => return Err(place),
         };
     }
@@ -199,8 +199,8 @@ pub fn joint_fields(
                 format!("the row has {} fields, and the table {} columns", fields.len(), header.len());
             return Err((message, "give every row as many fields as the table has columns".into()));
         };
-        match Field::read(field) {
-            Field::Number(number) if number.abs() < TOO_FAR => *q = number,
+        match FieldValue::read(field) {
+            FieldValue::Number(number) if number.abs() < TOO_FAR => *q = number,
             _ => return Err(not_a_number(field, &header[place])),
         }
     }

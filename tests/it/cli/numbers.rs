@@ -20,7 +20,8 @@ const NUMERIC: [(&str, &[&str]); 13] = [
 ];
 
 /// Placeholders of options whose values are no numbers.
-const OTHERS: [&str; 19] = [
+const OTHERS: [&str; 20] = [
+    "CELL",
     "DIR",
     "ERRORS",
     "FILE",

@@ -1,7 +1,7 @@
 //! Quick score of joint maps: a linear fit without the constraint that the base is a rotation.
 
 use super::joint_map::JointMap;
-use super::spread_out;
+use super::spread_out::spread_out;
 use crate::calibration::raw::RawMeasurement;
 use crate::cell::{JointKind, JointVector};
 use crate::robot::Chain;

@@ -4,12 +4,16 @@
 //! joints, and whether the position is mirrored. The plain reading is kept unless another one fits clearly
 //! better. The convention of orientations is found after that of the positions.
 
+mod data_reading;
 mod joint_map;
 mod linear_score;
 mod rotation;
+mod spread_out;
 
+pub use data_reading::{DataReading, LENGTH_UNITS, unit_name};
 pub use joint_map::JointMap;
 pub use rotation::{RotationReading, explain_rotations};
+pub use spread_out::spread_out;
 
 use super::deformed::Deformed;
 use super::raw::RawMeasurement;
@@ -18,37 +22,11 @@ use super::session::MeasuredPosition;
 use crate::cell::JointKind;
 use crate::pose::Pose;
 use crate::robot::Chain;
-use crate::units::{INCH, MILLIMETRE};
+use crate::units::MILLIMETRE;
 use linear_score::LinearScore;
-
-/// How the numbers of a file of measured positions are read.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DataReading {
-    /// Whether joint angles are in degrees, not rad.
-    pub degrees: bool,
-    /// Unit of lengths, m: 0.001, 1 or 0.0254.
-    pub unit: f64,
-    /// How the joint columns become actuator coordinates.
-    pub joints: JointMap,
-    /// Whether the frame of the positions is left-handed: two columns are swapped, or one has the wrong sign.
-    pub mirrored: bool,
-    /// Root mean square distance of measured from nominal positions, m, without the worst tenth of the rows;
-    /// base and reflector are fitted.
-    pub rms: f64,
-    /// Root mean square distance of the plain reading, m: columns, signs and zeros as in the file.
-    pub plain_rms: f64,
-    /// Fitted pose of the robot base in the frame of the positions.
-    pub base: Pose,
-}
-
-/// Units of length of measured data with their names.
-pub const LENGTH_UNITS: [(&str, f64); 3] = [("mm", MILLIMETRE), ("m", 1.0), ("inch", INCH)];
 
 /// Largest number of rows with which the hypotheses are compared.
 const ROWS: usize = 80;
-
-/// Share of the reach of the arm above which a distance shows that a hypothesis is wrong.
-const IMPLAUSIBLE: f64 = 0.02;
 
 /// Share of the reach of the arm up to which the plain reading is kept without a search for others.
 const GOOD: f64 = 1e-3;
@@ -67,34 +45,6 @@ const WORST: usize = 10;
 
 /// Number of hypotheses whose linear score is followed by a fit of base and reflectors.
 const FITTED: usize = 40;
-
-impl DataReading {
-    /// Returns the measured position with joint coordinates in rad or m and lengths in m.
-    pub fn applied(&self, chain: &Chain, raw: &RawMeasurement) -> MeasuredPosition {
-        let joints = self.joints.applied(chain, &raw.numbers.joints, self.degrees, self.unit);
-        let mut position = raw.numbers.position * self.unit;
-        if self.mirrored {
-            position.z = -position.z;
-        }
-        let sigma = raw.numbers.sigma.map(|sigma| sigma * self.unit);
-        MeasuredPosition { joints, position, sigma, ..raw.numbers }
-    }
-
-    /// Returns whether the nominal arm explains the data, `reach` in m.
-    pub fn is_plausible(&self, reach: f64) -> bool {
-        self.rms < IMPLAUSIBLE * reach
-    }
-
-    /// Returns whether columns, signs and zeros are as in the file.
-    pub fn is_plain(&self) -> bool {
-        self.joints == JointMap::PLAIN && !self.mirrored
-    }
-
-    /// Returns how much a hypothesis assumes.
-    fn complexity(&self) -> usize {
-        self.joints.complexity() + 2 * usize::from(self.mirrored)
-    }
-}
 
 /// Returns the reading that explains the raw numbers: units, and columns, signs, zeros and coupling of the
 /// joints.
@@ -177,30 +127,9 @@ fn judged(chain: &Chain, raw: &[RawMeasurement], reading: &DataReading) -> Optio
     answer
 }
 
-/// Returns at most `most` of the numbers below `count`, in order.
-///
-/// They are spread over all rows, but not at equal steps: a series that moves one joint after the other would
-/// else be seen with the same joint again and again.
-pub fn spread_out(count: usize, most: usize) -> Vec<usize> {
-    let mut all: Vec<usize> = (0..count).collect();
-    let place = |k: &usize| (*k as f64 * GOLDEN).fract();
-    all.sort_by(|a, b| place(a).total_cmp(&place(b)));
-    all.truncate(most);
-    all.sort_unstable();
-    all
-}
-
-/// Fraction of the golden ratio, whose multiples are spread most evenly.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-
 /// Returns the root mean square distance of the positions from their mean, in the unit of the file.
 fn spread(raw: &[RawMeasurement]) -> f64 {
     let count = raw.len() as f64;
     let mean = raw.iter().map(|m| m.numbers.position).sum::<nalgebra::Vector3<f64>>() / count;
     (raw.iter().map(|m| (m.numbers.position - mean).norm_squared()).sum::<f64>() / count).sqrt()
-}
-
-/// Returns the name of a unit of length; "m" for a length that is none of [`LENGTH_UNITS`].
-pub fn unit_name(unit: f64) -> &'static str {
-    LENGTH_UNITS.iter().find(|(_, length)| *length == unit).map_or("m", |(name, _)| name)
 }

@@ -1,6 +1,7 @@
 //! Convention of measured orientations, found by how well they fit the nominal robot.
 
-use super::{DataReading, spread_out};
+use super::data_reading::DataReading;
+use super::spread_out::spread_out;
 use crate::calibration::raw::{RawMeasurement, RawRotation, RotationConvention};
 use crate::robot::Chain;
 use crate::units::rad_from_deg;

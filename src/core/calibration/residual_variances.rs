@@ -37,7 +37,7 @@ const CORRELATED: f64 = 4.0;
 
 /// Variances of the errors that the identified parameters do not explain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Misfit {
+pub struct ResidualVariances {
     /// Variance of every actuator coordinate, rad^2 or m^2.
     pub joints: Vec<f64>,
     /// Variance of a position per axis, m^2.
@@ -45,7 +45,7 @@ pub struct Misfit {
     expected: Vec<f64>,
 }
 
-impl Misfit {
+impl ResidualVariances {
     /// Returns the variances to begin with; `spread` is the standard deviation of a position per axis, m.
     pub fn expected(chain: &Chain, spread: f64) -> Self {
         let of_joint = |kind| match kind {

@@ -1,0 +1,67 @@
+//! How the numbers of a file of measured positions are read.
+
+use super::joint_map::JointMap;
+use crate::calibration::raw::RawMeasurement;
+use crate::calibration::session::MeasuredPosition;
+use crate::pose::Pose;
+use crate::robot::Chain;
+use crate::units::{INCH, MILLIMETRE};
+
+/// How the numbers of a file of measured positions are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DataReading {
+    /// Whether joint angles are in degrees, not rad.
+    pub degrees: bool,
+    /// Unit of lengths, m: 0.001, 1 or 0.0254.
+    pub unit: f64,
+    /// How the joint columns become actuator coordinates.
+    pub joints: JointMap,
+    /// Whether the frame of the positions is left-handed: two columns are swapped, or one has the wrong sign.
+    pub mirrored: bool,
+    /// Root mean square distance of measured from nominal positions, m, without the worst tenth of the rows;
+    /// base and reflector are fitted.
+    pub rms: f64,
+    /// Root mean square distance of the plain reading, m: columns, signs and zeros as in the file.
+    pub plain_rms: f64,
+    /// Fitted pose of the robot base in the frame of the positions.
+    pub base: Pose,
+}
+
+/// Units of length of measured data with their names.
+pub const LENGTH_UNITS: [(&str, f64); 3] = [("mm", MILLIMETRE), ("m", 1.0), ("inch", INCH)];
+
+/// Share of the reach of the arm above which a distance shows that a hypothesis is wrong.
+const IMPLAUSIBLE: f64 = 0.02;
+
+impl DataReading {
+    /// Returns the measured position with joint coordinates in rad or m and lengths in m.
+    pub fn applied(&self, chain: &Chain, raw: &RawMeasurement) -> MeasuredPosition {
+        let joints = self.joints.applied(chain, &raw.numbers.joints, self.degrees, self.unit);
+        let mut position = raw.numbers.position * self.unit;
+        if self.mirrored {
+            position.z = -position.z;
+        }
+        let sigma = raw.numbers.sigma.map(|sigma| sigma * self.unit);
+        MeasuredPosition { joints, position, sigma, ..raw.numbers }
+    }
+
+    /// Returns whether the nominal arm explains the data, `reach` in m.
+    pub fn is_plausible(&self, reach: f64) -> bool {
+        self.rms < IMPLAUSIBLE * reach
+    }
+
+    /// Returns whether columns, signs and zeros are as in the file.
+    pub fn is_plain(&self) -> bool {
+        self.joints == JointMap::PLAIN && !self.mirrored
+    }
+
+    /// Returns how much a hypothesis assumes.
+    pub(super) fn complexity(&self) -> usize {
+        self.joints.complexity() + 2 * usize::from(self.mirrored)
+    }
+}
+
+/// Returns the name of a unit of length; "m" for a length that is none of [`LENGTH_UNITS`].
+pub fn unit_name(unit: f64) -> &'static str {
+    LENGTH_UNITS.iter().find(|(_, length)| *length == unit).map_or("m", |(name, _)| name)
+}
