@@ -115,7 +115,7 @@ impl<'a> Fit<'a> {
 
     fn solved(mut self, sessions: &[MeasuringSession], finds_misfit: bool) -> Result<Self, String> {
         let (unknowns, priors) = (self.question.unknowns, self.question.priors);
-        let (mut share, mut before) = (1.0, f64::INFINITY);
+        let (mut share, mut before) = (1.0, 0.0);
         for _ in 0..STEPS {
             // Far from the minimum, the Hessian can be indefinite.
             let (hessian, right) = self.equations(sessions, 1.0);
@@ -135,12 +135,12 @@ impl<'a> Fit<'a> {
             self.covariance = factor.inverse();
             let change = if finds_misfit { self.improve_misfit(sessions, share) } else { 0.0 };
             // Where the variances swing, shorter steps settle them.
-            let whole = change / share;
-            share = if whole > before { (share / 2.0).max(LEAST_SHARE) } else { (share * 1.5).min(1.0) };
-            before = whole;
+            let swings = change * before < 0.0;
+            share = if swings { (share / 2.0).max(LEAST_SHARE) } else { (share * 1.5).min(1.0) };
+            before = change;
             let largest =
                 of_unknowns.iter().zip(priors).fold(0.0_f64, |most, (by, s)| most.max((by / s).abs()));
-            if finds_misfit && largest < ROUGHLY && change < SETTLED {
+            if finds_misfit && largest < ROUGHLY && change.abs() < SETTLED {
                 // The last digits of the unknowns do not depend on those of the variances.
                 return self.solved(sessions, false);
             }
@@ -151,7 +151,7 @@ impl<'a> Fit<'a> {
         Err(format!("the fit has not converged after {STEPS} steps"))
     }
 
-    /// Takes a share of one step of the variances, and returns their largest relative change.
+    /// Takes a share of one step of the variances, and returns their largest relative change with its sign.
     fn improve_misfit(&mut self, sessions: &[MeasuringSession], share: f64) -> f64 {
         let mut scores = Scores::none();
         for (s, session) in sessions.iter().enumerate() {

@@ -22,8 +22,8 @@ const MAX_VARIANCES: usize = MAX_JOINTS + 1;
 const EXPECTED_ANGLE: f64 = 3e-4;
 /// Smallest standard deviation of a joint, rad or m.
 const FINEST_JOINT: f64 = 1e-7;
-/// Smallest standard deviation of a position, m.
-const FINEST_POSITION: f64 = 1e-9;
+/// Smallest standard deviation of a position that matters, m; no tracker is better.
+const FINEST_POSITION: f64 = 1e-6;
 /// Largest ratio of the variances of two steps.
 const STEEPEST: f64 = 10.0;
 /// Share of the expected variance of a joint at which a change no longer matters.
@@ -71,7 +71,8 @@ impl ResidualVariances {
         Self { joints, ..self.clone() }.covariance(drives, stated)
     }
 
-    /// Returns the variances after a share of one step of the scoring, and their largest relative change.
+    /// Returns the variances after a share of one step of the scoring, and their largest relative change with
+    /// its sign.
     pub fn improved(&self, scores: &Scores, share: f64) -> (Self, f64) {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);
@@ -89,14 +90,15 @@ impl ResidualVariances {
             return (self.clone(), 0.0);
         };
         let mut next = self.clone();
-        let mut change = 0.0_f64;
+        let mut change = 0.0;
         let finest = std::iter::repeat_n(FINEST_JOINT, count - 1).chain([FINEST_POSITION]);
-        let negligible = self.expected.iter().map(|v| NEGLIGIBLE * v).chain([0.0]);
+        let negligible = self.expected.iter().map(|v| NEGLIGIBLE * v).chain([FINEST_POSITION.powi(2)]);
         let variances = next.joints.iter_mut().chain([&mut next.position]);
         for (k, ((v, finest), negligible)) in variances.zip(finest).zip(negligible).enumerate() {
             let moved = (*v + step[k] / scale[k] * share).clamp(*v / STEEPEST, *v * STEEPEST);
-            let moved = moved.max(finest.powi(2));
-            change = change.max((moved - *v).abs() / (*v + negligible));
+            let moved = moved.max(finest.powi(2) * NEGLIGIBLE);
+            let own = (moved - *v) / (*v + negligible);
+            change = if own.abs() > f64::abs(change) { own } else { change };
             *v = moved;
         }
         (next, change)
