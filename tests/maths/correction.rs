@@ -15,7 +15,8 @@ use sweetspot::robot::Chain;
 /// Random errors of the size of 1 mm and 0.1 degrees in the order of the parameters; the base has none.
 fn random_errors(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let size = |parameter| match parameter {
-        Parameter::Base(_) => 0.0,
+        // The textbook product knows no elastic joints.
+        Parameter::Base(_) | Parameter::Elastic(..) | Parameter::Compliance(_) => 0.0,
         Parameter::Dr(_) | Parameter::Dl(_) | Parameter::Tool(0..3) | Parameter::Joint(_, 0..3) => 1e-3,
         _ => 2e-3,
     };
@@ -47,8 +48,8 @@ fn dexterity(robot: &Robot, chain: &Chain, q: &[f64; 8]) -> f64 {
     DMatrix::from_fn(6, robot.axes(), entry).singular_values().min()
 }
 
-/// Least singular value of the Jacobian below which a posture is singular for a cell file that states nothing.
-const SINGULAR: f64 = 0.02;
+/// Least singular value of the Jacobian below which errors of this size can leave no posture on the target.
+const SINGULAR: f64 = 0.03;
 
 /// A thousand regular postures land on their targets; near a singular posture, the answer is right or no.
 #[test]

@@ -5,7 +5,8 @@
 //! T(q): what a controller without calibration must be given to land on T*.
 //!
 //! Newton's method takes the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors
-//! differs from it by the size of the errors, about 0.001, so each step reduces the rest by that factor.
+//! differs from it by the size of the errors, about 0.001, so each step reduces the rest by that factor; near a
+//! singular posture by less.
 //! Position comes before orientation: an arm with fewer than six joints keeps the position, and the
 //! orientation is the nearest one (least squares in the null space of the position).
 
@@ -18,7 +19,7 @@ use crate::robot::{Chain, Frames};
 use step::step;
 
 /// Largest number of Newton steps.
-pub const MAX_STEPS: usize = 60;
+pub const MAX_STEPS: usize = 500;
 
 /// Largest change of a joint in one step, rad or m.
 const LONGEST_STEP: f64 = 0.1;
