@@ -71,7 +71,7 @@ fn a_plan_that_cannot_be_is_refused_in_words() {
     refused(&tracker_in("0,850,740"), 2, &["the tracker is inside worktable", "world frame"]);
     refused(&tracker_in("3000,0,-5"), 2, &["the tracker is inside the floor"]);
     refused(&tracker_in("3000,0"), 2, &["three numbers"]);
-    refused(&["--plan", "8", CELL], 2, &["33 coordinates", "unknowns", "at least 12 poses"]);
+    refused(&["--plan", "8", CELL], 2, &["24 coordinates", "unknowns", "at least 9 poses"]);
     refused(&["--plan", "0", CELL], 2, &["--plan"]);
     refused(&["--plan", "30", CELL, "--candidates", "25"], 1, &["only 25 postures", "fewer than 30"]);
     refused(&["--plan", "20", CELL, "ur10.csv"], 2, &["--plan"]);
