@@ -65,7 +65,7 @@ impl ResidualVariances {
         drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)
     }
 
-    /// Returns the covariance by which the fit divides: misfits of the joints count [`CORRELATED`] times.
+    /// Returns the covariance by which the fit divides: misfits of the joints count four times.
     pub fn covariance_of_fit(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
         let joints = self.joints.iter().map(|v| v * CORRELATED).collect();
         Self { joints, ..self.clone() }.covariance(drives, stated)
