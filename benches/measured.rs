@@ -14,12 +14,14 @@ use std::path::Path;
 use std::time::Instant;
 use sweetspot::calibration::{
     Calibration, Deformed, IntendedCalibration, MeasuredPosition, MeasuringSession, PlanProblem, Unknown,
-    UnmodelledError, aligned, calibrate, drawn, explain, unknowns,
+    UnmodelledError, aligned, calibrate, drawn, expected_harmonic, explain, harmonics, unknowns,
 };
 use sweetspot::files;
 use sweetspot::robot::Chain;
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=20;
+/// Largest order of the harmonics.
+const ORDERS: usize = 32;
 const SERIES: [&str; 4] = ["A", "B", "C", "D"];
 /// Least number of poses of a spot.
 const POSES_OF_SPOT: usize = 10;
@@ -76,8 +78,12 @@ impl Data {
     }
 
     fn fitted(&self, sessions: &[MeasuringSession], terms: Terms) -> Calibration {
-        let unknowns = unknowns(&self.chain, terms == Terms::Elastic);
-        let priors: Vec<_> = unknowns.iter().map(|u: &Unknown| u.default_prior()).collect();
+        let mut unknowns = unknowns(&self.chain, terms != Terms::Rows);
+        let mut priors: Vec<_> = unknowns.iter().map(|u: &Unknown| u.default_prior()).collect();
+        if terms == Terms::Harmonics {
+            unknowns.extend(harmonics(&self.chain, ORDERS));
+            priors.resize(unknowns.len(), expected_harmonic(ORDERS));
+        }
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
 
@@ -109,6 +115,8 @@ impl Data {
 enum Terms {
     Rows,
     Elastic,
+    /// Elastic terms and harmonics up to the order [`ORDERS`].
+    Harmonics,
 }
 
 fn quantile(values: &[f64], share: f64) -> f64 {

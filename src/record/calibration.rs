@@ -2,7 +2,7 @@
 
 use super::numbers::{degrees, millimetres, nine_digits};
 use crate::calibration::{Accuracy, Calibration, FittedSession, Identified, ResidualVariances, Unknown};
-use crate::cell::{Convention, JointKind, Parameter, Robot, SignedErrors};
+use crate::cell::{Convention, Joint, JointKind, Parameter, Robot, SignedErrors};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,9 @@ pub struct CalibrationDocument {
     /// not allow such a fit.
     pub held_out: Option<AccuracyEntry>,
     pub parameters: Vec<IdentifiedParameter>,
+    /// Periodic errors of the joints; empty if they were not asked for.
+    #[serde(default)]
+    pub harmonics: Vec<HarmonicsEntry>,
     /// Number of combinations of parameters whose standard deviation the data reduce to less than half.
     pub rank: usize,
     /// Combinations of parameters that the data do not determine.
@@ -137,6 +140,43 @@ impl OutlierRow {
     }
 }
 
+/// Periodic errors of one joint: the sum of `cos_deg[k] cos((k + 1) q)` and `sin_deg[k] sin((k + 1) q)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HarmonicsEntry {
+    pub joint: String,
+    /// Standard deviation of one coefficient before the measurement, found by the fit.
+    pub prior_deg: f64,
+    /// Root mean square of the identified error over a turn of the joint.
+    pub rms_deg: f64,
+    pub cos_deg: Vec<f64>,
+    pub sin_deg: Vec<f64>,
+}
+
+impl HarmonicsEntry {
+    fn of(robot: &Robot, calibration: &Calibration) -> Vec<Self> {
+        let of_joint = |(k, joint): (usize, &Joint)| {
+            let prior_deg = degrees(calibration.harmonics_of(k).next()?.prior);
+            let values = |wanted: bool| -> Vec<f64> {
+                let all = calibration.harmonics_of(k);
+                let own =
+                    all.filter(|i| matches!(i.unknown, Unknown::Harmonic { sine, .. } if sine == wanted));
+                own.map(|i| degrees(i.value)).collect()
+            };
+            let squares: f64 = calibration.harmonics_of(k).map(|i| i.value.powi(2)).sum();
+            let rms_deg = degrees((squares / 2.0).sqrt());
+            Some(Self {
+                joint: joint.name.clone(),
+                prior_deg,
+                rms_deg,
+                cos_deg: values(false),
+                sin_deg: values(true),
+            })
+        };
+        robot.joints.iter().enumerate().filter_map(of_joint).collect()
+    }
+}
+
 impl MisfitEntry {
     fn new(robot: &Robot, misfit: &ResidualVariances) -> Self {
         let deviation = |(variance, kind): (&f64, JointKind)| match kind {
@@ -182,6 +222,9 @@ fn unknown_name(robot: &Robot, unknown: Unknown) -> String {
         Unknown::Row(Parameter::Dbeta(i)) if modified => Parameter::Dbeta(i + 1).name(),
         Unknown::Row(parameter) => parameter.name(),
         Unknown::Elastic { joint, link } => format!("q{} carries link {}", joint + 1, link + 1),
+        Unknown::Harmonic { joint, order, sine } => {
+            format!("q{} {} {order}", joint + 1, if sine { "sin" } else { "cos" })
+        }
     }
 }
 
@@ -216,6 +259,7 @@ impl CalibrationDocument {
             rank: parameters.len(),
             unidentified: vec!["the covariance: the file states none".into()],
             parameters,
+            harmonics: Vec::new(),
             residual_mm: None,
             misfit: None,
             seconds: 0.0,
@@ -230,7 +274,7 @@ impl CalibrationDocument {
         seconds: f64,
     ) -> Self {
         let parameters: Vec<_> =
-            calibration.identified.iter().map(|i| IdentifiedParameter::new(robot, i)).collect();
+            calibration.parameters().iter().map(|i| IdentifiedParameter::new(robot, i)).collect();
         let unidentified = calibration.unidentified.iter().map(|direction| {
             let mut shares: Vec<_> = direction.iter().zip(&parameters).collect();
             shares.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
@@ -251,6 +295,7 @@ impl CalibrationDocument {
             rank: calibration.rank,
             unidentified: unidentified.collect(),
             parameters,
+            harmonics: HarmonicsEntry::of(robot, calibration),
             residual_mm: Some(millimetres(calibration.residual)),
             misfit: Some(MisfitEntry::new(robot, &calibration.misfit)),
             seconds: nine_digits(seconds),

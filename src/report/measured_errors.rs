@@ -24,7 +24,7 @@ pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDoc
 fn lists(robot: &Robot, calibration: &Calibration) -> String {
     let axes = robot.axes();
     let [mut dq_deg, mut dq_mm, mut dr, mut dl, mut dalpha, mut dbeta] = [(); 6].map(|()| vec![0.0; axes]);
-    for identified in &calibration.identified {
+    for identified in calibration.parameters() {
         let (mm, deg) = (mm_from_m(identified.value), deg_from_rad(identified.value));
         match of_file(robot, identified.unknown) {
             Parameter::Dq(i) if slides(robot, i) => dq_mm[i] = mm,
@@ -60,7 +60,7 @@ fn elastic(calibration: &Calibration) -> String {
             link + 1,
             rounded(deg_from_rad(identified.value), 7)
         )),
-        Unknown::Row(_) => None,
+        Unknown::Row(_) | Unknown::Harmonic { .. } => None,
     });
     let terms: String = terms.collect();
     if terms.is_empty() { terms } else { format!("elastic = [\n{terms}]\n") }
@@ -68,13 +68,18 @@ fn elastic(calibration: &Calibration) -> String {
 
 /// Returns the covariance of the identified parameters and of what they do not explain, with all digits.
 ///
-/// The misfit of a joint is a variance of its coordinate. That of positions is a variance of the TCP.
+/// The misfit of a joint is a variance of its coordinate, to which its periodic errors belong. That of positions
+/// is a variance of the TCP.
 fn covariance(robot: &Robot, calibration: &Calibration) -> String {
-    let identified = calibration.identified.iter().map(|i| of_file(robot, i.unknown));
+    let identified = calibration.parameters().iter().map(|i| of_file(robot, i.unknown));
     let mut parameters: Vec<Parameter> = identified.collect();
+    let known = parameters.len();
     let misfit = &calibration.misfit;
-    let of_joints =
-        misfit.joints.iter().enumerate().map(|(joint, variance)| (Parameter::Dq(joint), *variance));
+    let of_joints = misfit
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(joint, variance)| (Parameter::Dq(joint), variance + calibration.periodic_variance(joint)));
     let of_tool = (0..3).map(|axis| (Parameter::Tool(axis), misfit.position));
     let unexplained: Vec<_> = of_joints.chain(of_tool).collect();
     for (parameter, _) in &unexplained {
@@ -83,7 +88,8 @@ fn covariance(robot: &Robot, calibration: &Calibration) -> String {
         }
     }
     let size = parameters.len();
-    let mut matrix = calibration.covariance.clone().resize(size, size, 0.0);
+    let of_parameters = calibration.covariance.view((0, 0), (known, known)).into_owned();
+    let mut matrix = of_parameters.resize(size, size, 0.0);
     for (k, parameter) in parameters.iter().enumerate() {
         let own = unexplained.iter().find(|(unexplained, _)| unexplained == parameter);
         matrix[(k, k)] += own.map_or(0.0, |(_, variance)| *variance);
@@ -124,6 +130,8 @@ fn of_file(robot: &Robot, unknown: Unknown) -> Parameter {
         Unknown::Row(Parameter::Dbeta(i)) => Parameter::Dbeta(i + shift),
         Unknown::Row(parameter) => parameter,
         Unknown::Elastic { joint, link } => Parameter::Elastic(joint, link),
+        // Periodic errors count as misfit of their joint.
+        Unknown::Harmonic { joint, .. } => Parameter::Dq(joint),
     }
 }
 

@@ -20,6 +20,10 @@ pub struct CalibrateArguments {
     /// Also identify the deflection of the joints by the weight of the links
     #[arg(long)]
     pub elastic: bool,
+    /// Also identify the periodic error of every revolute joint: its cosine and sine terms up to this order, at
+    /// most 64. Needs about 300 positions; an order of 32 resolves waves of 11 degrees
+    #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u8).range(1..=64))]
+    pub harmonics: Option<u8>,
     /// Take the standard deviations before the measurement from this error set of the robot; parameters
     /// without a tolerance stay nominal [default: 0.5 mm, 0.5 degrees for zeros, 0.1 degrees for twists]
     #[arg(long, value_name = "ERRORS")]

@@ -27,7 +27,7 @@ pub fn assumed(
             let place = Parameter::of_robot(robot.axes()).position(|p| p == *parameter);
             place.map_or(0.0, |k| spreads[k].deviation())
         }
-        Unknown::Elastic { .. } => unknown.default_prior(),
+        Unknown::Elastic { .. } | Unknown::Harmonic { .. } => unknown.default_prior(),
     };
     let with_prior = all.into_iter().map(|unknown| (unknown, deviation(&unknown)));
     let known: (Vec<_>, Vec<_>) = with_prior.filter(|(_, deviation)| *deviation > 0.0).unzip();

@@ -6,7 +6,9 @@ use super::measuring_plan::{choose, measuring_plan};
 use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::suggest;
-use crate::calibration::{Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn};
+use crate::calibration::{
+    Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn, expected_harmonic, harmonics,
+};
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::path_word;
 use crate::cli::{Exit, json_text, output};
@@ -45,7 +47,11 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         choose(&mut sessions, count as usize, a, &chain, assumed(&robot, &chain, a)?)?;
     }
     let begun = Instant::now();
-    let (unknowns, priors) = assumed(&robot, &chain, a)?;
+    let (mut unknowns, mut priors) = assumed(&robot, &chain, a)?;
+    if let Some(orders) = a.harmonics.map(usize::from) {
+        unknowns.extend(harmonics(&chain, orders));
+        priors.resize(unknowns.len(), expected_harmonic(orders));
+    }
     let calibration = fitted(&chain, &sessions, &unknowns, &priors).map_err(|why| {
         output::error(&format!("cannot calibrate {}: {why}", path_word(&a.robot)));
         output::talk("  help: measure more postures, with every joint in several positions");
@@ -78,6 +84,11 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         json_text::print(&document)?;
     } else if a.toml {
         output::data(&report::measured_errors::table(&robot, &calibration, &document))?;
+        if a.harmonics.is_some() {
+            output::talk(
+                "note: a cell has no periodic errors; the table states them as misfit of the joints",
+            );
+        }
         suggest(&format!("check CELL, with this table in a copy of {}", path_word(&a.robot)));
     } else {
         output::data(&report::text::calibration(&document))?;

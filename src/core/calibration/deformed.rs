@@ -1,5 +1,6 @@
 //! Forward kinematics with errors, and its exact derivatives.
 
+use super::harmonics::wave;
 use super::unknown::Unknown;
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, PER_LINK, Parameter};
 use crate::pose::Pose;
@@ -16,6 +17,8 @@ pub struct Deformed {
     normal: Vec<Pose>,
     /// Frame after the twist of each row, where dbeta acts along y.
     after: Vec<Pose>,
+    /// Actuator coordinates, rad or m.
+    q: JointVector,
     /// Lever of every link (second index) about the axis of every joint (first index), m, without errors.
     levers: [[f64; MAX_JOINTS]; MAX_JOINTS],
 }
@@ -31,11 +34,13 @@ impl Deformed {
         let mut levers = [[0.0; MAX_JOINTS]; MAX_JOINTS];
         let mut rows = [[0.0; PER_LINK]; MAX_JOINTS];
         for (unknown, value) in unknowns.iter().zip(values) {
+            let mut drive = |j: usize, by: f64| {
+                let driven = rows.iter_mut().zip(&chain.coupling).skip(j);
+                driven.for_each(|(row, coupling)| row[0] += coupling[j] * by);
+            };
             match *unknown {
-                Unknown::Row(Parameter::Dq(j)) => {
-                    let driven = rows.iter_mut().zip(&chain.coupling).skip(j);
-                    driven.for_each(|(row, coupling)| row[0] += coupling[j] * value);
-                }
+                Unknown::Row(Parameter::Dq(j)) => drive(j, *value),
+                Unknown::Harmonic { joint, order, sine } => drive(joint, value * wave(q[joint], order, sine)),
                 Unknown::Row(Parameter::Dr(i)) => rows[i][1] += value,
                 Unknown::Row(Parameter::Dl(i)) => rows[i][2] += value,
                 Unknown::Row(Parameter::Dalpha(i)) => rows[i][3] += value,
@@ -65,7 +70,7 @@ impl Deformed {
             after.push(Pose { rotation: rotation * twist, translation });
             at = Pose { rotation: rotation * twist * about(1, dbeta), translation };
         }
-        Self { interface: at, before, normal, after, levers }
+        Self { interface: at, before, normal, after, q: *q, levers }
     }
 
     /// Returns how an unknown moves the point `x` (m, base frame).
@@ -85,11 +90,13 @@ impl Deformed {
             JointKind::Revolute => turn(&self.before[i], 2, place(i, 0)),
             JointKind::Prismatic => slide(&self.before[i], 2, place(i, 0)),
         };
+        let driven = |j: usize, size: f64| {
+            let driven = (j..chain.axes()).map(|i| (drive(i), chain.coupling[i][j] * size));
+            driven.fold(PointMotion::none(place(j, 0)), |sum, (motion, by)| sum.plus(&motion, by))
+        };
         match unknown {
-            Unknown::Row(Parameter::Dq(j)) => {
-                let driven = (j..chain.axes()).map(|i| (drive(i), chain.coupling[i][j]));
-                driven.fold(PointMotion::none(place(j, 0)), |sum, (motion, by)| sum.plus(&motion, by))
-            }
+            Unknown::Row(Parameter::Dq(j)) => driven(j, 1.0),
+            Unknown::Harmonic { joint, order, sine } => driven(joint, wave(self.q[joint], order, sine)),
             Unknown::Row(Parameter::Dr(i)) => slide(&self.before[i], 2, place(i, 1)),
             Unknown::Row(Parameter::Dl(i)) => slide(&self.normal[i], 0, place(i, 2)),
             Unknown::Row(Parameter::Dalpha(i)) => turn(&self.normal[i], 0, place(i, 3)),

@@ -1,6 +1,7 @@
 //! The fit of all unknowns to the measured positions of all sessions.
 
 use super::deformed::{Deformed, PointMotion};
+use super::harmonics::improve_deviations;
 use super::residual_variances::{ResidualVariances, Scores};
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
@@ -20,6 +21,8 @@ const LEAST_SHARE: f64 = 0.1;
 const ROUGHLY: f64 = 1e-3;
 /// Largest relative change of a variance that has settled.
 const SETTLED: f64 = 1e-2;
+/// Number of positions whose covariances are computed at once.
+const STACKED: usize = 512;
 /// Normalised residual above which the loss grows linearly (Huber 1964).
 const HUBER: f64 = 4.0;
 /// Standard deviation of the coordinates of a reflector before the measurement, m.
@@ -30,7 +33,7 @@ const FARTHEST_REFLECTOR: f64 = 1.0;
 pub(super) struct FitProblem<'a> {
     pub chain: &'a Chain,
     pub unknowns: &'a [Unknown],
-    /// Standard deviations of the unknowns before the measurement.
+    /// Standard deviations of the unknowns before the measurement; those of harmonics are improved by the fit.
     pub priors: &'a [f64],
 }
 
@@ -38,6 +41,8 @@ pub(super) struct FitProblem<'a> {
 pub(super) struct Fit<'a> {
     question: FitProblem<'a>,
     pub values: Vec<f64>,
+    /// Standard deviations of the unknowns before the measurement.
+    pub priors: Vec<f64>,
     pub frames: Vec<SessionFrames>,
     pub misfit: ResidualVariances,
     /// Covariance of the unknowns, followed by those of the frames of every session.
@@ -81,6 +86,7 @@ impl<'a> Fit<'a> {
         let mut fit = Self {
             question,
             values: vec![0.0; question.unknowns.len()],
+            priors: question.priors.to_vec(),
             frames: Vec::new(),
             misfit: ResidualVariances::expected(question.chain, 0.0),
             covariance: DMatrix::zeros(0, 0),
@@ -106,6 +112,7 @@ impl<'a> Fit<'a> {
         let fit = Self {
             question: self.question,
             values: self.values.clone(),
+            priors: self.priors.clone(),
             frames: self.frames.clone(),
             misfit: self.misfit.clone(),
             covariance: DMatrix::zeros(0, 0),
@@ -114,7 +121,7 @@ impl<'a> Fit<'a> {
     }
 
     fn solved(mut self, sessions: &[MeasuringSession], finds_misfit: bool) -> Result<Self, String> {
-        let (unknowns, priors) = (self.question.unknowns, self.question.priors);
+        let unknowns = self.question.unknowns;
         let (mut share, mut before) = (1.0, 0.0);
         for _ in 0..STEPS {
             // Far from the minimum, the Hessian can be indefinite.
@@ -133,14 +140,19 @@ impl<'a> Fit<'a> {
                 left = others;
             }
             self.covariance = factor.inverse();
-            let change = if finds_misfit { self.improve_misfit(sessions, share) } else { 0.0 };
+            let mut change = 0.0;
+            let mut of_harmonics = 0.0;
+            if finds_misfit {
+                change = self.improve_misfit(sessions, share);
+                of_harmonics = improve_deviations(unknowns, &self.values, &self.covariance, &mut self.priors);
+            }
             // Where the variances swing, shorter steps settle them.
             let swings = change * before < 0.0;
             share = if swings { (share / 2.0).max(LEAST_SHARE) } else { (share * 1.5).min(1.0) };
             before = change;
             let largest =
-                of_unknowns.iter().zip(priors).fold(0.0_f64, |most, (by, s)| most.max((by / s).abs()));
-            if finds_misfit && largest < ROUGHLY && change.abs() < SETTLED {
+                of_unknowns.iter().zip(&self.priors).fold(0.0_f64, |most, (by, s)| most.max((by / s).abs()));
+            if finds_misfit && largest < ROUGHLY && change.abs().max(of_harmonics) < SETTLED {
                 // The last digits of the unknowns do not depend on those of the variances.
                 return self.solved(sessions, false);
             }
@@ -160,11 +172,13 @@ impl<'a> Fit<'a> {
         let mut scores = Scores::none();
         for (s, session) in sessions.iter().enumerate() {
             let own = self.own_covariance(sessions, s);
-            for measured in &session.measured {
-                let equation = self.equation(measured, s);
+            let equations: Vec<_> = session.measured.iter().map(|m| self.equation(m, s)).collect();
+            let jacobians = equations.iter().map(|e| jacobian(e.motions.iter().map(|m| m.slope)));
+            let spreads = spreads(&jacobians.collect::<Vec<_>>(), &own);
+            for (equation, spread) in equations.iter().zip(spreads) {
                 let residual = equation.residual;
                 let of_fit = equation.factor.l_dirty().lower_triangle().norm_squared();
-                let spread = spread(&equation.motions, &own) * (equation.misfit.trace() / of_fit);
+                let spread = spread * (equation.misfit.trace() / of_fit);
                 let scatter = residual * residual.transpose() * equation.weight + spread;
                 scores.add(&equation.drives, &factor(equation.misfit).inverse(), &scatter);
             }
@@ -186,16 +200,17 @@ impl<'a> Fit<'a> {
 
     /// Returns the residuals of positions of session `s`; `own` is the covariance of its unknowns.
     pub fn residuals(&self, measured: &[MeasuredPosition], s: usize, own: &DMatrix<f64>) -> Vec<Residual> {
-        let residual = |measured: &MeasuredPosition| {
-            let equation = self.equation(measured, s);
-            Residual {
+        let equations: Vec<_> = measured.iter().map(|m| self.equation(m, s)).collect();
+        let jacobians = equations.iter().map(|e| jacobian(e.motions.iter().map(|m| m.slope)));
+        let spreads = spreads(&jacobians.collect::<Vec<_>>(), own);
+        let residual =
+            |((measured, equation), spread): ((&MeasuredPosition, &Equation), Matrix3<f64>)| Residual {
                 row: measured.row,
                 by: equation.residual,
                 misfit: self.misfit.covariance(&equation.drives, measured.sigma),
-                spread: spread(&equation.motions, own),
-            }
-        };
-        measured.iter().map(residual).collect()
+                spread,
+            };
+        measured.iter().zip(&equations).zip(spreads).map(residual).collect()
     }
 
     fn deformed(&self, measured: &MeasuredPosition) -> Deformed {
@@ -231,6 +246,9 @@ impl<'a> Fit<'a> {
             let mut rows = DMatrix::zeros(common + own, count);
             let mut residuals = DVector::zeros(count);
             let mut bent = DMatrix::zeros(common + own, common + own);
+            // Harmonics are too small to need second derivatives.
+            let is_curved = |k: &usize| !self.question.unknowns.get(*k).is_some_and(|u| u.is_harmonic());
+            let curved: Vec<usize> = (0..common + own).filter(is_curved).collect();
             for (i, measured) in session.measured.iter().enumerate() {
                 let Equation { residual, motions, factor, weight, .. } = self.equation(measured, s);
                 let whitened = |v: &Vector3<f64>| {
@@ -242,7 +260,7 @@ impl<'a> Fit<'a> {
                 }
                 residuals.fixed_rows_mut::<3>(3 * i).copy_from(&whitened(&residual));
                 if newton != 0.0 {
-                    add_curvature(&mut bent, &motions, &(factor.solve(&residual) * weight));
+                    add_curvature(&mut bent, &curved, &motions, &(factor.solve(&residual) * weight));
                 }
             }
             let (square, along) = (&rows * rows.transpose() - bent * newton, &rows * &residuals);
@@ -262,7 +280,7 @@ impl<'a> Fit<'a> {
             }
             first += own;
         }
-        for (k, prior) in self.question.priors.iter().enumerate() {
+        for (k, prior) in self.priors.iter().enumerate() {
             normal[(k, k)] += prior.powi(-2);
             right[k] -= self.values[k] / prior.powi(2);
         }
@@ -281,20 +299,42 @@ fn factor(covariance: Matrix3<f64>) -> Cholesky<f64, Const<3>> {
     covariance.cholesky().unwrap_or_else(|| Cholesky::pack_dirty(Matrix3::identity()))
 }
 
-/// Returns the covariance of a position whose motions have the covariance `of_motions`.
-fn spread(motions: &[PointMotion], of_motions: &DMatrix<f64>) -> Matrix3<f64> {
-    let jacobian = DMatrix::from_fn(3, motions.len(), |i, k| motions[k].slope[i]);
-    let spread = &jacobian * of_motions * jacobian.transpose();
-    Matrix3::from_fn(|i, j| spread[(i, j)])
+/// Returns the derivatives of a position: one column for each of its motions.
+pub(super) fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
+    let columns: Vec<_> = slopes.collect();
+    DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
 }
 
-/// Adds the scalar products of `residual` with the second derivatives of a position.
+/// Returns the covariances of positions with these Jacobians, whose unknowns have the covariance `of_unknowns`.
+pub(super) fn spreads(jacobians: &[DMatrix<f64>], of_unknowns: &DMatrix<f64>) -> Vec<Matrix3<f64>> {
+    // One product of large matrices is faster than many of small ones.
+    let stacks = jacobians.chunks(STACKED).flat_map(|some| {
+        let mut stack = DMatrix::zeros(3 * some.len(), of_unknowns.nrows());
+        for (k, jacobian) in some.iter().enumerate() {
+            stack.rows_mut(3 * k, 3).copy_from(jacobian);
+        }
+        let moved = &stack * of_unknowns;
+        let own = |k: usize| moved.rows(3 * k, 3) * stack.rows(3 * k, 3).transpose();
+        let spreads = (0..some.len()).map(own).map(|spread| Matrix3::from_fn(|i, j| spread[(i, j)]));
+        spreads.collect::<Vec<_>>()
+    });
+    stacks.collect()
+}
+
+/// Adds the scalar products of `residual` with the second derivatives of a position by the motions `curved`.
 ///
 /// The second derivative by two motions is the axis of the one nearer to the base times (vector product) the
 /// displacement by the other one.
-fn add_curvature(bent: &mut DMatrix<f64>, motions: &[PointMotion], residual: &Vector3<f64>) {
-    for (j, a) in motions.iter().enumerate() {
-        for (k, b) in motions.iter().enumerate().take(j + 1) {
+fn add_curvature(
+    bent: &mut DMatrix<f64>,
+    curved: &[usize],
+    motions: &[PointMotion],
+    residual: &Vector3<f64>,
+) {
+    for (place, &j) in curved.iter().enumerate() {
+        let a = &motions[j];
+        for &k in &curved[..=place] {
+            let b = &motions[k];
             let second = match a.place.cmp(&b.place) {
                 Ordering::Less => a.axis.cross(&b.slope),
                 Ordering::Greater => b.axis.cross(&a.slope),

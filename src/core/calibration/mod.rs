@@ -23,6 +23,7 @@
 mod accuracy;
 mod deformed;
 mod fit;
+mod harmonics;
 mod hypothesis;
 mod plan;
 mod plan_posterior;
@@ -39,6 +40,7 @@ mod validation;
 
 pub use accuracy::Accuracy;
 pub use deformed::{Deformed, PointMotion};
+pub use harmonics::{expected_harmonic, harmonics};
 pub use hypothesis::{
     DataReading, JointMap, LENGTH_UNITS, RotationReading, explain, explain_rotations, spread_out, unit_name,
 };

@@ -2,7 +2,7 @@
 
 use super::accuracy::Accuracy;
 use super::deformed::Deformed;
-use super::fit::{Fit, FitProblem, Residual, drives};
+use super::fit::{Fit, FitProblem, Residual, drives, jacobian, spreads};
 use super::residual_variances::ResidualVariances;
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
@@ -30,12 +30,13 @@ pub struct FittedSession {
 /// Result of a calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
+    /// Unknowns after the fit, harmonics last.
     pub identified: Vec<Identified>,
     /// Covariance of the unknowns, in products of their units (m, rad, rad/m).
     pub covariance: DMatrix<f64>,
     /// Every session after the fit.
     pub sessions: Vec<FittedSession>,
-    /// Number of directions, in the space of the unknowns divided by their standard deviations, whose
+    /// Number of directions, in the space of the unknowns without harmonics divided by their standard deviations, whose
     /// standard deviation the data reduce to less than half.
     pub rank: usize,
     /// The other directions: shares of the unknowns, unit length.
@@ -51,6 +52,8 @@ pub struct Calibration {
 
 /// Fits the unknowns to the sessions; `priors` holds their standard deviations before the measurement.
 ///
+/// Harmonics come after all other unknowns; the fit improves their standard deviations.
+///
 /// Returns an error that states why the sessions cannot be fitted.
 pub fn calibrate(
     chain: &Chain,
@@ -60,21 +63,27 @@ pub fn calibrate(
 ) -> Result<Calibration, String> {
     let equations: usize = sessions.iter().map(|s| 3 * s.measured.len()).sum();
     let of_sessions = sessions.iter().map(|s| SessionFrames::unknowns(&s.measured)).sum::<usize>();
-    let count = unknowns.len() + of_sessions;
+    // Harmonics are as many as the data determine.
+    let parameters: Vec<usize> = (0..unknowns.len()).filter(|&k| !unknowns[k].is_harmonic()).collect();
+    let count = parameters.len() + of_sessions;
     if equations < count {
         return Err(format!("{equations} measured coordinates cannot determine {count} unknowns"));
     }
     let fit = Fit::new(FitProblem { chain, unknowns, priors }, sessions)?;
     let left_out = held_out(&fit, sessions);
     let covariance = fit.covariance.view((0, 0), (unknowns.len(), unknowns.len())).into_owned();
-    let values = fit.values.iter().zip(unknowns).zip(priors).enumerate();
+    let values = fit.values.iter().zip(unknowns).zip(&fit.priors).enumerate();
     let identified = values.map(|(k, ((value, unknown), prior))| Identified {
         unknown: *unknown,
         value: *value,
         prior: *prior,
         sigma: covariance[(k, k)].sqrt(),
     });
-    let unidentified = undetermined(&covariance, priors);
+    let unidentified = undetermined(&covariance, &fit.priors, &parameters);
+    let of_harmonics: f64 = (0..unknowns.len())
+        .filter(|&k| unknowns[k].is_harmonic())
+        .map(|k| 1.0 - covariance[(k, k)] / fit.priors[k].powi(2))
+        .sum();
     let mut squares = 0.0;
     let fitted = sessions.iter().enumerate().map(|(s, session)| {
         let residuals = fit.residuals(&session.measured, s, &fit.own_covariance(sessions, s));
@@ -85,9 +94,9 @@ pub fn calibrate(
     Ok(Calibration {
         identified: identified.collect(),
         sessions: fitted,
-        rank: unknowns.len() - unidentified.len(),
+        rank: parameters.len() - unidentified.len(),
         unidentified,
-        residual: (squares / (equations - count).max(1) as f64).sqrt(),
+        residual: (squares / (equations as f64 - count as f64 - of_harmonics).max(1.0)).sqrt(),
         held_out: Accuracy::of(left_out.iter().map(|r| r.by.norm()).collect()),
         misfit: fit.misfit.clone(),
         covariance,
@@ -95,13 +104,16 @@ pub fn calibrate(
     })
 }
 
-/// Returns the directions whose standard deviation the data do not halve: eigenvectors of the covariance
-/// divided by the standard deviations before the measurement.
-fn undetermined(covariance: &DMatrix<f64>, priors: &[f64]) -> Vec<Vec<f64>> {
-    let scaled =
-        DMatrix::from_fn(priors.len(), priors.len(), |i, j| covariance[(i, j)] / (priors[i] * priors[j]));
+/// Returns the directions of the parameters whose standard deviation the data do not halve: eigenvectors of
+/// their covariance divided by the standard deviations before the measurement.
+fn undetermined(covariance: &DMatrix<f64>, priors: &[f64], parameters: &[usize]) -> Vec<Vec<f64>> {
+    let count = parameters.len();
+    let scaled = DMatrix::from_fn(count, count, |i, j| {
+        let (i, j) = (parameters[i], parameters[j]);
+        covariance[(i, j)] / (priors[i] * priors[j])
+    });
     let eigen = SymmetricEigen::new(scaled);
-    let weak = (0..priors.len()).filter(|&k| eigen.eigenvalues[k] >= 0.25);
+    let weak = (0..count).filter(|&k| eigen.eigenvalues[k] >= 0.25);
     weak.map(|k| eigen.eigenvectors.column(k).iter().copied().collect()).collect()
 }
 
@@ -117,6 +129,24 @@ impl FittedSession {
 }
 
 impl Calibration {
+    /// Returns the identified unknowns without the harmonics.
+    pub fn parameters(&self) -> &[Identified] {
+        let count = self.identified.iter().take_while(|i| !i.unknown.is_harmonic()).count();
+        &self.identified[..count]
+    }
+
+    /// Returns the harmonics of a joint.
+    pub fn harmonics_of(&self, joint: usize) -> impl Iterator<Item = &Identified> {
+        let is_own =
+            move |i: &&Identified| matches!(i.unknown, Unknown::Harmonic { joint: of, .. } if of == joint);
+        self.identified.iter().filter(is_own)
+    }
+
+    /// Returns the variance of the periodic error of a joint before the measurement, averaged over a turn, rad^2.
+    pub fn periodic_variance(&self, joint: usize) -> f64 {
+        self.harmonics_of(joint).map(|i| i.prior.powi(2)).sum::<f64>() / 2.0
+    }
+
     /// Returns the chain with errors at actuator coordinates `q` (rad or m).
     pub fn deformed(&self, q: &JointVector) -> Deformed {
         let (unknowns, values) = self.unknowns_and_values();
@@ -137,30 +167,24 @@ impl Calibration {
             .zip(measured)
             .map(|(pose, m)| {
                 let at = frames.reached(&pose.interface, m.reflector);
-                let of_chain: Vec<_> =
-                    unknowns.iter().map(|u| pose.motion(&self.chain, *u, &at).slope).collect();
-                let of_frames: Vec<_> =
-                    frames.motions(&pose.interface, m.reflector).iter().map(|motion| motion.slope).collect();
-                (jacobian(&of_chain), jacobian(&of_frames))
+                let of_chain = unknowns.iter().map(|u| pose.motion(&self.chain, *u, &at).slope);
+                let of_frames = frames.motions(&pose.interface, m.reflector);
+                (jacobian(of_chain), jacobian(of_frames.iter().map(|motion| motion.slope)))
             })
             .collect();
         let taken_up = taken_up(&columns)?;
-        let residuals: Vec<_> = poses
-            .iter()
-            .zip(measured)
-            .zip(&columns)
-            .map(|((pose, m), (of_chain, of_frames))| {
-                let free = of_chain - of_frames * &taken_up;
-                let spread = &free * &self.covariance * free.transpose();
-                let at = frames.reached(&pose.interface, m.reflector);
-                Residual {
-                    row: m.row,
-                    by: frames.residual(&pose.interface, m),
-                    misfit: self.misfit.covariance(&drives(&self.chain, pose, &at), m.sigma),
-                    spread: Matrix3::from_fn(|i, j| spread[(i, j)]),
-                }
-            })
-            .collect();
+        let free = columns.iter().map(|(of_chain, of_frames)| of_chain - of_frames * &taken_up);
+        let spreads = spreads(&free.collect::<Vec<_>>(), &self.covariance);
+        let residuals = poses.iter().zip(measured).zip(spreads).map(|((pose, m), spread)| {
+            let at = frames.reached(&pose.interface, m.reflector);
+            Residual {
+                row: m.row,
+                by: frames.residual(&pose.interface, m),
+                misfit: self.misfit.covariance(&drives(&self.chain, pose, &at), m.sigma),
+                spread,
+            }
+        });
+        let residuals: Vec<_> = residuals.collect();
         let inside = residuals.iter().filter(|r| r.normalised() <= CHI_SQUARED_95).count();
         let share = inside as f64 / residuals.len() as f64;
         Some((FittedSession::new(frames, &residuals), share))
@@ -169,10 +193,6 @@ impl Calibration {
     fn unknowns_and_values(&self) -> (Vec<Unknown>, Vec<f64>) {
         self.identified.iter().map(|i| (i.unknown, i.value)).unzip()
     }
-}
-
-fn jacobian(columns: &[Vector3<f64>]) -> DMatrix<f64> {
-    DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
 }
 
 /// Returns the steps of the frames (one column per unknown) that fit the motions by the unknowns best.

@@ -1,5 +1,6 @@
 //! Parameters that a calibration identifies, and their standard deviations before the measurement.
 
+use super::harmonics::expected_harmonic;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
 use crate::kinematic_error::{ParameterSet, identifiable};
 use crate::robot::{Chain, lever};
@@ -17,6 +18,9 @@ pub enum Unknown {
     /// to its end. The value is the compliance of the joint (rad/(N m)) times the weight (N) at and beyond
     /// the end of the link.
     Elastic { joint: usize, link: usize },
+    /// Error of actuator `joint` that is periodic in its coordinate q: the value (rad) times `cos(order q)`, or
+    /// `sin(order q)` if `sine` is true.
+    Harmonic { joint: usize, order: usize, sine: bool },
 }
 
 /// Unknown with its value and standard deviations, all in m, rad or rad/m.
@@ -82,16 +86,23 @@ fn elastic_terms(chain: &Chain) -> Vec<Unknown> {
 }
 
 impl Unknown {
+    /// Returns whether the unknown is a coefficient of a periodic error.
+    pub const fn is_harmonic(self) -> bool {
+        matches!(self, Self::Harmonic { .. })
+    }
+
     /// Returns the default standard deviation before the measurement, m, rad or rad/m.
     ///
     /// The values are ours: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1 degrees for twists, and
-    /// 3 mrad/m for elastic terms.
+    /// 3 mrad/m for elastic terms. The standard deviation of a harmonic is that of a single order
+    /// ([`expected_harmonic`]).
     pub fn default_prior(self) -> f64 {
         match self {
             Self::Row(Parameter::Dr(_) | Parameter::Dl(_)) => m_from_mm(0.5),
             Self::Row(Parameter::Dq(_)) => rad_from_deg(0.5),
             Self::Row(_) => rad_from_deg(0.1),
             Self::Elastic { .. } => 3e-3,
+            Self::Harmonic { .. } => expected_harmonic(1),
         }
     }
 }

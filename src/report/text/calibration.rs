@@ -78,6 +78,16 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     for direction in &document.unidentified {
         let _ = writeln!(out, "  not determined: {direction}");
     }
+    if !document.harmonics.is_empty() {
+        out.push_str("\nPeriodic errors of the joints, deg\n");
+        let mut periodic = TextTable::indented(1);
+        periodic.row(["", "orders", "rms over a turn", "sigma of a term"]);
+        for h in &document.harmonics {
+            let (rms, prior) = (fixed(h.rms_deg, 4), fixed(h.prior_deg, 5));
+            periodic.row([shown(&h.joint), h.cos_deg.len().to_string(), rms, prior]);
+        }
+        out.push_str(&periodic.render());
+    }
     if let Some(misfit) = &document.misfit {
         let joints: Vec<_> = misfit.joints.iter().map(|deviation| fixed(*deviation, 4)).collect();
         let _ = writeln!(

@@ -1,0 +1,73 @@
+//! Encoder harmonics: errors of an actuator that are periodic in its own coordinate.
+//!
+//! Encoders, gears and bearings repeat their errors with every turn of a joint. The error of actuator j is
+//!
+//! ```text
+//! e_j(q_j) = sum_k a_jk cos(k q_j) + b_jk sin(k q_j),   a_jk, b_jk ~ N(0, s_j^2)
+//! ```
+//!
+//! All coefficients of one joint have the same variance before the measurement, so `e_j` is a Gaussian process:
+//! near postures share their error, and outside the measured range the error is as uncertain as before the
+//! measurement. The variance `s_j^2` is the sum of the squared coefficients divided by the number of
+//! coefficients that the data determine, found together with the fit (MacKay 1992, Bayesian interpolation).
+
+use super::unknown::Unknown;
+use crate::cell::{JointKind, MAX_JOINTS};
+use crate::robot::Chain;
+use nalgebra::DMatrix;
+
+/// Standard deviation of the periodic error of a joint that is expected without data, rad.
+const EXPECTED_ERROR: f64 = 3e-4;
+/// Number of determined coefficients that the expectation counts for.
+const WEIGHT_OF_EXPECTATION: f64 = 2.0;
+
+/// Returns the harmonics of every revolute joint up to an order, as unknowns of a calibration.
+pub fn harmonics(chain: &Chain, orders: usize) -> Vec<Unknown> {
+    let turning = (0..chain.axes()).filter(|&j| chain.links[j].kind == JointKind::Revolute);
+    let of_joint = |joint| {
+        let orders = (1..=orders).map(move |order| (joint, order));
+        orders.flat_map(|(joint, order)| [false, true].map(|sine| Unknown::Harmonic { joint, order, sine }))
+    };
+    turning.flat_map(of_joint).collect()
+}
+
+/// Returns the standard deviation of one coefficient before the measurement, rad.
+pub fn expected_harmonic(orders: usize) -> f64 {
+    EXPECTED_ERROR / (orders as f64).sqrt()
+}
+
+/// Returns the cosine or the sine of a multiple of an angle.
+pub(super) fn wave(q: f64, order: usize, sine: bool) -> f64 {
+    let angle = order as f64 * q;
+    if sine { angle.sin() } else { angle.cos() }
+}
+
+/// Improves the standard deviations of the harmonics before the measurement, and returns their largest relative
+/// change.
+///
+/// `covariance` is that of the unknowns, which `values` belong to; it may have more rows and columns.
+pub(super) fn improve_deviations(
+    unknowns: &[Unknown],
+    values: &[f64],
+    covariance: &DMatrix<f64>,
+    deviations: &mut [f64],
+) -> f64 {
+    let joint_of = |unknown: &Unknown| match *unknown {
+        Unknown::Harmonic { joint, .. } => Some(joint),
+        _ => None,
+    };
+    let mut largest: f64 = 0.0;
+    for joint in 0..MAX_JOINTS {
+        let own: Vec<usize> =
+            (0..unknowns.len()).filter(|&k| joint_of(&unknowns[k]) == Some(joint)).collect();
+        let Some(before) = own.first().map(|&k| deviations[k].powi(2)) else { continue };
+        let expected = expected_harmonic(own.len() / 2).powi(2);
+        let squares: f64 = own.iter().map(|&k| values[k].powi(2)).sum();
+        let determined: f64 = own.iter().map(|&k| 1.0 - covariance[(k, k)] / before).sum();
+        let after =
+            (squares + WEIGHT_OF_EXPECTATION * expected) / (determined.max(0.0) + WEIGHT_OF_EXPECTATION);
+        largest = largest.max((after / before - 1.0).abs());
+        own.iter().for_each(|&k| deviations[k] = after.sqrt());
+    }
+    largest
+}
