@@ -25,7 +25,12 @@ pub struct ComparedFile {
     /// Measured minus predicted errors.
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
+    ///
+    /// The random errors are constant: the fit of base and reflectors takes up a part of them.
     pub coverage_95: Option<f64>,
+    /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
+    /// misfit of a calibration does. Null unless the errors are measured.
+    pub coverage_95_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all positions. Null if all are equal.
     pub rank_correlation: Option<f64>,
     pub spots: SpotRankingEntry,
@@ -129,6 +134,7 @@ impl ComparedFile {
             predicted_rms: errors.counts_deviations(),
             residual: AccuracyEntry::new(&compared.residual),
             coverage_95: compared.coverage.map(nine_digits),
+            coverage_95_varying: compared.coverage_varying.map(nine_digits),
             rank_correlation: compared.correlation.map(nine_digits),
             spots: SpotRankingEntry::new(&compared.ranking),
             repeats: compared.repeats.as_ref().map(RepeatsEntry::new),

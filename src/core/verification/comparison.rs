@@ -33,7 +33,12 @@ pub struct ComparedPose {
     /// Predicted size of the error: size of the mean, or its root mean square if deviations count.
     pub size: f64,
     /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are predicted.
+    ///
+    /// The deviations are constant: those of one arm. The fit of base and reflectors takes up a part of them.
     pub is_inside: Option<bool>,
+    /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose; None
+    /// unless the errors are measured.
+    pub is_inside_varying: Option<bool>,
 }
 
 impl ComparedPose {
@@ -57,6 +62,11 @@ pub struct MeasuredComparison {
     pub residual: Accuracy,
     /// Share of the poses inside their 95 % ellipsoids; None if no deviations are predicted.
     pub coverage: Option<f64>,
+    /// Share of the poses inside the 95 % ellipsoids of deviations that change from pose to pose; None unless the
+    /// errors are measured.
+    ///
+    /// The covariance of a calibration contains its misfit, which changes with the posture.
+    pub coverage_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all poses; None if all are equal.
     pub correlation: Option<f64>,
     pub ranking: SpotRanking,
@@ -86,8 +96,12 @@ impl MeasuredComparison {
             nominal.iter().map(|pose| pose.interface.transform(&chain.tool.translation)).collect();
         let sizes = |of: fn(&ComparedPose) -> f64| poses.iter().map(of).collect::<Vec<_>>();
         let (of_measured, of_predicted) = (sizes(|p| p.measured.norm()), sizes(|p| p.size));
-        let inside = poses.iter().filter(|pose| pose.is_inside == Some(true)).count();
-        let coverage = errors.has_deviations().then(|| inside as f64 / poses.len() as f64);
+        let share = |of: fn(&ComparedPose) -> Option<bool>| {
+            let known: Vec<bool> = poses.iter().filter_map(of).collect();
+            let inside = known.iter().filter(|is_inside| **is_inside).count();
+            (!known.is_empty()).then(|| inside as f64 / known.len() as f64)
+        };
+        let (coverage, coverage_varying) = (share(|p| p.is_inside), share(|p| p.is_inside_varying));
         let accuracy = |sizes: Vec<f64>| Accuracy::of(sizes).ok_or("there are no measured positions");
         Ok(Self {
             name: session.name.clone(),
@@ -96,6 +110,7 @@ impl MeasuredComparison {
             predicted: accuracy(of_predicted)?,
             residual: accuracy(sizes(|p| p.residual().norm()))?,
             coverage,
+            coverage_varying,
             ranking: SpotRanking::new(&poses, &tcp, spot).ok_or("there are no measured positions")?,
             repeats: Repeatability::of(&poses),
             poses,
@@ -134,8 +149,9 @@ fn compared(
             .iter()
             .map(|(of_chain, of_frames)| {
                 let free = of_chain - of_frames * &taken_up;
-                let spread = &free * free.transpose();
-                Some(Matrix3::from_fn(|i, j| spread[(i, j)]))
+                let constant = &free * free.transpose();
+                let varying = of_chain * of_chain.transpose();
+                Some([constant, varying].map(|spread| Matrix3::from_fn(|i, j| spread[(i, j)])))
             })
             .collect();
     }
@@ -145,8 +161,10 @@ fn compared(
             .map(|(((measured, predicted), pose), spread)| {
                 let by = frames.residual(&pose.interface, measured);
                 let mean = of_prediction.residual(&pose.interface, predicted);
-                let variance =
-                    spread.filter(|_| errors.counts_deviations()).map_or(0.0, |spread| spread.trace());
+                let variance = spread
+                    .filter(|_| errors.counts_deviations())
+                    .map_or(0.0, |[constant, _]| constant.trace());
+                let is_in = |spread: &Matrix3<f64>| is_inside(&(by - mean), spread, measured.sigma);
                 ComparedPose {
                     row: measured.row,
                     joints: measured.joints,
@@ -155,7 +173,10 @@ fn compared(
                     measured: by,
                     predicted: mean,
                     size: (mean.norm_squared() + variance).sqrt(),
-                    is_inside: spread.map(|spread| is_inside(&(by - mean), &spread, measured.sigma)),
+                    is_inside: spread.map(|[constant, _]| is_in(&constant)),
+                    is_inside_varying: spread
+                        .filter(|_| errors.may_vary())
+                        .map(|[_, varying]| is_in(&varying)),
                 }
             })
             .collect(),

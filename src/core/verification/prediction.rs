@@ -16,6 +16,7 @@ pub struct PredictedErrors {
     sources: ErrorSources,
     /// Mean of every source, m or rad; for elastic sources rad/m or rad/(N m).
     means: Vec<f64>,
+    may_vary: bool,
     has_deviations: bool,
     counts_deviations: bool,
 }
@@ -32,6 +33,7 @@ impl PredictedErrors {
             model: cell.model,
             means: means.unwrap_or_else(|| vec![0.0; sources.list.len()]),
             sources,
+            may_vary: is_measured,
             has_deviations: is_measured || !is_signed,
             counts_deviations: !is_signed,
         }
@@ -45,6 +47,11 @@ impl PredictedErrors {
     /// Returns whether the parameters vary, so that ellipsoids of the positions are predicted.
     pub fn has_deviations(&self) -> bool {
         self.has_deviations
+    }
+
+    /// Returns whether deviations may change from pose to pose, as the misfit of a calibration does.
+    pub fn may_vary(&self) -> bool {
+        self.may_vary
     }
 
     /// Returns whether the deviations count in the predicted size of an error. In the signed reading they do not.

@@ -18,7 +18,7 @@ const TALLEST: f64 = 600.0;
 /// Length of a long arrow, px. Few arrows are longer, and they are drawn in full.
 const LONG_ARROW: f64 = 40.0;
 /// Margin round the positions, as a share of the longer side of what is drawn.
-const SURROUNDINGS: f64 = 0.06;
+const SURROUNDINGS: f64 = 0.08;
 /// Size below which a predicted error has no direction, mm.
 const NOTHING: f64 = 1e-9;
 
@@ -112,7 +112,7 @@ fn draw_legend(canvas: &mut ChartCanvas, stretch: f64, enlarged: f64, has_direct
         entries.push(entry(Ink::Blue, "predicted"));
     }
     canvas.legend(&entries);
-    let bar = axes::step(60.0 / stretch.max(f64::MIN_POSITIVE), 1.0);
+    let bar = axes::step(40.0 / stretch.max(f64::MIN_POSITIVE), 1.0);
     let (x, y) = (EDGE, canvas.y + 22.0);
     let long = bar * stretch;
     canvas.path(&format!("M{x:.1} {:.1}v8m0 -4h{long:.1}m0 -4v8", y - 9.0), &Ink::Text.line(1.4));

@@ -59,7 +59,14 @@ pub fn measured_findings(file: &ComparedFile) -> Vec<String> {
         ),
         match file.coverage_95 {
             Some(share) => {
-                format!("inside the predicted 95 % ellipsoids: {} of the positions", percent1(share))
+                let varying = file.coverage_95_varying.map_or(String::new(), |share| {
+                    format!(
+                        " if the random errors are constant, {} if they change from pose to pose, as the misfit of a \
+                         calibration does",
+                        percent1(share)
+                    )
+                });
+                format!("inside the predicted 95 % ellipsoids: {} of the positions{varying}", percent1(share))
             }
             None => "coverage: not defined, because signed errors predict no ellipsoids".into(),
         },
