@@ -1,11 +1,12 @@
 //! The document of `compare --calibrated --json`.
 
-use super::numbers::{in_unit, nine_digits, percent};
+use super::numbers::{nine_digits, percent};
 use super::placement::{AttitudeEntry, ByName, PlacementEntry, attitudes, placements};
 use super::spot::SpotEntry;
 use super::words::{VALUE_WORDS, value_word};
 use crate::assess::{Assessment, Remedies, Remedy};
 use crate::cell::Unit;
+use crate::units::rounded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -110,7 +111,7 @@ pub fn remedy_name(remedy: Remedy) -> &'static str {
 fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
     let unit = remedies.layout(Remedy::AsDrawn).cell.unit();
     let value = |remedy| match remedies.objective(remedy) {
-        Some(value) => format!("{} {}", in_unit(unit, value).mul_add(1e4, 0.0).round() / 1e4, unit.word()),
+        Some(value) => format!("{} {}", rounded(unit.from_si(value), 4), unit.word()),
         None => "no feasible layout".into(),
     };
     let drawn = value(Remedy::AsDrawn);

@@ -31,13 +31,11 @@ pub fn compared(flags: &MeasuredFlags, cell: &Cell) -> Result<Vec<ComparedFile>,
     flags.measured.iter().map(one).collect::<Vec<_>>().into_iter().collect()
 }
 
-/// Returns the tables that the flags name as inputs of a result folder.
+/// Returns the tables that the flags name as inputs of a result, under the paths that the user typed.
 pub fn sources(flags: &MeasuredFlags) -> Result<Vec<Source>, Exit> {
-    let tables = flags.measured.iter().chain(&flags.joints).enumerate();
-    let source = |(k, path): (usize, &std::path::PathBuf)| {
-        let name = path.file_name().map_or("table".into(), |name| name.to_string_lossy());
-        let path_in_folder = format!("measured/{}-{}", k + 1, crate::cli::results::portable(&name));
-        Ok(Source { path: path_in_folder, bytes: loading::read_packed(path)? })
+    let tables = flags.measured.iter().chain(&flags.joints);
+    let source = |path: &std::path::PathBuf| {
+        Ok(Source { path: path.to_string_lossy().into_owned(), bytes: loading::read_packed(path)? })
     };
     tables.map(source).collect()
 }
