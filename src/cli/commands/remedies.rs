@@ -83,7 +83,7 @@ fn random(cell: Cell, file: &Path) -> Result<Cell, Exit> {
 }
 
 fn settings(cell: &Cell, flags: &RemedySearchFlags) -> SearchSettings {
-    let own = cell.search.clone();
+    let own = cell.search;
     SearchSettings { seed: flags.seed.unwrap_or(own.seed), budget: flags.budget.unwrap_or(own.budget), ..own }
 }
 

@@ -5,7 +5,7 @@ use crate::cell::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What is done about the measured errors of the robot of a cell.
+/// Remedy for the measured errors of the robot of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Remedy {
@@ -81,7 +81,7 @@ impl<'a> Remedies<'a> {
 
     /// Returns the advised remedies, each of which is enough; empty if none helps.
     ///
-    /// With limits, these are the remedies with the least work that keep them. Otherwise, it is the one with the
+    /// If there are limits, these are the remedies with the least work that keep them. Otherwise, it is the one with the
     /// least work among those whose error is the least, up to 1 % of the error as drawn.
     pub fn advised(&self) -> Vec<Remedy> {
         let steps = [&[Remedy::AsDrawn][..], &[Remedy::Calibrated, Remedy::Moved], &[Remedy::Both]];

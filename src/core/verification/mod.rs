@@ -15,6 +15,7 @@
 //! K the least-squares fit of the frames to the effects, and `s_i` the standard deviation of the measurement.
 
 mod clusters;
+mod compared_pose;
 mod comparison;
 mod prediction;
 mod rank_correlation;
@@ -22,7 +23,8 @@ mod repeats;
 mod spots;
 
 pub use clusters::clusters;
-pub use comparison::{ComparedPose, MeasuredComparison};
+pub use compared_pose::ComparedPose;
+pub use comparison::MeasuredComparison;
 pub use prediction::PredictedErrors;
 pub use rank_correlation::rank_correlation;
 pub use repeats::{CYCLES_OF_STANDARD, Repeatability, RepeatedPosture, repeatability_of};

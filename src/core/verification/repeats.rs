@@ -1,7 +1,7 @@
 //! Pose accuracy and repeatability of measured repeats, as ISO 9283:1998 defines them for positions.
 
 use super::clusters::clusters;
-use super::comparison::ComparedPose;
+use super::compared_pose::ComparedPose;
 use crate::cell::MAX_JOINTS;
 use nalgebra::Vector3;
 

@@ -1,7 +1,7 @@
 //! Spots: poses at one commanded position, and the ranking of all spots by their errors.
 
 use super::clusters::clusters;
-use super::comparison::ComparedPose;
+use super::compared_pose::ComparedPose;
 use super::rank_correlation::rank_correlation;
 use nalgebra::Vector3;
 

@@ -25,6 +25,9 @@ const NOTHING: f64 = 1e-9;
 /// Planes of the panels: name, horizontal and vertical axis.
 pub const PLANES: [(&str, usize, usize); 2] = [("from above", 0, 1), ("from the side", 0, 2)];
 
+/// Function that returns the measured or the predicted error of a position, mm.
+type ErrorOf = fn(&ComparedPosition) -> &[f64; 3];
+
 /// Names of the axes with their unit.
 pub const AXIS_NAMES: [&str; 3] = ["x / mm", "y / mm", "z / mm"];
 
@@ -46,7 +49,7 @@ pub fn measured(file: &ComparedFile) -> String {
         canvas.heading((LEFT, view.top - 22.0), name);
         let (x, y) = view.scales();
         axes::draw(&mut canvas, &x, &y, (AXIS_NAMES[across], AXIS_NAMES[up]));
-        let kinds: [(fn(&ComparedPosition) -> &[f64; 3], Ink); 2] =
+        let kinds: [(ErrorOf, Ink); 2] =
             [(|p| &p.predicted_mm, Ink::Blue), (|p| &p.measured_mm, Ink::Vermilion)];
         for (error, ink) in kinds {
             let arrows = drawn.iter().filter(|p| size(error(p)) > NOTHING).map(|p| {
