@@ -54,7 +54,7 @@ pub fn measured_findings(file: &ComparedFile) -> Vec<String> {
     let what = if has_spots { "spot" } else { "position" };
     let mut said = vec![
         format!(
-            "rank correlation (Spearman) of predicted and measured size: {}{of_spots}",
+            "Rank correlation (Spearman) of predicted and measured size: {}{of_spots}",
             number(file.rank_correlation)
         ),
         match file.coverage_95 {
@@ -66,12 +66,12 @@ pub fn measured_findings(file: &ComparedFile) -> Vec<String> {
                         percent1(share)
                     )
                 });
-                format!("inside the predicted 95 % ellipsoids: {} of the positions{varying}", percent1(share))
+                format!("Inside the predicted 95 % ellipsoids: {} of the positions{varying}", percent1(share))
             }
-            None => "coverage: not defined, because signed errors predict no ellipsoids".into(),
+            None => "Coverage is not defined, because signed errors predict no ellipsoids".into(),
         },
         format!(
-            "the {what} predicted best, x {} y {} z {} from the base, has a measured error of {} mm; mean of all {}, \
+            "The {what} predicted best, x {} y {} z {} from the base, has a measured error of {} mm; mean of all {}, \
              least {}, greatest {} mm",
             fixed(best.position_mm[0], 0),
             fixed(best.position_mm[1], 0),

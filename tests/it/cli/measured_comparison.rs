@@ -77,7 +77,7 @@ fn a_map_tells_how_well_it_predicts_measured_positions() {
     let inputs = shop.document("mapped/manifest.json")["inputs"].clone();
     assert!(items(&inputs).iter().any(|input| text(&input["path"]) == d), "{inputs}");
     let words = shop.done(&["map", "cell.toml", "--measured", &d, "--measured", &d]);
-    assert_eq!(words.out.matches("rank correlation (Spearman)").count(), 2, "{}", words.out);
+    assert_eq!(words.out.matches("Rank correlation (Spearman)").count(), 2, "{}", words.out);
     assert!(words.err.contains("next: sweetspot report cell.toml --measured"), "{}", words.err);
     // A map without measured positions is as before.
     assert!(shop.json(&["map", "cell.toml"]).get("measured").is_none());
