@@ -159,6 +159,15 @@ pub fn read_data(path: &Path) -> Result<Vec<u8>, Exit> {
     })
 }
 
+/// Reads the bytes of a data file that the user names, as they are on the disk. Prints a message if the file cannot
+/// be read.
+pub fn read_packed(path: &Path) -> Result<Vec<u8>, Exit> {
+    std::fs::read(path).map_err(|e| {
+        output::error(&format!("cannot read {}: {}", output::path_word(path), reason(&e)));
+        Exit::Io
+    })
+}
+
 fn read_unpacked(path: &Path) -> Result<Vec<u8>, String> {
     let file = std::fs::File::open(path).map_err(|e| reason(&e))?;
     if !file.metadata().map_err(|e| reason(&e))?.is_file() {

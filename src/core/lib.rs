@@ -31,3 +31,4 @@ pub mod safe_text;
 pub mod search;
 pub mod svg_text;
 pub mod units;
+pub mod verification;

@@ -3,6 +3,7 @@
 use super::buildability::{AssumedEntry, CertifiedEntry};
 use super::cell_yield::CellYieldEntry;
 use super::estimate::EstimateEntry;
+use super::measured::ComparedFile;
 use super::node::{MapNode, MapNodes};
 use super::numbers::{degrees, in_unit, joints, nine_digits, percent};
 use super::placement::{ByName, PlacementEntry, placements};
@@ -58,6 +59,9 @@ pub struct MapDocument<'a> {
     /// Placement of every piece of equipment, without obstacles.
     pub layout: ByName<PlacementEntry>,
     pub operations: Vec<OperationMapEntry<'a>>,
+    /// Measured positions beside the predicted errors, one entry for each file. Left out without `--measured`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<ComparedFile>,
 }
 
 /// One joint of the robot.
@@ -147,6 +151,7 @@ impl<'a> MapDocument<'a> {
             transfers: cell.transfer.is_some().then(|| transfers(a)),
             layout: placements(cell, &a.layout),
             operations: a.maps.iter().map(|m| OperationMapEntry::new(a, m)).collect(),
+            measured: Vec::new(),
         }
     }
 }

@@ -19,6 +19,7 @@ mod explanation;
 pub mod goals;
 mod manifest;
 mod map;
+mod measured;
 mod measuring_plan;
 mod misplacement;
 mod node;
@@ -30,6 +31,7 @@ mod placement;
 mod readings;
 mod refined;
 mod region;
+mod remedies;
 mod robot;
 mod schema;
 mod search;
@@ -69,6 +71,9 @@ pub use map::{
     GuardEntry, JointEntry, MapDocument, ModelGuardEntry, MonteCarloEntry, OperationMapEntry, SenseEntry,
     StatusCounts, TransferEntry,
 };
+pub use measured::{
+    ComparedFile, ComparedPosition, MeasuredSpotEntry, RepeatedPostureEntry, RepeatsEntry, SpotRankingEntry,
+};
 pub use measuring_plan::{
     ExpectedEntry, MEASURING_PLAN_SCHEMA, MeasuringPlanDocument, PlannedPoseEntry, TriedEntry,
 };
@@ -84,6 +89,7 @@ pub use placement::{AttitudeEntry, ByName, PlacementEntry};
 pub use readings::{OperationReadings, ReadingEntry, ReadingsDocument, RegretEntry};
 pub use refined::RefinedEntry;
 pub use region::{RegionEntry, TurnEntry};
+pub use remedies::{REMEDIES_SCHEMA, RemediesDocument, RemedyEntry, remedy_name};
 pub use robot::{
     EnvelopeDocument, EnvelopeSize, ErrorSetEntry, ErrorSetKind, JointSheet, PlanEntry, PlanOutline,
     RobotEntry, RobotSheetDocument, RobotsDocument, SectionEntry, SectionOutline, SizeEntry, ToolSheet,

@@ -3,8 +3,8 @@
 use super::{
     BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument, CorrectionDocument,
     EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument,
-    MeasuringPlanDocument, ReadingsDocument, RobotSheetDocument, RobotsDocument, RobustDocument,
-    SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
+    MeasuringPlanDocument, ReadingsDocument, RemediesDocument, RobotSheetDocument, RobotsDocument,
+    RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
 };
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -33,10 +33,11 @@ pub enum DocumentKind {
     Errors,
     Correction,
     MeasuringPlan,
+    Remedies,
 }
 
 impl DocumentKind {
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::SearchResult,
         Self::Map,
         Self::Comparison,
@@ -57,6 +58,7 @@ impl DocumentKind {
         Self::Errors,
         Self::Correction,
         Self::MeasuringPlan,
+        Self::Remedies,
     ];
 
     /// Returns the name of the schema.
@@ -82,6 +84,7 @@ impl DocumentKind {
             Self::Errors => "errors",
             Self::Correction => "correction",
             Self::MeasuringPlan => "measuring-plan",
+            Self::Remedies => "remedies",
         }
     }
 
@@ -108,6 +111,7 @@ impl DocumentKind {
             Self::Errors => of::<ErrorsDocument>(),
             Self::Correction => of::<CorrectionDocument>(),
             Self::MeasuringPlan => of::<MeasuringPlanDocument>(),
+            Self::Remedies => of::<RemediesDocument>(),
         }
     }
 }

@@ -9,6 +9,7 @@ pub mod error_table;
 pub mod figures;
 pub mod glb;
 pub mod json;
+pub mod measured;
 pub mod measured_errors;
 pub mod measuring_plan;
 pub mod page;

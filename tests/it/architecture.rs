@@ -10,7 +10,7 @@ use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
 /// Modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 31] = [
+const ORDER: [&str; 32] = [
     "units",
     "safe_text",
     "geometry",
@@ -24,6 +24,7 @@ const ORDER: [&str; 31] = [
     "kinematic_error",
     "calibration",
     "reading",
+    "verification",
     "reach",
     "correction",
     "pose_accuracy",

@@ -49,3 +49,4 @@ mod resume;
 mod robust;
 mod search;
 mod solvers;
+mod verification;

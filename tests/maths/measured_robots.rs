@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, Normal};
 use sweetspot::calibration::{
     Calibration, Deformed, MeasuredPosition, MeasuringSession, RawMeasurement, Unknown, calibrate, explain,
-    unknowns,
+    harmonics, unknowns,
 };
 use sweetspot::cell::{JointVector, Parameter, Robot};
 use sweetspot::pose::Pose;
@@ -116,6 +116,46 @@ fn an_elastic_joint_turns_in_proportion_to_its_horizontal_lever() {
         let off = (at(&turned, 0.0) - moved).norm();
         assert!(off < 1e-14, "q2 = {q2}: {off:e} m");
     }
+}
+
+/// The error of joint 2 is 0.4 mrad times `sin(17 q)`, plus 0.2 mrad times `cos(5 q)`: 0.45 mrad at most.
+#[test]
+fn periodic_errors_of_a_joint_are_identified_and_predict_other_positions() {
+    let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
+    let chain = Chain::new(&without_tool(robot));
+    let wave = |order, sine| Unknown::Harmonic { joint: 1, order, sine };
+    let (errors, sizes) = ([wave(17, true), wave(5, false)], [4e-4, 2e-4]);
+    let q: JointVector = [0.7, -0.9, 1.1, 0.2, 1.0, 0.5, 0.0, 0.0];
+    let mut turned = q;
+    turned[1] += sizes[0] * (17.0 * q[1]).sin() + sizes[1] * (5.0 * q[1]).cos();
+    let of_waves = Deformed::new(&chain, &q, &errors, &sizes).interface.translation;
+    let of_joint = Deformed::new(&chain, &turned, &[], &[]).interface.translation;
+    assert!((of_waves - of_joint).norm() < 1e-14);
+
+    let [measured, others] = [1, 2].map(|seed| session(&chain, &errors, &sizes, 200, 2e-5, seed));
+    let plain = unknowns(&chain, false);
+    let mut periodic = plain.clone();
+    periodic.extend(harmonics(&chain, 20));
+    let mean = |unknowns: &[Unknown]| {
+        let result = calibrated(&chain, &measured, unknowns);
+        let (tested, inside) = result.tested(&others.measured).unwrap();
+        let mean = tested.distances.iter().sum::<f64>() / tested.distances.len() as f64;
+        (result, mean, inside)
+    };
+    let (_, without, _) = mean(&plain);
+    let (result, with, inside) = mean(&periodic);
+    assert!(with < without / 3.0, "{with} m with harmonics, {without} m without");
+    assert!(inside > 0.9, "{inside} of the positions lie in their ellipsoids");
+    for identified in &result.identified {
+        if let Unknown::Harmonic { joint: 1, .. } = identified.unknown {
+            let truth = errors.iter().position(|u| *u == identified.unknown).map_or(0.0, |k| sizes[k]);
+            let off = (identified.value - truth).abs();
+            assert!(off < 5e-5, "{:?} is off by {off} rad", identified.unknown);
+        }
+    }
+    assert_eq!(result.parameters().len(), plain.len());
+    let of_other_joint = result.periodic_variance(3).sqrt();
+    assert!(result.periodic_variance(1).sqrt() > 3.0 * of_other_joint, "{of_other_joint}");
 }
 
 /// The unknowns are drawn from the assumed distribution, so 95 % of their intervals contain the truth.

@@ -1,5 +1,6 @@
 //! Arguments of `calibrate`.
 
+use super::measured::column;
 use super::measuring_plan::MeasuringPlanFlags;
 use crate::cli::packages::PackageFolders;
 use clap::Args;
@@ -51,10 +52,4 @@ pub struct CalibrateArguments {
     pub planning: MeasuringPlanFlags,
     #[command(flatten)]
     pub packages: PackageFolders,
-}
-
-/// Parser of `QUANTITY=NAME`.
-fn column(text: &str) -> Result<(String, String), String> {
-    let parts = text.split_once('=').ok_or("write QUANTITY=NAME, for example q1=shoulder")?;
-    Ok((parts.0.trim().to_string(), parts.1.trim().to_string()))
 }

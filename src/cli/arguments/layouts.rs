@@ -1,6 +1,8 @@
 //! Arguments of the commands that judge a layout as drawn: `check`, `map`, `compare`, `readings`, `robust`.
 
+use super::measured::MeasuredFlags;
 use super::question::{ErrorFlags, QuestionFlags};
+use super::value_parsers::seconds;
 use crate::cli::packages::PackageFolders;
 use clap::Args;
 use std::path::PathBuf;
@@ -24,13 +26,16 @@ pub struct MapArguments {
     pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
+    #[command(flatten)]
+    pub measured: MeasuredFlags,
     /// Print the map as JSON on stdout
     #[arg(long)]
     pub json: bool,
     /// Write the map as a picture
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// Write map.json, map.csv, map.svg, discrepancy.svg and manifest.json to this new folder
+    /// Write map.json, map.csv, map.svg, discrepancy.svg and manifest.json to this new folder; with --measured also
+    /// measured.csv, measured.svg and residuals.svg
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -50,6 +55,26 @@ pub struct CompareArguments {
     /// Print the comparison as JSON on stdout
     #[arg(long)]
     pub json: bool,
+    /// Compare one cell as it stands, with the measured errors of its robot compensated, with the best layout of a
+    /// search, and with both
+    #[arg(long, conflicts_with = "out")]
+    pub calibrated: bool,
+    #[command(flatten)]
+    pub search: RemedySearchFlags,
+}
+
+/// Flags of the two searches of `compare --calibrated`.
+#[derive(Args)]
+pub struct RemedySearchFlags {
+    /// Seed of the searches of --calibrated [default: that of the cell, or 1]
+    #[arg(long, requires = "calibrated")]
+    pub seed: Option<u64>,
+    /// Stop each search of --calibrated after this many layout evaluations
+    #[arg(long, value_name = "N", requires = "calibrated", value_parser = clap::value_parser!(u64).range(1..))]
+    pub budget: Option<u64>,
+    /// Stop each search of --calibrated after this time; its best layout so far counts
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, requires = "calibrated")]
+    pub time: Option<f64>,
 }
 
 #[derive(Args)]

@@ -5,6 +5,7 @@ mod correct;
 mod errors;
 mod files;
 mod layouts;
+mod measured;
 mod measuring_plan;
 mod outputs;
 mod postures;
@@ -18,7 +19,10 @@ pub use calibrate::CalibrateArguments;
 pub use correct::{CorrectArguments, TargetFrame};
 pub use errors::{AccuracyBase, ErrorsArguments};
 pub use files::{InitArguments, SchemaArguments};
-pub use layouts::{CheckArguments, CompareArguments, MapArguments, ReadingsArguments, RobustArguments};
+pub use layouts::{
+    CheckArguments, CompareArguments, MapArguments, ReadingsArguments, RemedySearchFlags, RobustArguments,
+};
+pub use measured::MeasuredFlags;
 pub use outputs::{ExportArguments, ExportFormat, FiguresArguments, ReportArguments, ViewArguments};
 pub use postures::{BudgetArguments, ExplainArguments};
 pub use question::{ErrorFlags, QuestionFlags};

@@ -1,5 +1,6 @@
 //! Arguments of the commands that make drawings and pages: `export`, `figures`, `report`, `view`.
 
+use super::measured::MeasuredFlags;
 use super::question::QuestionFlags;
 use crate::cli::packages::PackageFolders;
 use clap::{Args, ValueEnum};
@@ -91,6 +92,8 @@ pub struct ReportArguments {
     pub packages: PackageFolders,
     #[command(flatten)]
     pub question: QuestionFlags,
+    #[command(flatten)]
+    pub measured: MeasuredFlags,
     /// Write the page to this file; an existing page is replaced
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     pub out: PathBuf,

@@ -1,5 +1,6 @@
 //! `compare`: compares layouts side by side.
 
+use super::remedies::remedies;
 use super::{refuse_other_pages, stem, suggest, within_size, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::CompareArguments;
@@ -15,6 +16,9 @@ use std::path::{Path, PathBuf};
 
 /// Runs `sweetspot compare`.
 pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
+    if a.calibrated {
+        return remedies(a);
+    }
     a.out.as_deref().map_or(Ok(()), refuse_other_pages)?;
     let mut cells = Vec::new();
     for path in &a.layouts {

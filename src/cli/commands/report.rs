@@ -1,6 +1,6 @@
 //! `report`: writes one HTML page about a layout or a search result.
 
-use super::{refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
+use super::{measured, refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::ReportArguments;
 use crate::cli::output::path_word;
@@ -24,7 +24,11 @@ pub fn report(a: &ReportArguments) -> Result<Exit, Exit> {
     let best = read.best.map(|layout| Assessment::new("best", &workcell, layout).misplaced().with_regions());
     let start = if best.is_some() { start } else { start.misplaced().with_regions() };
     let warnings = read.loaded.warnings.iter().map(warning).collect();
-    let subject = Subject { start, best, found: read.found, manifest: read.manifest, warnings };
+    let compared = measured::compared(&a.measured, &workcell.cell)?;
+    let mut manifest = read.manifest;
+    let tables = measured::sources(&a.measured)?;
+    manifest.inputs.extend(tables.iter().map(hashed));
+    let subject = Subject { start, best, found: read.found, measured: compared, manifest, warnings };
     if a.of.is_dir() {
         refuse_other_numbers(&a.of, &subject)?;
     }
@@ -68,7 +72,6 @@ fn of_folder(a: &ReportArguments) -> Result<ReportSource, Exit> {
 
 fn of_cell(a: &ReportArguments) -> Result<ReportSource, Exit> {
     let loaded = asked::load(&a.of, &a.packages, &a.question)?;
-    let hashed = |s: &Source| (s.path.clone(), loading::sha256(&s.bytes));
     let manifest = Manifest {
         command: arguments::typed(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -80,6 +83,11 @@ fn of_cell(a: &ReportArguments) -> Result<ReportSource, Exit> {
         is_complete: true,
     };
     Ok(ReportSource { loaded, file: a.of.clone(), best: None, found: None, manifest })
+}
+
+/// Returns the path of an input with the hash of its bytes.
+fn hashed(source: &Source) -> (String, String) {
+    (source.path.clone(), loading::sha256(&source.bytes))
 }
 
 fn warning(fault: &Fault) -> String {

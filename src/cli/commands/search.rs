@@ -164,7 +164,7 @@ fn run_search(
 
 /// Returns a flag that Ctrl-C or SIGTERM sets. A second signal ends the program at once; the last checkpoint
 /// remains.
-fn stop_at_signals() -> Arc<AtomicBool> {
+pub fn stop_at_signals() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     let _ = ctrlc::set_handler(move || {

@@ -17,6 +17,7 @@ mod parameter_motion;
 mod posture_check;
 mod posture_context;
 mod readings;
+mod remedies;
 mod sampled_spots;
 
 pub use budget::{BudgetReport, Tighter};
@@ -30,6 +31,7 @@ pub use parameter_motion::{MotionFrame, ParameterMotion};
 pub use posture_check::PostureCheck;
 pub use posture_context::{NoPosture, NodeChoice, PostureContext};
 pub use readings::{ReadingChoice, ReadingRow, Readings};
+pub use remedies::{Remedies, Remedy};
 pub use sampled_spots::SAMPLES;
 use sampled_spots::{SampledSpots, take_over};
 

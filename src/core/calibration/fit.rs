@@ -5,6 +5,7 @@ use super::harmonics::improve_deviations;
 use super::residual_variances::{ResidualVariances, Scores};
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
+use super::taken_up::jacobian;
 use super::unknown::Unknown;
 use crate::cell::Parameter;
 use crate::robot::Chain;
@@ -297,12 +298,6 @@ pub(super) fn drives(chain: &Chain, pose: &Deformed, at: &Vector3<f64>) -> Vec<V
 /// Returns the Cholesky factor of a covariance, which has one because no variance is 0.
 fn factor(covariance: Matrix3<f64>) -> Cholesky<f64, Const<3>> {
     covariance.cholesky().unwrap_or_else(|| Cholesky::pack_dirty(Matrix3::identity()))
-}
-
-/// Returns the derivatives of a position: one column for each of its motions.
-pub(super) fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
-    let columns: Vec<_> = slopes.collect();
-    DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
 }
 
 /// Returns the covariances of positions with these Jacobians, whose unknowns have the covariance `of_unknowns`.

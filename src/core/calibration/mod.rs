@@ -35,6 +35,7 @@ mod rigid;
 mod session;
 mod stated;
 mod suspect;
+mod taken_up;
 mod unknown;
 mod validation;
 
@@ -47,9 +48,10 @@ pub use hypothesis::{
 pub use plan_problem::{IntendedCalibration, PlanProblem, UnmodelledError};
 pub use raw::{RawMeasurement, RawRotation, RotationConvention};
 pub use residual_variances::ResidualVariances;
-pub use result::{Calibration, FittedSession, calibrate};
+pub use result::{CHI_SQUARED_95, Calibration, FittedSession, calibrate};
 pub use rigid::{SessionFrames, aligned};
 pub use session::{MeasuredPosition, MeasuringSession, drawn};
 pub use stated::{errors_between, errors_of_frames, no_errors, nominal_frames};
 pub use suspect::{SuspectRows, still_joints};
+pub use taken_up::{PositionJacobians, jacobian, taken_up};
 pub use unknown::{Identified, Unknown, unknowns};

@@ -2,18 +2,19 @@
 
 use super::accuracy::Accuracy;
 use super::deformed::Deformed;
-use super::fit::{Fit, FitProblem, Residual, drives, jacobian, spreads};
+use super::fit::{Fit, FitProblem, Residual, drives, spreads};
 use super::residual_variances::ResidualVariances;
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
+use super::taken_up::{PositionJacobians, jacobian, taken_up};
 use super::unknown::{Identified, Unknown};
 use super::validation::held_out;
 use crate::cell::JointVector;
 use crate::robot::Chain;
-use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, SymmetricEigen};
 
 /// 95 % quantile of the chi-squared distribution with three degrees of freedom.
-const CHI_SQUARED_95: f64 = 7.814727903251179;
+pub const CHI_SQUARED_95: f64 = 7.814727903251179;
 /// Normalised residual above which a position is an outlier.
 const OUTLIER: f64 = 6.0;
 
@@ -162,7 +163,7 @@ impl Calibration {
         let (unknowns, _) = self.unknowns_and_values();
         let poses: Vec<_> = measured.iter().map(|m| self.deformed(&m.joints)).collect();
         let frames = aligned(&poses, measured)?;
-        let columns: Vec<(DMatrix<f64>, DMatrix<f64>)> = poses
+        let columns: Vec<PositionJacobians> = poses
             .iter()
             .zip(measured)
             .map(|(pose, m)| {
@@ -193,19 +194,4 @@ impl Calibration {
     fn unknowns_and_values(&self) -> (Vec<Unknown>, Vec<f64>) {
         self.identified.iter().map(|i| (i.unknown, i.value)).unzip()
     }
-}
-
-/// Returns the steps of the frames (one column per unknown) that fit the motions by the unknowns best.
-///
-/// The pairs hold the Jacobians of one position with respect to the unknowns and to the frames.
-fn taken_up(columns: &[(DMatrix<f64>, DMatrix<f64>)]) -> Option<DMatrix<f64>> {
-    let (of_chain, of_frames) = columns.first()?;
-    let (unknowns, frames) = (of_chain.ncols(), of_frames.ncols());
-    let mut normal = DMatrix::identity(frames, frames) * 1e-12;
-    let mut right = DMatrix::zeros(frames, unknowns);
-    for (of_chain, of_frames) in columns {
-        normal += of_frames.transpose() * of_frames;
-        right += of_frames.transpose() * of_chain;
-    }
-    Some(normal.cholesky()?.solve(&right))
 }

@@ -3,10 +3,23 @@
 //! No code outside this folder changes the fields of a cell, except the reader of cell files.
 
 use super::coordinate::Coordinate;
+use super::error_model::{ErrorSet, SignedErrors};
 use super::layout::Slot;
 use super::model::Cell;
 
 impl Cell {
+    /// Returns this cell with a controller that compensates the means of the measured errors of the robot.
+    ///
+    /// The deviations of the parameters remain. Returns None if the errors of the robot are not measured.
+    pub fn compensated(&self) -> Option<Cell> {
+        let mut cell = self.clone();
+        let axes = cell.robot.axes();
+        let ErrorSet::Measured(measured) = cell.robot.errors.get_mut(self.errors)? else { return None };
+        let none = vec![0.0; measured.mean.values().len()];
+        measured.mean = SignedErrors::of_values(measured.mean.name.clone(), axes, &none);
+        Some(cell)
+    }
+
     /// Returns the coordinate in a slot of the layout; None if the cell has no such coordinate.
     pub fn coordinate(&self, slot: Slot) -> Option<&Coordinate> {
         match slot {

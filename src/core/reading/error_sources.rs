@@ -52,7 +52,15 @@ pub struct ErrorSources {
 impl ErrorSources {
     /// Returns the sources of an operation on `equipment` with a part picked from `other`.
     pub fn new(cell: &Cell, equipment: usize, other: Option<usize>) -> Self {
-        let at = [Some(equipment), other.filter(|o| *o != equipment)];
+        Self::beside(cell, [Some(equipment), other.filter(|o| *o != equipment)])
+    }
+
+    /// Returns the sources of the robot alone.
+    pub fn of_robot(cell: &Cell) -> Self {
+        Self::beside(cell, [None; 2])
+    }
+
+    fn beside(cell: &Cell, at: [Option<usize>; 2]) -> Self {
         let axes = cell.robot.axes();
         let set = cell.error_set();
         let values = |sample: Option<&SignedErrors>| {

@@ -26,9 +26,11 @@ pub mod iso;
 #[doc(hidden)] // open for tests/it
 pub mod labels;
 mod layout;
+mod measured;
 mod misplacement;
 mod pareto;
 mod plane_view;
+mod residuals;
 mod signs;
 mod solids;
 mod tornado;
@@ -44,8 +46,10 @@ pub use error_map::error_map;
 pub use heat_map::heat_map;
 pub use histogram::histogram;
 pub use layout::{layout_plan, layout_section};
+pub use measured::measured;
 pub use misplacement::misplacement;
 pub use pareto::pareto;
+pub use residuals::residuals;
 pub use tornado::tornado;
 
 /// Width of a chart, px; a page scales the chart to the width of the page.

@@ -12,6 +12,7 @@ mod content;
 mod figures;
 #[cfg(feature = "view")]
 mod live;
+mod measured;
 mod nodes;
 mod places;
 mod quantities;

@@ -3,7 +3,7 @@
 use super::content::{PageFigure, Section};
 use super::subject::Subject;
 use super::verdict::verdict;
-use super::{assets, assumptions, figures, nodes, places, readings, script_json, shell};
+use super::{assets, assumptions, figures, measured, nodes, places, readings, script_json, shell};
 use crate::cell::Cell;
 use crate::drawing::Drawing;
 use crate::files::shown;
@@ -42,6 +42,10 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     let verdict = verdict(subject);
     let (script, style) = (assets::viewer_js() + assets::REPORT_JS, style());
     let mut sections = figures::sections(subject, drawings);
+    let measured = measured::section(subject);
+    if !measured.is_empty() {
+        sections.insert(1.min(sections.len()), measured);
+    }
     sections.push(places::section(subject));
     sections.push(places::joints(subject));
     sections.push(readings::section(subject));

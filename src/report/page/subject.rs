@@ -3,7 +3,7 @@
 use super::content::PageTable;
 use crate::assess::Assessment;
 use crate::cell::{Cell, Unit};
-use crate::record::SearchResult;
+use crate::record::{ComparedFile, SearchResult};
 use crate::units::{m_from_mm, rad_from_deg};
 
 /// Converts a value of a document from `unit` to SI.
@@ -23,6 +23,8 @@ pub struct Subject<'a> {
     pub best: Option<Assessment<'a>>,
     /// Result of the search, from search.json.
     pub found: Option<SearchResult>,
+    /// Measured positions beside the predicted errors, one entry for each file.
+    pub measured: Vec<ComparedFile>,
     pub manifest: Manifest,
     /// Warnings from loading the files.
     pub warnings: Vec<String>,

@@ -129,16 +129,8 @@ fn a_column_names_the_reflector_of_each_row() {
     let rows: Vec<String> = (0..60)
         .map(|i| {
             let q = [1.1, 0.7, 0.9, 1.3, 0.4, 0.8].map(|f| 1.5 * (f * f64::from(i * i)).sin());
-            // An arm of the UR10's rows; the reflector is at the flange, and the base is that of the tracker.
-            let t =
-                q.iter().zip(ROWS_OF_UR10).fold(nalgebra::Isometry3::identity(), |t, (q, (r, l, alpha))| {
-                    let along = nalgebra::Isometry3::translation(0.0, 0.0, r)
-                        * nalgebra::Isometry3::rotation(nalgebra::Vector3::z() * *q);
-                    t * along
-                        * nalgebra::Isometry3::translation(l, 0.0, 0.0)
-                        * nalgebra::Isometry3::rotation(nalgebra::Vector3::x() * alpha)
-                });
-            let p = t.translation.vector;
+            // The reflector is at the flange, and the base is that of the tracker.
+            let p = flange_of_ur10(&q);
             format!("{},{},{},{}", q.map(|q| q.to_string()).join(","), p.x, p.y, p.z)
         })
         .collect();
@@ -152,6 +144,18 @@ fn a_column_names_the_reflector_of_each_row() {
     assert_eq!(number(&items(&two["sessions"])[0]["poses"]), 120.0);
     let words = shop.done(&["calibrate", "ur10", "two.csv"]);
     assert!(words.err.contains("reflectors left, right") && words.err.contains("in m"), "{}", words.err);
+}
+
+/// Returns the flange (m) of an arm with the rows of the UR10.
+pub fn flange_of_ur10(q: &[f64; 6]) -> nalgebra::Vector3<f64> {
+    let frames = q.iter().zip(ROWS_OF_UR10).fold(nalgebra::Isometry3::identity(), |t, (q, (r, l, alpha))| {
+        let along = nalgebra::Isometry3::translation(0.0, 0.0, r)
+            * nalgebra::Isometry3::rotation(nalgebra::Vector3::z() * *q);
+        t * along
+            * nalgebra::Isometry3::translation(l, 0.0, 0.0)
+            * nalgebra::Isometry3::rotation(nalgebra::Vector3::x() * alpha)
+    });
+    frames.translation.vector
 }
 
 /// Offset r (m), common normal l (m) and twist alpha (rad) of the rows of the UR10.

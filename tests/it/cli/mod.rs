@@ -14,6 +14,7 @@ mod front;
 mod init;
 mod jobs;
 mod lock;
+mod measured_comparison;
 mod measured_files;
 mod measuring_plan;
 mod numbers;

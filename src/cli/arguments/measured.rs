@@ -1,0 +1,31 @@
+//! Flags that name measured positions of the robot.
+
+use super::value_parsers::positive;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Flags of the commands that compare predicted errors with measured positions.
+#[derive(Args)]
+pub struct MeasuredFlags {
+    /// Compare the predicted errors with the measured positions of this table (CSV or text, also .csv.gz); can be
+    /// given several times
+    #[arg(long, value_name = "FILE")]
+    pub measured: Vec<PathBuf>,
+    /// Read the joints of measured positions from this table; rows are matched by a shared column such as id, or by
+    /// their order
+    #[arg(long, value_name = "FILE", requires = "measured")]
+    pub joints: Option<PathBuf>,
+    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z), by its name or its number from 1;
+    /// can be given several times
+    #[arg(long, value_name = "QUANTITY=NAME", value_parser = column, requires = "measured")]
+    pub column: Vec<(String, String)>,
+    /// Poses whose commanded positions differ by at most this length along every axis are one spot [default: 1]
+    #[arg(long, value_name = "MM", value_parser = positive, requires = "measured")]
+    pub spot: Option<f64>,
+}
+
+/// Parser of `QUANTITY=NAME`.
+pub fn column(text: &str) -> Result<(String, String), String> {
+    let parts = text.split_once('=').ok_or("write QUANTITY=NAME, for example q1=shoulder")?;
+    Ok((parts.0.trim().to_string(), parts.1.trim().to_string()))
+}

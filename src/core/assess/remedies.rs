@@ -1,0 +1,107 @@
+//! Remedies for the measured errors of a robot: calibrate it, move the equipment, or both.
+
+use super::{Assessment, Requirement};
+use crate::cell::Unit;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Remedy for the measured errors of the robot of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Remedy {
+    /// Nothing: the layout as drawn with all errors.
+    AsDrawn,
+    /// The controller compensates the identified errors; the layout is as drawn.
+    Calibrated,
+    /// The layout is the best of a search; no error is compensated.
+    Moved,
+    /// The controller compensates the identified errors, and the layout is the best of a search for them.
+    Both,
+}
+
+impl Remedy {
+    /// All remedies, the least work first.
+    pub const ALL: [Remedy; 4] = [Remedy::AsDrawn, Remedy::Calibrated, Remedy::Moved, Remedy::Both];
+}
+
+/// Share of the error as drawn below which a gain does not count.
+const NO_GAIN: f64 = 0.01;
+
+/// The four remedies side by side.
+pub struct Remedies<'a> {
+    /// One layout for each remedy, in the order of [`Remedy::ALL`].
+    columns: [Assessment<'a>; 4],
+}
+
+impl<'a> Remedies<'a> {
+    /// Compares the remedies; `columns` is in the order of [`Remedy::ALL`].
+    pub fn new(columns: [Assessment<'a>; 4]) -> Self {
+        Self { columns }
+    }
+
+    /// Returns every remedy with its layout.
+    pub fn all(&self) -> impl Iterator<Item = (Remedy, &Assessment<'a>)> {
+        Remedy::ALL.into_iter().zip(&self.columns)
+    }
+
+    /// Returns the layout of a remedy.
+    pub fn layout(&self, remedy: Remedy) -> &Assessment<'a> {
+        let [drawn, calibrated, moved, both] = &self.columns;
+        match remedy {
+            Remedy::AsDrawn => drawn,
+            Remedy::Calibrated => calibrated,
+            Remedy::Moved => moved,
+            Remedy::Both => both,
+        }
+    }
+
+    /// Returns the objective of a remedy, m, rad or a share; None if its layout is not feasible.
+    pub fn objective(&self, remedy: Remedy) -> Option<f64> {
+        self.layout(remedy).evaluation.objective
+    }
+
+    /// Returns by which share of the objective as drawn a remedy lowers it; None if either layout is not feasible.
+    pub fn gain(&self, remedy: Remedy) -> Option<f64> {
+        let drawn = self.objective(Remedy::AsDrawn).filter(|drawn| *drawn > 0.0)?;
+        Some(1.0 - self.objective(remedy)? / drawn)
+    }
+
+    /// Returns whether an operation has a limit that the objective does not contain already.
+    pub fn has_limits(&self) -> bool {
+        let [drawn, ..] = &self.columns;
+        drawn.cell.unit() != Unit::Share && drawn.cell.operations.iter().any(|o| o.limit.is_some())
+    }
+
+    /// Returns whether a remedy gives a feasible layout within every limit.
+    pub fn suffices(&self, remedy: Remedy) -> bool {
+        let a = self.layout(remedy);
+        let is_met = |k: usize| a.requirement(k).is_none_or(Requirement::is_met);
+        self.objective(remedy).is_some() && (0..a.maps.len()).all(is_met)
+    }
+
+    /// Returns the advised remedies, each of which is enough; empty if none helps.
+    ///
+    /// If there are limits, these are the remedies with the least work that keep them. Otherwise, it is the one with the
+    /// least work among those whose error is the least, up to 1 % of the error as drawn.
+    pub fn advised(&self) -> Vec<Remedy> {
+        let steps = [&[Remedy::AsDrawn][..], &[Remedy::Calibrated, Remedy::Moved], &[Remedy::Both]];
+        if self.has_limits() {
+            let enough =
+                steps.map(|step| step.iter().copied().filter(|r| self.suffices(*r)).collect::<Vec<_>>());
+            return enough.into_iter().find(|step| !step.is_empty()).unwrap_or_default();
+        }
+        let feasible = || Remedy::ALL.into_iter().filter_map(|r| Some((r, self.objective(r)?)));
+        let Some(least) = feasible().map(|(_, value)| value).reduce(f64::min) else { return Vec::new() };
+        let slack = NO_GAIN * self.objective(Remedy::AsDrawn).unwrap_or(least);
+        feasible().find(|(_, value)| *value <= least + slack).map(|(remedy, _)| remedy).into_iter().collect()
+    }
+
+    /// Returns whether a remedy lowers the error as drawn by at least 1 %, or makes a feasible layout of none.
+    pub fn helps(&self, remedy: Remedy) -> bool {
+        match (self.objective(Remedy::AsDrawn), self.objective(remedy)) {
+            (Some(drawn), Some(value)) => value < drawn * (1.0 - NO_GAIN),
+            (None, Some(_)) => true,
+            (_, None) => false,
+        }
+    }
+}

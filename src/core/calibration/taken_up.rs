@@ -1,0 +1,29 @@
+//! The part of random motions that a fit of base and reflectors takes up.
+
+use nalgebra::{DMatrix, Vector3};
+
+/// Jacobians of one position: the motions that are random, and the motions of the frames that are fitted.
+///
+/// Each has three rows (m, base frame) and one column for each motion.
+pub type PositionJacobians = (DMatrix<f64>, DMatrix<f64>);
+
+/// Returns the matrix with the given columns, m per unit of the motion.
+pub fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
+    let columns: Vec<_> = slopes.collect();
+    DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
+}
+
+/// Returns the steps of the frames (one column per random motion) that fit these motions best, by least squares.
+///
+/// Each entry of `columns` belongs to one position. Returns None without positions.
+pub fn taken_up(columns: &[PositionJacobians]) -> Option<DMatrix<f64>> {
+    let (of_chain, of_frames) = columns.first()?;
+    let (unknowns, frames) = (of_chain.ncols(), of_frames.ncols());
+    let mut normal = DMatrix::identity(frames, frames) * 1e-12;
+    let mut right = DMatrix::zeros(frames, unknowns);
+    for (of_chain, of_frames) in columns {
+        normal += of_frames.transpose() * of_frames;
+        right += of_frames.transpose() * of_chain;
+    }
+    Some(normal.cholesky()?.solve(&right))
+}

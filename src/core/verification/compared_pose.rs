@@ -1,0 +1,37 @@
+//! One measured position beside its prediction.
+
+use crate::cell::JointVector;
+use nalgebra::Vector3;
+
+/// One measured position beside its prediction; vectors in the base frame of the robot, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparedPose {
+    /// Row of the file, counted from 1.
+    pub row: usize,
+    /// Actuator coordinates, rad or m.
+    pub joints: JointVector,
+    /// Number of the reflector among those of the session.
+    pub reflector: usize,
+    /// Position of the reflector for the nominal arm.
+    pub nominal: Vector3<f64>,
+    /// Measured minus nominal position.
+    pub measured: Vector3<f64>,
+    /// Predicted mean of the measured error, without the part that the fit of base and reflectors takes up.
+    pub predicted: Vector3<f64>,
+    /// Predicted size of the error: size of the mean, or its root mean square if deviations count.
+    pub size: f64,
+    /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are predicted.
+    ///
+    /// The deviations are constant: those of one arm. The fit of base and reflectors takes up a part of them.
+    pub is_inside: Option<bool>,
+    /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose; None
+    /// unless the errors are measured.
+    pub is_inside_varying: Option<bool>,
+}
+
+impl ComparedPose {
+    /// Returns the measured minus the predicted error, m, base frame.
+    pub fn residual(&self) -> Vector3<f64> {
+        self.measured - self.predicted
+    }
+}

@@ -1,0 +1,159 @@
+//! Comparison of one measured session with the predicted errors, pose by pose.
+
+use super::compared_pose::ComparedPose;
+use super::prediction::{PredictedErrors, ReflectorErrors};
+use super::rank_correlation::rank_correlation;
+use super::repeats::Repeatability;
+use super::spots::SpotRanking;
+use crate::calibration::{
+    Accuracy, CHI_SQUARED_95, Deformed, MeasuredPosition, MeasuringSession, PositionJacobians, SessionFrames,
+    aligned, jacobian, taken_up,
+};
+use crate::robot::Frames;
+use nalgebra::{Matrix3, Vector3};
+
+/// Standard deviation of a position per axis, m, that no instrument betters.
+const FINEST: f64 = 1e-6;
+
+/// Measured errors of one session beside the predicted ones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredComparison {
+    /// Name of the session.
+    pub name: String,
+    pub poses: Vec<ComparedPose>,
+    /// Sizes of the measured errors.
+    pub measured: Accuracy,
+    /// Predicted sizes.
+    pub predicted: Accuracy,
+    /// Sizes of the measured minus the predicted errors.
+    pub residual: Accuracy,
+    /// Share of the poses inside their 95 % ellipsoids; None if no deviations are predicted.
+    pub coverage: Option<f64>,
+    /// Share of the poses inside the 95 % ellipsoids of deviations that change from pose to pose; None unless the
+    /// errors are measured.
+    ///
+    /// The covariance of a calibration contains its misfit, which changes with the posture.
+    pub coverage_varying: Option<f64>,
+    /// Spearman correlation of predicted and measured sizes over all poses; None if all are equal.
+    pub correlation: Option<f64>,
+    pub ranking: SpotRanking,
+    /// Repeated postures; None if no posture was visited twice.
+    pub repeats: Option<Repeatability>,
+}
+
+impl MeasuredComparison {
+    /// Compares a session with predicted errors. Poses within `spot` (m) of each other are one spot.
+    ///
+    /// # Errors
+    /// Returns why base and reflectors cannot be fitted.
+    pub fn new(errors: &PredictedErrors, session: &MeasuringSession, spot: f64) -> Result<Self, String> {
+        let measured = &session.measured;
+        let (known, unknown) = (3 * measured.len(), SessionFrames::unknowns(measured));
+        if known <= unknown {
+            return Err(format!(
+                "{known} measured coordinates cannot determine base and reflectors, which are {unknown} unknowns"
+            ));
+        }
+        let chain = errors.chain();
+        let nominal: Vec<_> = measured.iter().map(|m| Deformed::new(chain, &m.joints, &[], &[])).collect();
+        let fitted =
+            || aligned(&nominal, measured).and_then(|frames| compared(errors, measured, &nominal, &frames));
+        let poses = fitted().ok_or("the measured positions do not determine the pose of the robot base")?;
+        let tcp: Vec<_> =
+            nominal.iter().map(|pose| pose.interface.transform(&chain.tool.translation)).collect();
+        let sizes = |of: fn(&ComparedPose) -> f64| poses.iter().map(of).collect::<Vec<_>>();
+        let (of_measured, of_predicted) = (sizes(|p| p.measured.norm()), sizes(|p| p.size));
+        let share = |of: fn(&ComparedPose) -> Option<bool>| {
+            let known: Vec<bool> = poses.iter().filter_map(of).collect();
+            let inside = known.iter().filter(|is_inside| **is_inside).count();
+            (!known.is_empty()).then(|| inside as f64 / known.len() as f64)
+        };
+        let (coverage, coverage_varying) = (share(|p| p.is_inside), share(|p| p.is_inside_varying));
+        let accuracy = |sizes: Vec<f64>| Accuracy::of(sizes).ok_or("there are no measured positions");
+        Ok(Self {
+            name: session.name.clone(),
+            correlation: rank_correlation(&of_predicted, &of_measured),
+            measured: accuracy(of_measured)?,
+            predicted: accuracy(of_predicted)?,
+            residual: accuracy(sizes(|p| p.residual().norm()))?,
+            coverage,
+            coverage_varying,
+            ranking: SpotRanking::new(&poses, &tcp, spot).ok_or("there are no measured positions")?,
+            repeats: Repeatability::of(&poses),
+            poses,
+        })
+    }
+}
+
+/// Returns all poses of a session; `frames` is the fit of the nominal arm to the measured positions.
+fn compared(
+    errors: &PredictedErrors,
+    measured: &[MeasuredPosition],
+    nominal: &[Deformed],
+    frames: &SessionFrames,
+) -> Option<Vec<ComparedPose>> {
+    let mut reflectors: Vec<ReflectorErrors<'_>> =
+        frames.reflectors.iter().map(|reflector| errors.at_reflector(reflector)).collect();
+    let postures: Vec<Frames> = measured.iter().map(|m| reflectors[m.reflector].frames(&m.joints)).collect();
+    let predicted = measured.iter().zip(&postures).map(|(m, posture)| MeasuredPosition {
+        position: posture.tcp.translation + reflectors[m.reflector].mean(posture),
+        ..*m
+    });
+    let predicted: Vec<_> = predicted.collect();
+    let of_prediction = aligned(nominal, &predicted)?;
+    let mut spreads = vec![None; measured.len()];
+    if errors.has_deviations() {
+        let of_position = |((m, posture), pose): ((&MeasuredPosition, &Frames), &Deformed)| {
+            let of_chain = reflectors[m.reflector].deviations(posture);
+            let of_frames = frames.motions(&pose.interface, m.reflector);
+            (jacobian(of_chain.into_iter()), jacobian(of_frames.iter().map(|motion| motion.slope)))
+        };
+        let columns: Vec<PositionJacobians> =
+            measured.iter().zip(&postures).zip(nominal).map(of_position).collect();
+        let taken_up = taken_up(&columns)?;
+        spreads = columns
+            .iter()
+            .map(|(of_chain, of_frames)| {
+                let free = of_chain - of_frames * &taken_up;
+                let constant = &free * free.transpose();
+                let varying = of_chain * of_chain.transpose();
+                Some([constant, varying].map(|spread| Matrix3::from_fn(|i, j| spread[(i, j)])))
+            })
+            .collect();
+    }
+    let poses = measured.iter().zip(&predicted).zip(nominal).zip(spreads);
+    Some(
+        poses
+            .map(|(((measured, predicted), pose), spread)| {
+                let by = frames.residual(&pose.interface, measured);
+                let mean = of_prediction.residual(&pose.interface, predicted);
+                // Rounding errors have no direction, size or rank.
+                let mean = if mean.norm() < FINEST { Vector3::zeros() } else { mean };
+                let variance = spread
+                    .filter(|_| errors.counts_deviations())
+                    .map_or(0.0, |[constant, _]| constant.trace());
+                let is_in = |spread: &Matrix3<f64>| is_inside(&(by - mean), spread, measured.sigma);
+                ComparedPose {
+                    row: measured.row,
+                    joints: measured.joints,
+                    reflector: measured.reflector,
+                    nominal: frames.reached(&pose.interface, measured.reflector),
+                    measured: by,
+                    predicted: mean,
+                    size: (mean.norm_squared() + variance).sqrt(),
+                    is_inside: spread.map(|[constant, _]| is_in(&constant)),
+                    is_inside_varying: spread
+                        .filter(|_| errors.may_vary())
+                        .map(|[_, varying]| is_in(&varying)),
+                }
+            })
+            .collect(),
+    )
+}
+
+/// Returns whether a residual (m) is inside the 95 % ellipsoid of prediction and measurement.
+fn is_inside(residual: &Vector3<f64>, spread: &Matrix3<f64>, sigma: Option<f64>) -> bool {
+    let own = sigma.unwrap_or(0.0).max(FINEST);
+    let covariance = spread + Matrix3::identity() * own.powi(2);
+    covariance.cholesky().is_some_and(|c| residual.dot(&c.solve(residual)) <= CHI_SQUARED_95)
+}

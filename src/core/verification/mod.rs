@@ -1,0 +1,31 @@
+//! Verification: the errors that a cell predicts, compared with positions that an instrument has measured.
+//!
+//! Only the commanded joints and the measured positions are known. The pose of the robot base in the frame of the
+//! instrument and the places of the reflectors are fitted with the nominal arm. This fit takes up a part of the
+//! errors, so the prediction must lose the same part. Let `p_i` be the measured positions in the fitted base
+//! frame, and `n_i` the nominal ones:
+//!
+//! ```text
+//! measured    m_i = p_i - n_i
+//! predicted   d_i = e_i - M e             e_i = position error of the mean errors, M e = what the fit takes up
+//! covariance  C_i = (J_i - F_i K) C (J_i - F_i K)^T + s_i^2 I
+//! ```
+//!
+//! Here C is the covariance of the parameters, `J_i` their effect on position i, `F_i` that of the fitted frames,
+//! K the least-squares fit of the frames to the effects, and `s_i` the standard deviation of the measurement.
+
+mod clusters;
+mod compared_pose;
+mod comparison;
+mod prediction;
+mod rank_correlation;
+mod repeats;
+mod spots;
+
+pub use clusters::clusters;
+pub use compared_pose::ComparedPose;
+pub use comparison::MeasuredComparison;
+pub use prediction::PredictedErrors;
+pub use rank_correlation::rank_correlation;
+pub use repeats::{CYCLES_OF_STANDARD, Repeatability, RepeatedPosture, repeatability_of};
+pub use spots::{MeasuredSpot, SpotRanking};

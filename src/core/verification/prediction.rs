@@ -1,0 +1,106 @@
+//! Errors of the robot of a cell, as a prediction of measured positions.
+
+use crate::cell::{Cell, ErrorSet, Model, Reading};
+use crate::kinematic_error::{Expansion, Perturbation, position_error};
+use crate::reading::{Effects, ErrorSources};
+use crate::robot::{Chain, Frames};
+use nalgebra::Vector3;
+
+/// Errors of the robot of a cell under its question: a mean, and random deviations from it.
+///
+/// A signed sample is a mean without deviations. Tolerances are deviations about 0, read statistically. Measured
+/// errors have both.
+pub struct PredictedErrors {
+    chain: Chain,
+    model: Model,
+    sources: ErrorSources,
+    /// Mean of every source, m or rad; for elastic sources rad/m or rad/(N m).
+    means: Vec<f64>,
+    may_vary: bool,
+    has_deviations: bool,
+    counts_deviations: bool,
+}
+
+impl PredictedErrors {
+    /// Returns the errors that a cell gives its robot. Errors of the equipment are left out.
+    pub fn new(cell: &Cell) -> Self {
+        let sources = ErrorSources::of_robot(cell);
+        let is_signed = cell.reading == Reading::Signed;
+        let means = if is_signed { Some(sources.signed()) } else { sources.means() };
+        let is_measured = matches!(cell.error_set(), ErrorSet::Measured(_));
+        Self {
+            chain: Chain::new(&cell.robot),
+            model: cell.model,
+            means: means.unwrap_or_else(|| vec![0.0; sources.list.len()]),
+            sources,
+            may_vary: is_measured,
+            has_deviations: is_measured || !is_signed,
+            counts_deviations: !is_signed,
+        }
+    }
+
+    /// Returns the chain of the robot with its tool, without errors.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// Returns whether the parameters vary, so that ellipsoids of the positions are predicted.
+    pub fn has_deviations(&self) -> bool {
+        self.has_deviations
+    }
+
+    /// Returns whether deviations may change from pose to pose, as the misfit of a calibration does.
+    pub fn may_vary(&self) -> bool {
+        self.may_vary
+    }
+
+    /// Returns whether the deviations count in the predicted size of an error. In the signed reading they do not.
+    pub fn counts_deviations(&self) -> bool {
+        self.counts_deviations
+    }
+
+    /// Returns the errors as motions of a reflector, given in the frame of the mechanical interface (m).
+    pub(super) fn at_reflector(&self, reflector: &Vector3<f64>) -> ReflectorErrors<'_> {
+        let mut chain = self.chain.clone();
+        chain.tool.translation = *reflector;
+        ReflectorErrors {
+            errors: self,
+            means: self.sources.perturbation(&chain, &self.means),
+            expansion: self.sources.expansion(&chain),
+            effects: Effects::default(),
+            chain,
+        }
+    }
+}
+
+/// Errors of the robot at one reflector.
+pub(super) struct ReflectorErrors<'a> {
+    errors: &'a PredictedErrors,
+    /// Chain whose TCP is the reflector.
+    chain: Chain,
+    means: Perturbation,
+    expansion: Expansion,
+    effects: Effects,
+}
+
+impl ReflectorErrors<'_> {
+    /// Returns the frames of the chain at joint coordinates `q` (rad or m).
+    pub fn frames(&self, q: &crate::cell::JointVector) -> Frames {
+        self.chain.frames(&self.chain.posture(q))
+    }
+
+    /// Returns the position error of the reflector by the mean errors, m, base frame.
+    pub fn mean(&self, frames: &Frames) -> Vector3<f64> {
+        position_error(frames, &self.means, self.errors.model)
+    }
+
+    /// Returns the displacement of the reflector by one standard deviation of each independent factor, m, base
+    /// frame.
+    pub fn deviations(&mut self, frames: &Frames) -> Vec<Vector3<f64>> {
+        self.expansion.set(frames);
+        self.effects.set(&self.errors.sources, &self.expansion, false);
+        let mut all = Vec::new();
+        self.effects.independent(&self.errors.sources, |moved, _| all.push(moved.position));
+        all
+    }
+}

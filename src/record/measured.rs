@@ -1,0 +1,203 @@
+//! Measured positions beside the predicted errors of a cell, as part of the document of `map --json`.
+
+use super::calibration::AccuracyEntry;
+use super::numbers::{joints, millimetres, nine_digits, position_mm};
+use crate::cell::Cell;
+use crate::verification::{
+    CYCLES_OF_STANDARD, ComparedPose, MeasuredComparison, MeasuredSpot, PredictedErrors, Repeatability,
+    SpotRanking,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// File of measured positions beside the errors that the cell predicts. Base and reflectors are fitted with the
+/// nominal arm. Vectors are in the base frame of the robot, mm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ComparedFile {
+    pub file: String,
+    /// Measured errors of the nominal robot.
+    pub measured: AccuracyEntry,
+    /// Predicted sizes of these errors.
+    pub predicted: AccuracyEntry,
+    /// Whether the random part of the errors counts in the predicted sizes, which are then root mean squares.
+    pub predicted_rms: bool,
+    /// Measured minus predicted errors.
+    pub residual: AccuracyEntry,
+    /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
+    ///
+    /// The random errors are constant: the fit of base and reflectors takes up a part of them.
+    pub coverage_95: Option<f64>,
+    /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
+    /// misfit of a calibration does. Null unless the errors are measured.
+    pub coverage_95_varying: Option<f64>,
+    /// Spearman correlation of predicted and measured sizes over all positions. Null if all are equal.
+    pub rank_correlation: Option<f64>,
+    pub spots: SpotRankingEntry,
+    /// Accuracy and repeatability of postures that were visited several times; null if there are none.
+    pub repeats: Option<RepeatsEntry>,
+    pub positions: Vec<ComparedPosition>,
+}
+
+/// One measured position beside its prediction; base frame of the robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ComparedPosition {
+    /// Row of the file, counted from 1 without the header.
+    pub row: usize,
+    /// Number of the reflector, counted from 1.
+    pub reflector: usize,
+    /// Joint coordinates: degrees, or mm for a prismatic joint.
+    pub joints: Vec<f64>,
+    /// Position of the reflector for the nominal robot.
+    pub nominal_mm: [f64; 3],
+    /// Measured minus nominal position.
+    pub measured_mm: [f64; 3],
+    /// Predicted error without the part that the fit of base and reflectors takes up.
+    pub predicted_mm: [f64; 3],
+    /// Predicted size of the error.
+    pub predicted_size_mm: f64,
+    /// Size of the measured minus the predicted error.
+    pub residual_mm: f64,
+    /// Whether the measured error is inside the predicted 95 % ellipsoid. Null if the errors have no random part.
+    pub inside_95: Option<bool>,
+}
+
+/// Spots of a file, ranked by their errors. A spot is a commanded position; its error is the mean of its poses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpotRankingEntry {
+    /// Number of spots.
+    pub count: usize,
+    /// Spearman correlation of predicted and measured errors over the spots. Null if all are equal.
+    pub rank_correlation: Option<f64>,
+    /// Spot with the least predicted error.
+    pub predicted_best: MeasuredSpotEntry,
+    /// Mean of the measured errors of all spots.
+    pub mean_mm: f64,
+    /// Least measured error of a spot.
+    pub least_mm: f64,
+    /// Greatest measured error of a spot.
+    pub greatest_mm: f64,
+}
+
+/// One spot with its errors.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredSpotEntry {
+    /// Mean position of the reflector for the nominal robot, base frame.
+    pub position_mm: [f64; 3],
+    /// Number of measured positions.
+    pub positions: usize,
+    /// Mean size of the measured errors.
+    pub measured_mm: f64,
+    /// Mean of the predicted sizes.
+    pub predicted_mm: f64,
+}
+
+/// Pose accuracy AP and pose repeatability RP of positions as in ISO 9283.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RepeatsEntry {
+    /// Largest pose accuracy of a posture.
+    pub largest_ap_mm: f64,
+    /// Largest pose repeatability of a posture.
+    pub largest_rp_mm: f64,
+    /// Least number of visits of a repeated posture.
+    pub least_visits: usize,
+    /// Whether every repeated posture was visited as often as the standard demands.
+    pub enough_visits: bool,
+    pub postures: Vec<RepeatedPostureEntry>,
+}
+
+/// One posture that was visited several times.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RepeatedPostureEntry {
+    /// Row of the first visit.
+    pub row: usize,
+    pub visits: usize,
+    /// Position of the reflector for the nominal robot, base frame.
+    pub position_mm: [f64; 3],
+    /// Distance of the barycentre from the command position.
+    pub ap_mm: f64,
+    /// Mean distance from the barycentre plus three standard deviations.
+    pub rp_mm: f64,
+}
+
+impl ComparedFile {
+    pub fn new(cell: &Cell, errors: &PredictedErrors, compared: &MeasuredComparison) -> Self {
+        Self {
+            file: compared.name.clone(),
+            measured: AccuracyEntry::new(&compared.measured),
+            predicted: AccuracyEntry::new(&compared.predicted),
+            predicted_rms: errors.counts_deviations(),
+            residual: AccuracyEntry::new(&compared.residual),
+            coverage_95: compared.coverage.map(nine_digits),
+            coverage_95_varying: compared.coverage_varying.map(nine_digits),
+            rank_correlation: compared.correlation.map(nine_digits),
+            spots: SpotRankingEntry::new(&compared.ranking),
+            repeats: compared.repeats.as_ref().map(RepeatsEntry::new),
+            positions: compared.poses.iter().map(|pose| ComparedPosition::new(cell, pose)).collect(),
+        }
+    }
+}
+
+impl ComparedPosition {
+    fn new(cell: &Cell, pose: &ComparedPose) -> Self {
+        Self {
+            row: pose.row,
+            reflector: pose.reflector + 1,
+            joints: joints(cell, &pose.joints),
+            nominal_mm: position_mm(&pose.nominal),
+            measured_mm: position_mm(&pose.measured),
+            predicted_mm: position_mm(&pose.predicted),
+            predicted_size_mm: millimetres(pose.size),
+            residual_mm: millimetres(pose.residual().norm()),
+            inside_95: pose.is_inside,
+        }
+    }
+}
+
+impl SpotRankingEntry {
+    fn new(ranking: &SpotRanking) -> Self {
+        Self {
+            count: ranking.spots.len(),
+            rank_correlation: ranking.correlation.map(nine_digits),
+            predicted_best: MeasuredSpotEntry::new(&ranking.chosen),
+            mean_mm: millimetres(ranking.mean),
+            least_mm: millimetres(ranking.least),
+            greatest_mm: millimetres(ranking.greatest),
+        }
+    }
+}
+
+impl MeasuredSpotEntry {
+    fn new(spot: &MeasuredSpot) -> Self {
+        Self {
+            position_mm: position_mm(&spot.position),
+            positions: spot.poses,
+            measured_mm: millimetres(spot.measured),
+            predicted_mm: millimetres(spot.predicted),
+        }
+    }
+}
+
+impl RepeatsEntry {
+    fn new(repeats: &Repeatability) -> Self {
+        let posture = |posture: &crate::verification::RepeatedPosture| RepeatedPostureEntry {
+            row: posture.row,
+            visits: posture.visits,
+            position_mm: position_mm(&posture.position),
+            ap_mm: millimetres(posture.accuracy),
+            rp_mm: millimetres(posture.repeatability),
+        };
+        Self {
+            largest_ap_mm: millimetres(repeats.largest_accuracy()),
+            largest_rp_mm: millimetres(repeats.largest_repeatability()),
+            least_visits: repeats.least_visits(),
+            enough_visits: repeats.least_visits() >= CYCLES_OF_STANDARD,
+            postures: repeats.postures.iter().map(posture).collect(),
+        }
+    }
+}
