@@ -171,10 +171,8 @@ fn ellipsoids_cover_about_95_percent_of_the_positions_of_random_arms() {
         of_tolerances += found.coverage.unwrap() / ARMS as f64;
         assert!(found.poses.iter().all(|pose| pose.predicted.norm() < 1e-12 && pose.size > 0.0));
     }
-    // The fit of nine unknowns takes up an eighth of the variance of errors that change from pose to pose.
-    assert!((0.94..0.985).contains(&of_varying), "{of_varying}");
-    for share in [of_measured, of_tolerances] {
-        assert!((0.93..0.97).contains(&share), "{of_measured} and {of_tolerances}");
+    for share in [of_measured, of_tolerances, of_varying] {
+        assert!((0.93..0.97).contains(&share), "{of_measured}, {of_tolerances} and {of_varying}");
     }
 }
 

@@ -11,13 +11,11 @@
 //! measurement. The variance `s_j^2` is the sum of the squared coefficients divided by the number of
 //! coefficients that the data determine, found together with the fit (MacKay 1992, Bayesian interpolation).
 
-use super::unknown::Unknown;
+use super::unknown::{Unknown, expected_harmonic};
 use crate::cell::{JointKind, MAX_JOINTS};
 use crate::robot::Chain;
 use nalgebra::DMatrix;
 
-/// Standard deviation of the periodic error of a joint that is expected without data, rad.
-const EXPECTED_ERROR: f64 = 3e-4;
 /// Number of determined coefficients that the expectation counts for.
 const WEIGHT_OF_EXPECTATION: f64 = 2.0;
 
@@ -29,11 +27,6 @@ pub fn harmonics(chain: &Chain, orders: usize) -> Vec<Unknown> {
         orders.flat_map(|(joint, order)| [false, true].map(|sine| Unknown::Harmonic { joint, order, sine }))
     };
     turning.flat_map(of_joint).collect()
-}
-
-/// Returns the standard deviation of one coefficient before the measurement, rad.
-pub fn expected_harmonic(orders: usize) -> f64 {
-    EXPECTED_ERROR / (orders as f64).sqrt()
 }
 
 /// Returns the cosine or the sine of a multiple of an angle.

@@ -41,7 +41,7 @@ mod validation;
 
 pub use accuracy::Accuracy;
 pub use deformed::{Deformed, PointMotion};
-pub use harmonics::{expected_harmonic, harmonics};
+pub use harmonics::harmonics;
 pub use hypothesis::{
     DataReading, JointMap, LENGTH_UNITS, RotationReading, explain, explain_rotations, spread_out, unit_name,
 };
@@ -54,4 +54,4 @@ pub use session::{MeasuredPosition, MeasuringSession, drawn};
 pub use stated::{errors_between, errors_of_frames, no_errors, nominal_frames};
 pub use suspect::{SuspectRows, still_joints};
 pub use taken_up::{PositionJacobians, jacobian, taken_up};
-pub use unknown::{Identified, Unknown, unknowns};
+pub use unknown::{Identified, Unknown, expected_harmonic, unknowns};

@@ -1,6 +1,5 @@
 //! Parameters that a calibration identifies, and their standard deviations before the measurement.
 
-use super::harmonics::expected_harmonic;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
 use crate::kinematic_error::{ParameterSet, identifiable};
 use crate::robot::{Chain, lever};
@@ -105,4 +104,12 @@ impl Unknown {
             Self::Harmonic { .. } => expected_harmonic(1),
         }
     }
+}
+
+/// Standard deviation of the periodic error of a joint that is expected without data, rad.
+const EXPECTED_ERROR: f64 = 3e-4;
+
+/// Returns the standard deviation of one coefficient before the measurement, rad.
+pub fn expected_harmonic(orders: usize) -> f64 {
+    EXPECTED_ERROR / (orders as f64).sqrt()
 }

@@ -10,7 +10,7 @@ use crate::calibration::{
     aligned, jacobian, taken_up,
 };
 use crate::robot::Frames;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Standard deviation of a position per axis, m, that no instrument betters.
 const FINEST: f64 = 1e-6;
@@ -111,15 +111,13 @@ fn compared(
         let columns: Vec<PositionJacobians> =
             measured.iter().zip(&postures).zip(nominal).map(of_position).collect();
         let taken_up = taken_up(&columns)?;
-        spreads = columns
-            .iter()
-            .map(|(of_chain, of_frames)| {
-                let free = of_chain - of_frames * &taken_up;
-                let constant = &free * free.transpose();
-                let varying = of_chain * of_chain.transpose();
-                Some([constant, varying].map(|spread| Matrix3::from_fn(|i, j| spread[(i, j)])))
-            })
-            .collect();
+        let constant = columns.iter().map(|(of_chain, of_frames)| {
+            let free = of_chain - of_frames * &taken_up;
+            &free * free.transpose()
+        });
+        let both = constant.zip(varying_spreads(&columns)?);
+        let sized = |spread: DMatrix<f64>| Matrix3::from_fn(|i, j| spread[(i, j)]);
+        spreads = both.map(|(constant, varying)| Some([sized(constant), sized(varying)])).collect();
     }
     let poses = measured.iter().zip(&predicted).zip(nominal).zip(spreads);
     Some(
@@ -149,6 +147,28 @@ fn compared(
             })
             .collect(),
     )
+}
+
+/// Returns the covariances (m^2) of residuals whose random errors are independent from pose to pose.
+///
+/// The fit of the frames adds a part of the errors of all poses to each. With F the Jacobian of the frames at one
+/// pose, S the covariance of its error and `N = sum F^T F`, the residual is `e - F N^-1 sum F^T e`.
+fn varying_spreads(columns: &[PositionJacobians]) -> Option<Vec<DMatrix<f64>>> {
+    let frames = columns.first()?.1.ncols();
+    let own: Vec<_> = columns.iter().map(|(of_chain, _)| of_chain * of_chain.transpose()).collect();
+    let mut normal = DMatrix::identity(frames, frames) * 1e-12;
+    let mut of_all = DMatrix::zeros(frames, frames);
+    for ((_, f), own) in columns.iter().zip(&own) {
+        normal += f.transpose() * f;
+        of_all += f.transpose() * own * f;
+    }
+    let inverse = normal.cholesky()?.inverse();
+    let of_fit = &inverse * of_all * &inverse;
+    let residual = |((_, f), own): (&PositionJacobians, &DMatrix<f64>)| {
+        let shared = f * &inverse * f.transpose() * own;
+        own - &shared - shared.transpose() + f * &of_fit * f.transpose()
+    };
+    Some(columns.iter().zip(&own).map(residual).collect())
 }
 
 /// Returns whether a residual (m) is inside the 95 % ellipsoid of prediction and measurement.
