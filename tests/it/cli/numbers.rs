@@ -3,13 +3,14 @@
 use super::sandbox::{CELL, PAPER, Sandbox};
 
 /// Placeholders of options whose values are numbers, each with the hostile values that are numbers in range.
-const NUMERIC: [(&str, &[&str]); 14] = [
+const NUMERIC: [(&str, &[&str]); 15] = [
     ("MM", &[]),
     ("DEG", &["1e-320", "-0"]),
     ("SECONDS", &["1e-320", "-0"]),
     ("SHARE", &["1e-320", "-0"]),
     ("Q1,Q2,...", &["1e-320", "-0"]),
     ("N", &[]),
+    ("ORDER", &[]),
     ("SEED", &[]),
     ("INDEX", &[]),
     ("JOBS", &[]),
@@ -101,8 +102,10 @@ fn every_numeric_option_refuses_hostile_numbers() {
                 let ran = shop.run(&[&arguments(&command)[..], &[&name, &typed]].concat());
                 let what = format!("{command} {name} {typed}: {:?}, {}", ran.code, ran.err);
                 ran.no_panic();
-                // A height may be anywhere, a limit and a step may not. `calibrate` has no table here.
-                let is_in_range = in_range.contains(&value) && command != "calibrate";
+                // A height may be anywhere, a limit and a step may not. `calibrate` has no table here, and
+                // `compare --time` needs `--calibrated`, which needs a measured arm.
+                let lacks_data = command == "calibrate" || command == "compare" && name == "--time";
+                let is_in_range = in_range.contains(&value) && !lacks_data;
                 if is_in_range || name == "--height" && ["1e-320", "-0"].contains(&value) {
                     assert!(matches!(ran.code, Some(0 | 1 | 4)), "{what}");
                     let _ = std::fs::remove_dir_all(shop.path("out"));
