@@ -1,8 +1,9 @@
 //! Figures of results/measured, from the tracker data of a real UR10: `cargo bench --bench measured [-- STUDY ...]`.
 //!
-//! The studies are `transfer` (one series predicts the others), `pooled` (all four series), `rank` (does the error
-//! map name the accurate spots), `plan` (do chosen poses tell more than random ones) and `speed`. Poses are drawn with
-//! the seeds 1 to 20; medians are printed.
+//! The studies are `transfer` (one series predicts the others), `terms` (what elastic terms, harmonics and priors buy
+//! and cost), `pooled` (all four series), `rank` (does the error map name the accurate spots), `plan` (do chosen poses
+//! tell more than random ones) and `speed`. Poses are drawn with the seeds 1 to 20, or 1 to 5 where a fit is slow;
+//! medians are printed.
 
 #![allow(clippy::expect_used, clippy::print_stdout)] // without the data there is nothing to measure
 
@@ -20,8 +21,8 @@ use sweetspot::files;
 use sweetspot::robot::Chain;
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=20;
-/// Largest order of the harmonics.
-const ORDERS: usize = 32;
+/// Seeds of the studies whose fits are slow.
+const FEW_SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
 const SERIES: [&str; 4] = ["A", "B", "C", "D"];
 /// Least number of poses of a spot.
 const POSES_OF_SPOT: usize = 10;
@@ -78,13 +79,26 @@ impl Data {
     }
 
     fn fitted(&self, sessions: &[MeasuringSession], terms: Terms) -> Calibration {
-        let mut unknowns = unknowns(&self.chain, terms != Terms::Rows);
-        let mut priors: Vec<_> = unknowns.iter().map(|u: &Unknown| u.default_prior()).collect();
-        if terms == Terms::Harmonics {
-            unknowns.extend(harmonics(&self.chain, ORDERS));
-            priors.resize(unknowns.len(), expected_harmonic(ORDERS));
+        let mut unknowns = unknowns(&self.chain, terms.is_elastic);
+        let mut priors: Vec<_> =
+            unknowns.iter().map(|u: &Unknown| u.default_prior() * terms.prior_factor).collect();
+        if terms.orders > 0 {
+            unknowns.extend(harmonics(&self.chain, terms.orders));
+            priors.resize(unknowns.len(), expected_harmonic(terms.orders));
         }
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
+    }
+
+    /// Prints for every series but `without` the median error of predictions, and how many its ellipsoids contain.
+    fn print_tests(&self, results: &[Calibration], without: Option<usize>) {
+        for (other, name) in SERIES.iter().enumerate().filter(|(other, _)| Some(*other) != without) {
+            let tested = results.iter().map(|r| r.tested(&self.series[other]).expect("a test"));
+            let (means, shares): (Vec<_>, Vec<_>) =
+                tested.map(|(t, share)| (mean(&t.distances) * 1e3, share * 100.0)).unzip();
+            let (least, most) = (quantile(&shares, 0.0), quantile(&shares, 1.0));
+            print!("  {name}: {:.3} | {:.1} ({least:.1}-{most:.1})", median(&means), median(&shares));
+        }
+        println!();
     }
 
     /// Returns the mean measured error of every spot of series A with enough poses, by a function of its poses.
@@ -111,13 +125,30 @@ impl Data {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Terms {
-    Rows,
-    Elastic,
-    /// Elastic terms and harmonics up to the order [`ORDERS`].
-    Harmonics,
+/// What a fit identifies beside the base and the reflectors.
+#[derive(Clone, Copy)]
+struct Terms {
+    name: &'static str,
+    is_elastic: bool,
+    /// Largest order of the harmonics; 0: none.
+    orders: usize,
+    /// Factor of the standard deviations before the measurement, of all unknowns but harmonics.
+    prior_factor: f64,
 }
+
+const ROWS: Terms = Terms { name: "Rows", is_elastic: false, orders: 0, prior_factor: 1.0 };
+const ELASTIC: Terms = Terms { name: "Elastic", is_elastic: true, ..ROWS };
+const HARMONICS: Terms = Terms { name: "Harmonics 32", orders: 32, ..ELASTIC };
+/// Choices of the study `terms`.
+const CHOICES: [Terms; 7] = [
+    ROWS,
+    ELASTIC,
+    Terms { name: "Harmonics 2", orders: 2, ..ELASTIC },
+    Terms { name: "Harmonics 8", orders: 8, ..ELASTIC },
+    HARMONICS,
+    Terms { name: "Elastic, prior / 3", prior_factor: 1.0 / 3.0, ..ELASTIC },
+    Terms { name: "Elastic, prior x 3", prior_factor: 3.0, ..ELASTIC },
+];
 
 fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
@@ -138,24 +169,30 @@ fn mean(values: &[f64]) -> f64 {
 /// Prints how a calibration with some poses of one series predicts the other series.
 fn transfer(data: &Data) {
     println!("\ntransfer: mean error in mm | share in the 95 % ellipsoid in %, least to largest");
-    for terms in [Terms::Rows, Terms::Elastic] {
+    for terms in [ROWS, ELASTIC] {
         for (series, count) in [(2, 300), (2, 50), (1, 300), (1, 50), (0, 300), (0, 50), (3, 300), (3, 50)] {
+            print!("{:<22}", format!("{count} of {} {}", SERIES[series], terms.name));
             let results: Vec<_> =
                 SEEDS.map(|seed| data.calibrated(&[(series, count)], seed, terms)).collect();
-            print!("{:<22}", format!("{count} of {} {terms:?}", SERIES[series]));
-            for other in (0..4).filter(|other| *other != series) {
-                let tested = results.iter().map(|r| r.tested(&data.series[other]).expect("a test"));
-                let (means, shares): (Vec<_>, Vec<_>) =
-                    tested.map(|(t, share)| (mean(&t.distances) * 1e3, share * 100.0)).unzip();
-                let (least, most) = (quantile(&shares, 0.0), quantile(&shares, 1.0));
-                print!(
-                    "  {}: {:.3} | {:.1} ({least:.1}-{most:.1})",
-                    SERIES[other],
-                    median(&means),
-                    median(&shares)
-                );
-            }
-            println!();
+            data.print_tests(&results, Some(series));
+        }
+    }
+    for series in [2, 1, 0, 3] {
+        print!("{:<22}", format!("300 of {} {}", SERIES[series], HARMONICS.name));
+        let results: Vec<_> =
+            FEW_SEEDS.map(|seed| data.calibrated(&[(series, 300)], seed, HARMONICS)).collect();
+        data.print_tests(&results, Some(series));
+    }
+}
+
+/// Prints what elastic terms, harmonics and priors buy and cost, from poses of series C.
+fn terms(data: &Data) {
+    println!("\nterms: mean error in mm | share in the 95 % ellipsoid in %, 5 draws");
+    for count in [300, 50] {
+        for terms in CHOICES {
+            print!("{:<26}", format!("{count} of C {}", terms.name));
+            let results: Vec<_> = FEW_SEEDS.map(|seed| data.calibrated(&[(2, count)], seed, terms)).collect();
+            data.print_tests(&results, Some(2));
         }
     }
 }
@@ -163,17 +200,11 @@ fn transfer(data: &Data) {
 /// Prints the errors after a calibration with 300 poses of each series.
 fn pooled(data: &Data) {
     println!("\npooled: 300 poses of each series, mean error in mm | share in the 95 % ellipsoid in %");
-    for terms in [Terms::Rows, Terms::Elastic] {
+    for terms in [ROWS, ELASTIC, HARMONICS] {
         let all = [(0, 300), (1, 300), (2, 300), (3, 300)];
-        let results: Vec<_> = (1..=5).map(|seed| data.calibrated(&all, seed, terms)).collect();
-        print!("{terms:?}");
-        for (other, name) in SERIES.iter().enumerate() {
-            let tested = results.iter().map(|r| r.tested(&data.series[other]).expect("a test"));
-            let (means, shares): (Vec<_>, Vec<_>) =
-                tested.map(|(t, share)| (mean(&t.distances) * 1e3, share * 100.0)).unzip();
-            print!("  {name}: {:.3} | {:.1}", median(&means), median(&shares));
-        }
-        println!();
+        print!("{:<13}", terms.name);
+        let results: Vec<_> = FEW_SEEDS.map(|seed| data.calibrated(&all, seed, terms)).collect();
+        data.print_tests(&results, None);
     }
 }
 
@@ -207,30 +238,27 @@ fn rank(data: &Data) {
             (0..predicted.len()).min_by(|&a, &b| predicted[a].total_cmp(&predicted[b])).expect("a spot");
         (spearman(predicted, &measured), measured[best])
     };
-    for terms in [Terms::Rows, Terms::Elastic] {
-        for count in [30, 50, 100, 300] {
-            let one = |seed: u64| {
-                let result = data.calibrated(&[(1, count)], seed, terms);
-                let (fitted, _) = result.tested(&data.series[0]).expect("a test");
-                let positions = data.series[0].iter().map(|m| {
-                    fitted
-                        .frames
-                        .base
-                        .transform(&fitted.frames.reached(&result.deformed(&m.joints).interface, 0))
-                });
-                judged(&data.of_spots(&data.nominal_errors(positions)))
-            };
-            let (correlations, spots): (Vec<_>, Vec<_>) = SEEDS.map(one).unzip();
-            println!(
-                "{:<18} Spearman {:.3} (least {:.3}); spot predicted best: {:.3} mm, at most 0.25 mm in {} of {}",
-                format!("{count} of B {terms:?}"),
-                median(&correlations),
-                quantile(&correlations, 0.0),
-                median(&spots),
-                spots.iter().filter(|s| **s <= 0.25).count(),
-                spots.len()
-            );
-        }
+    let counts = [30, 50, 100, 300].into_iter();
+    let plain = [ROWS, ELASTIC].into_iter().flat_map(|terms| counts.clone().map(move |c| (terms, c, SEEDS)));
+    for (terms, count, seeds) in plain.chain([(HARMONICS, 300, FEW_SEEDS)]) {
+        let one = |seed: u64| {
+            let result = data.calibrated(&[(1, count)], seed, terms);
+            let (fitted, _) = result.tested(&data.series[0]).expect("a test");
+            let positions = data.series[0].iter().map(|m| {
+                fitted.frames.base.transform(&fitted.frames.reached(&result.deformed(&m.joints).interface, 0))
+            });
+            judged(&data.of_spots(&data.nominal_errors(positions)))
+        };
+        let (correlations, spots): (Vec<_>, Vec<_>) = seeds.map(one).unzip();
+        println!(
+            "{:<23} Spearman {:.3} (least {:.3}); spot predicted best: {:.3} mm, at most 0.25 mm in {} of {}",
+            format!("{count} of B {}", terms.name),
+            median(&correlations),
+            quantile(&correlations, 0.0),
+            median(&spots),
+            spots.iter().filter(|s| **s <= 0.25).count(),
+            spots.len()
+        );
     }
     let commanded = |f: &dyn Fn(&Vector3<f64>) -> f64| {
         let poses = data.series[0].iter();
@@ -272,10 +300,9 @@ fn plan(data: &Data) {
     for count in [30, 50] {
         let chosen = problem.best(count, &mut |_, _| ()).expect("a plan");
         let measured = chosen.into_iter().map(|i| data.series[2][i]).collect();
-        let planned =
-            judged(&data.fitted(&[MeasuringSession { name: "C".into(), measured }], Terms::Elastic));
+        let planned = judged(&data.fitted(&[MeasuringSession { name: "C".into(), measured }], ELASTIC));
         let random: Vec<_> =
-            SEEDS.map(|seed| judged(&data.calibrated(&[(2, count)], seed, Terms::Elastic))).collect();
+            SEEDS.map(|seed| judged(&data.calibrated(&[(2, count)], seed, ELASTIC))).collect();
         let random = [0, 1, 2].map(|k| median(&random.iter().map(|r| r[k]).collect::<Vec<_>>()));
         println!("{count} poses: plan {planned:.3?}, median of 20 random draws {random:.3?}");
     }
@@ -286,7 +313,7 @@ fn speed(data: &Data) {
     let times: Vec<_> = (1..=5)
         .map(|seed| {
             let begun = Instant::now();
-            std::hint::black_box(data.calibrated(&[(2, 1000)], seed, Terms::Elastic));
+            std::hint::black_box(data.calibrated(&[(2, 1000)], seed, ELASTIC));
             begun.elapsed().as_secs_f64()
         })
         .collect();
@@ -296,8 +323,14 @@ fn speed(data: &Data) {
 fn main() {
     let data = Data::new();
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let studies: [(&str, Study); 5] =
-        [("transfer", transfer), ("pooled", pooled), ("rank", rank), ("plan", plan), ("speed", speed)];
+    let studies: [(&str, Study); 6] = [
+        ("transfer", transfer),
+        ("terms", terms),
+        ("pooled", pooled),
+        ("rank", rank),
+        ("plan", plan),
+        ("speed", speed),
+    ];
     for (name, study) in studies {
         if wanted.is_empty() || wanted.iter().any(|w| w == name) {
             study(&data);

@@ -567,7 +567,7 @@ fn no_random_posture_is_below_the_bound_with_elastic_errors() {
                 };
                 (cell.robot.errors, cell.errors) = (vec![set], 0);
                 let what = format!("{name} {reading:?} {quantity:?} {model:?} measured {is_measured}");
-                let proof = nothing_is_below(&what, &cell, 600, 200);
+                let proof = nothing_is_below(&what, &cell, 300, 60);
                 match proof.operations[0].value {
                     Ok(bound) => positive += usize::from(bound > 0.0),
                     Err(WhyNot::Mean) => assert!(is_measured && reading == Reading::WorstCase, "{what}"),
