@@ -240,7 +240,7 @@ fn rank(data: &Data) {
     };
     let counts = [30, 50, 100, 300].into_iter();
     let plain = [ROWS, ELASTIC].into_iter().flat_map(|terms| counts.clone().map(move |c| (terms, c, SEEDS)));
-    for (terms, count, seeds) in plain.chain([(HARMONICS, 300, FEW_SEEDS)]) {
+    for (terms, count, seeds) in plain.chain([(HARMONICS, 50, SEEDS), (HARMONICS, 300, FEW_SEEDS)]) {
         let one = |seed: u64| {
             let result = data.calibrated(&[(1, count)], seed, terms);
             let (fitted, _) = result.tested(&data.series[0]).expect("a test");

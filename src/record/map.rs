@@ -11,7 +11,7 @@ use super::refined::RefinedEntry;
 use super::words::{VALUE_WORDS, caveats, value_word};
 use crate::assess::Assessment;
 use crate::cell::{Cell, JointKind, Model, NodeAggregation, Reading, Registration, Sense, Unit};
-use crate::error_map::{NodeSign, OperationMap};
+use crate::error_map::{Extrapolation, NodeSign, OperationMap};
 use crate::motion::Transfer;
 use crate::reading::MonteCarlo;
 use schemars::JsonSchema;
@@ -117,6 +117,9 @@ pub struct OperationMapEntry<'a> {
     pub worst: Option<f64>,
     pub counts: StatusCounts,
     pub guard: GuardEntry,
+    /// Usable nodes outside the joint ranges of the calibration; left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extrapolated: Option<ExtrapolatedEntry>,
     /// Monte Carlo check of the spot; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
     #[schemars(with = "Vec<MapNode>")]
@@ -177,6 +180,7 @@ impl<'a> OperationMapEntry<'a> {
             worst: a.worst(map.operation).map(|worst| nine_digits(cell.unit().from_si(worst))),
             counts: StatusCounts::new(map),
             guard: GuardEntry::new(cell, map),
+            extrapolated: ExtrapolatedEntry::new(cell, map),
             monte_carlo: MonteCarloEntry::new(a, map.operation),
             nodes: MapNodes::OfMap(cell, map),
             best: map.best_node().map(|n| MapNode::new(cell, map, n)),
@@ -232,6 +236,30 @@ pub struct GuardEntry {
     pub second_order: ModelGuardEntry,
     /// Whether the discrepancy of the chosen error model is within the threshold at every usable node.
     pub trusted: bool,
+}
+
+/// Usable nodes whose postures the calibration of the robot did not measure.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExtrapolatedEntry {
+    /// Number of usable nodes outside the measured ranges.
+    pub nodes: usize,
+    /// Names of the joints that leave their measured range.
+    pub joints: Vec<String>,
+    /// Whether the spot is one of these nodes.
+    pub spot: bool,
+}
+
+impl ExtrapolatedEntry {
+    fn new(cell: &Cell, map: &OperationMap) -> Option<Self> {
+        let found = Extrapolation::of(cell, map)?;
+        let name = |joint: &usize| cell.robot.joints[*joint].name.clone();
+        Some(Self {
+            nodes: found.nodes,
+            joints: found.joints.iter().map(name).collect(),
+            spot: found.has_spot,
+        })
+    }
 }
 
 /// Discrepancy between one error model and the nonlinear one.

@@ -17,7 +17,24 @@ pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDoc
          residual {} mm per axis\"\n",
         rounded(document.residual_mm.unwrap_or(0.0), 3)
     );
-    [head, lists(robot, calibration), elastic(calibration), covariance(robot, calibration)].concat()
+    let parts = [
+        head,
+        ranges(robot, calibration),
+        lists(robot, calibration),
+        elastic(calibration),
+        covariance(robot, calibration),
+    ];
+    parts.concat()
+}
+
+/// Returns the range of every joint among the measured postures, degrees or mm.
+fn ranges(robot: &Robot, calibration: &Calibration) -> String {
+    let range = |(joint, (low, high)): (usize, &(f64, f64))| {
+        let of_file = if slides(robot, joint) { mm_from_m } else { deg_from_rad };
+        format!("[{}, {}]", rounded(of_file(*low), 4), rounded(of_file(*high), 4))
+    };
+    let all: Vec<String> = calibration.ranges.iter().enumerate().map(range).collect();
+    format!("measured_ranges = [{}]\n", all.join(", "))
 }
 
 /// Returns the errors of the rows, one list for each key that has any.

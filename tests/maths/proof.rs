@@ -531,7 +531,7 @@ fn elastic_set(robot: &Robot, is_measured: bool, rng: &mut ChaCha8Rng) -> ErrorS
         spread.spreads[place].plus_minus = 3.0 * matrix[(k, k)].sqrt();
     }
     spread.covariance = Some(Covariance { parameters, matrix });
-    ErrorSet::Measured(Box::new(MeasuredErrors { mean: sample, spread }))
+    ErrorSet::Measured(Box::new(MeasuredErrors { mean: sample, spread, ranges: None }))
 }
 
 /// Elastic errors and means are bounded in every reading, or the proof says why not.

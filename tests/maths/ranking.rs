@@ -287,6 +287,6 @@ fn elastic_set(robot: &Robot, form: usize, rng: &mut ChaCha8Rng) -> ErrorSet {
     match form {
         0 | 1 => ErrorSet::Signed(sample),
         2 => ErrorSet::Tolerance(spread),
-        _ => ErrorSet::Measured(Box::new(MeasuredErrors { mean: sample, spread })),
+        _ => ErrorSet::Measured(Box::new(MeasuredErrors { mean: sample, spread, ranges: None })),
     }
 }

@@ -146,6 +146,7 @@ fn ellipsoids_cover_about_95_percent_of_the_positions_of_random_arms() {
     let measured = MeasuredErrors {
         mean: SignedErrors::of_values("measured".into(), 6, &values(6, &unknowns, &mean)),
         spread: spread.clone(),
+        ranges: None,
     };
     let measured = cell(ErrorSet::Measured(Box::new(measured)), Reading::Signed);
     let tolerances = cell(ErrorSet::Tolerance(spread), Reading::Statistical);

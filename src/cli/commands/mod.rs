@@ -84,8 +84,9 @@ fn warn_of_hopeless(workcell: &Workcell) {
 /// Warns of every operation in whose map the chosen error model cannot be trusted.
 fn warn_of_distrust(assessment: &Assessment<'_>) {
     for map in &assessment.maps {
-        if let Some(said) = text::distrust(assessment.cell, map) {
-            let name = shown(&assessment.cell.operations[map.operation].name);
+        let name = shown(&assessment.cell.operations[map.operation].name);
+        let doubts = [text::distrust(assessment.cell, map), text::extrapolation(assessment.cell, map)];
+        for said in doubts.into_iter().flatten() {
             output::talk(&format!("warning: {name}: {said}"));
         }
     }

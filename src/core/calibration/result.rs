@@ -48,6 +48,8 @@ pub struct Calibration {
     pub held_out: Option<Accuracy>,
     /// Variances of what the parameters do not explain.
     pub misfit: ResidualVariances,
+    /// Least and largest measured coordinate of every joint, rad or m.
+    pub ranges: Vec<(f64, f64)>,
     chain: Chain,
 }
 
@@ -100,9 +102,16 @@ pub fn calibrate(
         residual: (squares / (equations as f64 - count as f64 - of_harmonics).max(1.0)).sqrt(),
         held_out: Accuracy::of(left_out.iter().map(|r| r.by.norm()).collect()),
         misfit: fit.misfit.clone(),
+        ranges: (0..chain.links.len()).map(|joint| range_of(sessions, joint)).collect(),
         covariance,
         chain: chain.clone(),
     })
+}
+
+/// Returns the least and the largest measured coordinate of a joint.
+fn range_of(sessions: &[MeasuringSession], joint: usize) -> (f64, f64) {
+    let all = sessions.iter().flat_map(|session| &session.measured).map(|m| m.joints[joint]);
+    all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(q), high.max(q)))
 }
 
 /// Returns the directions of the parameters whose standard deviation the data do not halve: eigenvectors of

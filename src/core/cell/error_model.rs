@@ -271,6 +271,8 @@ pub struct MeasuredErrors {
     pub mean: SignedErrors,
     /// Deviations of the parameters from their means.
     pub spread: Tolerance,
+    /// Range of every joint coordinate in the calibration, rad or m; None if the set does not state it.
+    pub ranges: Option<Vec<(f64, f64)>>,
 }
 
 /// Named error set of a robot.

@@ -18,6 +18,7 @@ mod candidate;
 mod certify;
 mod demand;
 mod every_node;
+mod extrapolation;
 mod family_queue;
 mod free_spots;
 mod grid;
@@ -42,6 +43,7 @@ mod work_context;
 mod workspace;
 
 pub use demand::Demand;
+pub use extrapolation::Extrapolation;
 pub use grid::Grid;
 pub use held_posture::{HeldPosture, PointSpot};
 pub use mapper::Mapper;

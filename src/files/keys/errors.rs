@@ -158,9 +158,11 @@ key_table! {
         DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table with words for rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
+        RANGES = Key::new("measured_ranges", ValueKind::List(&ValueKind::List(&FINITE, (2, 2), "numbers"), (1, MAX_JOINTS), "ranges"), "Least and largest coordinate of every joint among the measured postures, degrees or mm. Map and search say which nodes lie outside.").example("[[-90, 90], [-120, -30]]");
     }
     rules [
-        Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance"] },
+        Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance", "measured_ranges"] },
+        Rule::When { key: "kind", words: tolerance, needs: &[], never: &["measured_ranges"] },
         Rule::When { key: "kind", words: measured, needs: &[], never: &["distribution"] },
         Rule::NotNegativeWhen("kind", "tolerance"),
     ];
@@ -186,6 +188,10 @@ key_table! {
 
 fn measured() -> Vec<String> {
     vec![ErrorSetForm::Measured.name().to_string()]
+}
+
+fn tolerance() -> Vec<String> {
+    vec![ErrorForm::Tolerance.name().to_string()]
 }
 
 fn signed() -> Vec<String> {

@@ -2,6 +2,7 @@
 
 use super::elastic;
 use super::frame_error;
+use super::measured_ranges;
 use super::row_order::ErrorRows;
 use super::tolerance;
 use crate::cell::*;
@@ -35,6 +36,9 @@ fn read(name: &str, t: &mut Table, arm: ErrorRows<'_>) -> Option<ErrorSet> {
     let form: Option<ErrorSetForm> = t.word(&error_set::FORM);
     let of_lists = form.map(ErrorSetForm::of_lists);
     let values = read_values(name, t, arm, tolerance::range_of(of_lists));
+    if matches!(form, Some(ErrorSetForm::Plain(_))) {
+        measured_ranges::refuse(t);
+    }
     let set = match form {
         Some(ErrorSetForm::Plain(ErrorForm::Tolerance)) => {
             tolerance::read(t, values, arm).map(ErrorSet::Tolerance)

@@ -1,6 +1,7 @@
 //! Reader of tolerances: the distribution of each plus-or-minus value, and the spread of measured errors.
 
 use super::covariance;
+use super::measured_ranges;
 use super::row_order::ErrorRows;
 use crate::cell::*;
 use crate::files::keys::errors::{ErrorForm, distribution, error_set};
@@ -46,12 +47,13 @@ pub fn read_measured(
     let sigmas = t.number(&error_set::SIGMAS);
     let covariance =
         t.if_given(&error_set::COVARIANCE, |t, key| t.table(key, |t| covariance::read(t, arm, None)));
-    let (mean, sigmas, covariance) = (values?, sigmas?, covariance?);
+    let ranges = measured_ranges::read(t, arm);
+    let (mean, sigmas, covariance, ranges) = (values?, sigmas?, covariance?, ranges?);
     let none = Spread { plus_minus: 0.0, distribution: Distribution::Normal, sigmas };
     let mut spreads = vec![none; Parameter::count(arm.axes)];
     set_variances(&mut spreads, covariance.as_ref(), sigmas);
     let spread = Tolerance { name: mean.name.clone(), spreads, covariance };
-    Some(MeasuredErrors { mean, spread })
+    Some(MeasuredErrors { mean, spread, ranges })
 }
 
 /// Sets the spreads of the parameters of a covariance from its diagonal.

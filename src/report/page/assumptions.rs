@@ -6,7 +6,7 @@ use super::verdict::reading_in_words;
 use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance};
 use crate::files::shown;
 use crate::record::{caveats, is_guess, value_word};
-use crate::report::text::distrust;
+use crate::report::text::{distrust, extrapolation};
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
 /// Returns the section on assumptions, which includes the warnings.
@@ -15,7 +15,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     let mut rows = vec![
         said("Reading", format!("{}: {}", value_word(cell), reading_in_words(cell))),
         said("Registration", registration(cell).into()),
-        said("Errors", errors(cell)),
+        said("Errors", [errors(cell), extrapolated(subject)].concat()),
         said("Model", format!("{} model of the error; {}", cell.model.name(), trust(subject))),
         said("Collision", collision(cell)),
         said("Motion", motion(cell).into()),
@@ -77,6 +77,16 @@ fn distributions(tolerance: &Tolerance) -> String {
         Some(_) => "some of them given by a covariance".to_string(),
         None => names.join(" and "),
     }
+}
+
+/// Returns the operations whose errors are extrapolated, to follow the description of the errors.
+fn extrapolated(subject: &Subject<'_>) -> String {
+    let a = subject.shown();
+    let said = a.maps.iter().filter_map(|map| {
+        let name = shown(&a.cell.operations[map.operation].name);
+        Some(format!("; {name}: {}", extrapolation(a.cell, map)?))
+    });
+    said.collect()
 }
 
 fn trust(subject: &Subject<'_>) -> String {

@@ -4,10 +4,11 @@ use super::check::{requirement_line, samples_line, yield_lines};
 use super::{feasibility, mm1, percent, percent1};
 use crate::assess::Assessment;
 use crate::cell::{Cell, Model, Unit};
-use crate::error_map::{NodeSign, OperationMap};
+use crate::error_map::{Extrapolation, NodeSign, OperationMap};
 use crate::kinematic_error::{Discrepancy, discrepancy};
 use crate::reading::Figures;
 use crate::record::value_word;
+use crate::safe_text::shown;
 use crate::units::deg_from_rad;
 use std::fmt::Write;
 
@@ -142,6 +143,19 @@ pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
             percent(cell.guard)
         )
     })
+}
+
+/// Returns the warning that errors are extrapolated; None if every usable node is inside the measured ranges.
+pub fn extrapolation(cell: &Cell, map: &OperationMap) -> Option<String> {
+    let found = Extrapolation::of(cell, map)?;
+    let joints = found.joints.iter().map(|&joint| shown(&cell.robot.joints[joint].name));
+    Some(format!(
+        "the errors of {} of {} usable nodes{} are extrapolated: the calibration did not measure these angles of {}",
+        found.nodes,
+        found.usable,
+        if found.has_spot { ", the spot among them," } else { "" },
+        joints.collect::<Vec<_>>().join(", ")
+    ))
 }
 
 /// Returns the largest discrepancy of the linear model. Section 4.3 of the seed paper claims at most 1 %.

@@ -34,7 +34,7 @@ pub use envelope::{envelope, envelope_title, kind_of, robot, robots};
 pub use errors::{errors, presets};
 pub use explain::explanation;
 pub use front::{front, goals_line};
-pub use map::{distrust, maps};
+pub use map::{distrust, extrapolation, maps};
 pub use measured::{measured, measured_findings};
 pub use measuring_plan::measuring_plan;
 pub use proof::proven;

@@ -83,6 +83,40 @@ fn a_map_tells_how_well_it_predicts_measured_positions() {
     assert!(shop.json(&["map", "cell.toml"]).get("measured").is_none());
 }
 
+/// The measured range of joint 2 leaves out every posture of the cell, that of the other joints none.
+#[test]
+fn a_map_and_a_search_say_which_errors_are_extrapolated() {
+    let shop = shop();
+    let own = shop.text("measured.toml");
+    let robot: Vec<_> = own.lines().filter(|line| !line.starts_with("measured_ranges")).collect();
+    assert_eq!(robot.len() + 1, own.lines().count(), "`calibrate` states the ranges");
+    let all = "[-180, 180]";
+    let with = |second: &str| {
+        let ranges =
+            format!("[errors.measured]\nmeasured_ranges = [{all}, {second}, {all}, {all}, {all}, {all}]");
+        shop.write("measured.toml", &robot.join("\n").replacen("[errors.measured]", &ranges, 1));
+    };
+    with("[10, 11]");
+    let map = shop.done(&["map", "cell.toml"]);
+    let said = "usable nodes, the spot among them, are extrapolated: the calibration did not measure these angles of q2";
+    assert!(map.err.contains(said), "{}", map.err);
+    let document = shop.json(&["map", "cell.toml"]);
+    valid(DocumentKind::Map, &document);
+    let operation = &items(&document["operations"])[0];
+    assert_eq!(operation["extrapolated"]["nodes"], operation["counts"]["ok"], "{operation}");
+    let search =
+        shop.run(&["search", "cell.toml", "--budget", "200", "--out", "found", "--progress", "none"]);
+    assert!(search.err.contains("extrapolated"), "{}", search.err);
+    with(all);
+    let map = shop.done(&["map", "cell.toml"]);
+    assert!(!map.err.contains("extrapolated"), "{}", map.err);
+    for (second, fault) in [("[11, 10]", "range 2 of `measured_ranges` is reversed"), ("[1]", "2 numbers")] {
+        with(second);
+        let refused = shop.run(&["check", "cell.toml"]);
+        assert!(refused.code == Some(2) && refused.err.contains(fault), "{}", refused.err);
+    }
+}
+
 #[test]
 fn signed_errors_have_no_coverage_and_tolerances_have_no_direction() {
     let shop = Sandbox::new();

@@ -48,7 +48,7 @@ fn measured_cell(rng: &mut ChaCha8Rng) -> (Cell, DMatrix<f64>) {
         covariance: None,
     };
     let mut cell = cell_of(robot, none, Sense::plain("xyz").unwrap());
-    cell.robot.errors = vec![ErrorSet::Measured(Box::new(MeasuredErrors { mean, spread }))];
+    cell.robot.errors = vec![ErrorSet::Measured(Box::new(MeasuredErrors { mean, spread, ranges: None }))];
     cell.model = Model::Nonlinear;
     (cell, matrix)
 }

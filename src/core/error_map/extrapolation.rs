@@ -1,0 +1,75 @@
+//! Postures beyond the joint ranges that a calibration has measured.
+
+use super::node_record::OperationMap;
+use crate::cell::{Cell, ErrorSet, JointKind, JointVector};
+use std::f64::consts::TAU;
+
+/// Slack of a range: the rounding of its file, rad or m.
+const ROUNDING: f64 = 1e-6;
+
+/// Usable nodes whose postures lie outside the measured joint ranges: their errors are extrapolated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Extrapolation {
+    /// Number of usable nodes outside.
+    pub nodes: usize,
+    /// Number of usable nodes.
+    pub usable: usize,
+    /// Joints that leave their range at any of these nodes, in ascending order.
+    pub joints: Vec<usize>,
+    /// Whether the spot of the operation is outside.
+    pub has_spot: bool,
+}
+
+impl Extrapolation {
+    /// Returns the extrapolated nodes of a map; None if there are none, or if the errors have no measured ranges.
+    pub fn of(cell: &Cell, map: &OperationMap) -> Option<Self> {
+        let ErrorSet::Measured(measured) = cell.error_set() else { return None };
+        let ranges = measured.ranges.as_ref()?;
+        let is_outside = |joint: usize, q: &JointVector| {
+            let turns = cell.robot.joints[joint].kind == JointKind::Revolute;
+            !contains(ranges[joint], q[joint], turns)
+        };
+        let mut found = Self { nodes: 0, usable: 0, joints: Vec::new(), has_spot: false };
+        for (k, _, posture) in map.usable() {
+            found.usable += 1;
+            let outside: Vec<usize> =
+                (0..ranges.len()).filter(|&joint| is_outside(joint, &posture.joints)).collect();
+            found.nodes += usize::from(!outside.is_empty());
+            found.has_spot |= !outside.is_empty() && map.best == Some(k);
+            found.joints.extend(outside);
+        }
+        found.joints.sort_unstable();
+        found.joints.dedup();
+        (found.nodes > 0).then_some(found)
+    }
+}
+
+/// Returns whether a range contains a joint coordinate. Angles a whole turn apart are the same posture.
+fn contains((low, high): (f64, f64), q: f64, turns: bool) -> bool {
+    let (low, high) = (low - ROUNDING, high + ROUNDING);
+    match turns {
+        true => (q - low).rem_euclid(TAU) <= high - low,
+        false => (low..=high).contains(&q),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::contains;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn angles_are_equal_modulo_a_turn_and_lengths_are_not() {
+        for (range, q, of_angles, of_lengths) in [
+            ((-1.0, 2.0), 2.0, true, true),
+            ((-1.0, 2.0), 2.1, false, false),
+            ((-1.0, 2.0), -1.1, false, false),
+            ((-1.0, 2.0), 1.0 - TAU, true, false),
+            ((-1.0, 2.0), 2.5 + TAU, false, false),
+            ((3.0, 3.0), 3.0 - TAU, true, false),
+            ((-4.0, 4.0), 17.0, true, false),
+        ] {
+            assert_eq!((contains(range, q, true), contains(range, q, false)), (of_angles, of_lengths), "{q}");
+        }
+    }
+}
