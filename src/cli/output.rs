@@ -5,6 +5,7 @@ use crate::files::{Fault, shown};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::path::Path;
+use std::time::Duration;
 
 /// Writes data to stdout. A closed pipe (`| head`) is no error.
 pub fn data(text: &str) -> Result<(), Exit> {
@@ -51,6 +52,13 @@ pub fn progress_bar(length: u64) -> ProgressBar {
         bar.set_style(style);
     }
     bar.set_message("none yet");
+    bar
+}
+
+/// Returns a spinner on stderr for work whose length is unknown; hidden if stderr is no terminal.
+pub fn spinner(message: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new_spinner().with_message(message);
+    bar.enable_steady_tick(Duration::from_millis(100));
     bar
 }
 

@@ -11,6 +11,7 @@ use sweetspot::calibration::{
 use sweetspot::cell::{
     Cell, ErrorSet, JointVector, MeasuredErrors, Parameter, Reading, SignedErrors, Spread, Tolerance,
 };
+use sweetspot::error_map::contains_joint;
 use sweetspot::pose::Pose;
 use sweetspot::robot::Chain;
 use sweetspot::verification::{
@@ -232,4 +233,21 @@ fn true_repeats_remain_and_give_their_repeatability() {
     let few = MeasuringSession { measured: session.measured[..3].to_vec(), ..session };
     let why = MeasuredComparison::new(&PredictedErrors::new(&placeholder), &few, SPOT).unwrap_err();
     assert!(why.contains("9 measured coordinates"), "{why}");
+}
+
+#[test]
+fn measured_angles_are_equal_modulo_a_turn_and_lengths_are_not() {
+    let turn = std::f64::consts::TAU;
+    for (range, q, of_angles, of_lengths) in [
+        ((-1.0, 2.0), 2.0, true, true),
+        ((-1.0, 2.0), 2.1, false, false),
+        ((-1.0, 2.0), -1.1, false, false),
+        ((-1.0, 2.0), 1.0 - turn, true, false),
+        ((-1.0, 2.0), 2.5 + turn, false, false),
+        ((3.0, 3.0), 3.0 - turn, true, false),
+        ((-4.0, 4.0), 17.0, true, false),
+    ] {
+        let found = (contains_joint(range, q, true), contains_joint(range, q, false));
+        assert_eq!(found, (of_angles, of_lengths), "{q} in {range:?}");
+    }
 }

@@ -48,6 +48,9 @@ pub struct CalibrateArguments {
     /// Print the calibration as JSON on stdout
     #[arg(long)]
     pub json: bool,
+    /// Draw how far every measured position is from the prediction, over the coordinate of every joint
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
     #[command(flatten)]
     pub planning: MeasuringPlanFlags,
     #[command(flatten)]

@@ -17,7 +17,7 @@ pub struct MeasuringPlanFlags {
         long,
         value_name = "N",
         value_parser = clap::value_parser!(u64).range(1..=MAX_POSES),
-        conflicts_with_all = ["data", "test", "poses", "choose", "column", "toml"]
+        conflicts_with_all = ["data", "test", "poses", "choose", "column", "toml", "harmonics", "svg"]
     )]
     pub plan: Option<u64>,
     /// Use the rows of every table that tell most, this many, as if only these could be measured

@@ -10,8 +10,8 @@ use crate::calibration::{
     Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn, expected_harmonic, harmonics,
 };
 use crate::cli::arguments::CalibrateArguments;
-use crate::cli::output::path_word;
-use crate::cli::{Exit, json_text, output};
+use crate::cli::output::{path_word, word};
+use crate::cli::{Exit, json_text, loading, output};
 use crate::record::{AccuracyEntry, CalibratedFile, CalibrationDocument, OutlierRow, TestedFile};
 use crate::report;
 use crate::robot::Chain;
@@ -52,7 +52,10 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         unknowns.extend(harmonics(&chain, orders));
         priors.resize(unknowns.len(), expected_harmonic(orders));
     }
-    let calibration = fitted(&chain, &sessions, &unknowns, &priors).map_err(|why| {
+    let bar = output::spinner("identifying the errors");
+    let calibration = fitted(&chain, &sessions, &unknowns, &priors);
+    bar.finish_and_clear();
+    let calibration = calibration.map_err(|why| {
         output::error(&format!("cannot calibrate {}: {why}", path_word(&a.robot)));
         output::talk("  help: measure more postures, with every joint in several positions");
         Exit::BadInput
@@ -80,6 +83,11 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
     });
     let (calibrated, tested) = (calibrated.collect(), tested.collect());
     let document = CalibrationDocument::new(&robot, &calibration, calibrated, tested, seconds);
+    if let Some(path) = &a.svg {
+        let drawn = report::chart::joint_residuals(&robot, &sessions, &calibration.sessions);
+        loading::write_whole(path, drawn.as_bytes())?;
+        output::talk(&format!("wrote {}", path_word(path)));
+    }
     if a.json {
         json_text::print(&document)?;
     } else if a.toml {
@@ -92,10 +100,24 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         suggest(&format!("check CELL, with this table in a copy of {}", path_word(&a.robot)));
     } else {
         output::data(&report::text::calibration(&document))?;
-        let files: Vec<_> = a.data.iter().map(|path| path_word(path)).collect();
-        suggest(&format!("calibrate {} {} --toml", path_word(&a.robot), files.join(" ")));
+        suggest(&format!("calibrate {} {} --toml", path_word(&a.robot), words(a)));
     }
     Ok(Exit::Done)
+}
+
+/// Returns the tables and the options of the fit as one types them.
+fn words(a: &CalibrateArguments) -> String {
+    let mut words: Vec<String> = a.data.iter().map(|path| path_word(path)).collect();
+    words.extend(a.elastic.then(|| "--elastic".into()));
+    words.extend(a.harmonics.map(|orders| format!("--harmonics {orders}")));
+    words.extend(a.prior.as_ref().map(|set| format!("--prior {}", word(set))));
+    words.extend(a.joints.as_ref().map(|path| format!("--joints {}", path_word(path))));
+    let columns = a.column.iter();
+    words.extend(columns.map(|(of, name)| format!("--column {}", word(&format!("{of}={name}")))));
+    words.extend(a.poses.map(|count| format!("--poses {count} --seed {}", a.seed)));
+    words.extend(a.planning.choose.map(|count| format!("--choose {count}")));
+    words.extend(a.planning.task.as_ref().map(|cell| format!("--for {}", path_word(cell))));
+    words.join(" ")
 }
 
 /// Returns the accuracy of the nominal robot after a fit of base and reflector.

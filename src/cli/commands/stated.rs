@@ -82,6 +82,18 @@ pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -
         output::talk("  help: measured positions and stated calibrations are read one by one");
         return Err(Exit::BadInput);
     }
+    let of_a_fit = [
+        ("--elastic", a.elastic),
+        ("--harmonics", a.harmonics.is_some()),
+        ("--prior", a.prior.is_some()),
+        ("--poses", a.poses.is_some()),
+        ("--column", !a.column.is_empty()),
+        ("--choose", a.planning.choose.is_some()),
+        ("--svg", a.svg.is_some()),
+    ];
+    for (option, _) in of_a_fit.iter().filter(|(_, is_given)| *is_given) {
+        output::talk(&format!("note: {option} is ignored: a stated calibration has no positions to fit"));
+    }
     let (errors, source) =
         if is_urdf(path) { of_urdf(robot, path)? } else { of_universal_robots(robot, path)? };
     let document = CalibrationDocument::stated(robot, &errors);

@@ -43,7 +43,7 @@ mod work_context;
 mod workspace;
 
 pub use demand::Demand;
-pub use extrapolation::Extrapolation;
+pub use extrapolation::{Extrapolation, contains_joint};
 pub use grid::Grid;
 pub use held_posture::{HeldPosture, PointSpot};
 pub use mapper::Mapper;

@@ -23,6 +23,7 @@ mod heat_map;
 pub mod histogram;
 #[doc(hidden)] // open for tests/it
 pub mod iso;
+mod joint_residuals;
 #[doc(hidden)] // open for tests/it
 pub mod labels;
 mod layout;
@@ -45,6 +46,7 @@ pub use envelope::envelope;
 pub use error_map::error_map;
 pub use heat_map::heat_map;
 pub use histogram::histogram;
+pub use joint_residuals::joint_residuals;
 pub use layout::{layout_plan, layout_section};
 pub use measured::measured;
 pub use misplacement::misplacement;

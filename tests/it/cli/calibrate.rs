@@ -167,3 +167,18 @@ const ROWS_OF_UR10: [(f64, f64, f64); 6] = [
     (0.1157, 0.0, -std::f64::consts::FRAC_PI_2),
     (0.0922, 0.0, 0.0),
 ];
+
+/// Every position of a table is a dot over every joint, and the next command keeps the options of the fit.
+#[test]
+fn the_residuals_are_drawn_over_every_joint() {
+    let shop = Sandbox::new();
+    let b = series("B");
+    let run = shop.done(&["calibrate", "ur10", &b, "--elastic", "--poses", "60", "--svg", "left.svg"]);
+    let svg = shop.text("left.svg");
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let dots = document.descendants().filter(|node| node.has_tag_name("circle"));
+    // One more circle is the mark of the legend.
+    assert_eq!(dots.count(), 6 * 60 + 1);
+    let next = format!("next: sweetspot calibrate ur10 {b} --elastic --poses 60 --seed 1 --toml");
+    assert!(run.err.contains("wrote left.svg") && run.err.contains(&next), "{}", run.err);
+}
