@@ -45,8 +45,8 @@ pub fn joint_residuals(robot: &Robot, sessions: &[MeasuringSession], fitted: &[F
     let mut top = canvas.y + 44.0;
     for (joint, row) in robot.joints.iter().enumerate() {
         let left = LEFT + if joint % 2 == 0 { 0.0 } else { wide + GAP };
-        let (of_file, unit) = match row.kind {
-            JointKind::Revolute => (deg_from_rad as fn(f64) -> f64, "deg"),
+        let (of_file, word, unit) = match row.kind {
+            JointKind::Revolute => (deg_from_rad as fn(f64) -> f64, "angle", "deg"),
             JointKind::Prismatic => (mm_from_m as fn(f64) -> f64, "mm"),
         };
         let dots = dots(sessions, fitted, |joints| of_file(joints[joint]));
@@ -55,7 +55,7 @@ pub fn joint_residuals(robot: &Robot, sessions: &[MeasuringSession], fitted: &[F
         let x = AxisScale::linear(low, high, (left, left + wide));
         let y = AxisScale::linear(0.0, most, (top + HEIGHT, top));
         canvas.heading((left, top - 12.0), &words::shortened(&shown(&row.name), 13.0, wide));
-        axes::draw(&mut canvas, &x, &y, (&format!("{unit}; upwards: mm"), ""));
+        axes::draw(&mut canvas, &x, &y, (&format!("{word} / {unit}, distance / mm"), ""));
         for dot in dots.iter().step_by(every) {
             let (px, py) = (x.at(dot.coordinate), y.at(dot.distance));
             let fill = INKS[dot.table % INKS.len()].fill();
