@@ -47,7 +47,7 @@ pub fn joint_residuals(robot: &Robot, sessions: &[MeasuringSession], fitted: &[F
         let left = LEFT + if joint % 2 == 0 { 0.0 } else { wide + GAP };
         let (of_file, word, unit) = match row.kind {
             JointKind::Revolute => (deg_from_rad as fn(f64) -> f64, "angle", "deg"),
-            JointKind::Prismatic => (mm_from_m as fn(f64) -> f64, "mm"),
+            JointKind::Prismatic => (mm_from_m as fn(f64) -> f64, "travel", "mm"),
         };
         let dots = dots(sessions, fitted, |joints| of_file(joints[joint]));
         let ends = dots.iter().map(|dot| dot.coordinate);
