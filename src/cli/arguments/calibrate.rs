@@ -22,7 +22,7 @@ pub struct CalibrateArguments {
     #[arg(long)]
     pub elastic: bool,
     /// Also identify the periodic error of every revolute joint: its cosine and sine terms up to this order, at
-    /// most 64. Needs about 300 positions; an order of 32 resolves waves of 11 degrees
+    /// most 64. An order of 32 resolves waves of 11 degrees; its fit takes several seconds with 300 positions
     #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub harmonics: Option<u8>,
     /// Take the standard deviations before the measurement from this error set of the robot; parameters
