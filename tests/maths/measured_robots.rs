@@ -158,15 +158,15 @@ fn periodic_errors_of_a_joint_are_identified_and_predict_other_positions() {
     assert!(result.periodic_variance(1).sqrt() > 3.0 * of_other_joint, "{of_other_joint}");
 }
 
-/// Four arms of every robot: the unknowns are drawn from the assumed distribution, so 95 % of their intervals contain
-/// the truth.
+/// Seven arms of every robot, 112 in all: the unknowns are drawn from the assumed distribution, so 95 % of their
+/// intervals contain the truth.
 #[test]
 fn identified_parameters_of_simulated_arms_lie_in_their_intervals() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let (mut inside, mut count) = (0, 0);
     for (k, (name, robot)) in robots().into_iter().enumerate() {
         let chain = Chain::new(&without_tool(robot));
-        for draw in 0..4 {
+        for draw in 0..7 {
             let unknowns = unknowns(&chain, draw % 2 == 1);
             let truth = truth(&unknowns, &mut rng);
             let session = session(&chain, &unknowns, &truth, 60, 3e-5, 10 * k as u64 + draw);

@@ -20,6 +20,12 @@ const CONVERGED: f64 = 1e-6;
 const LEAST_SHARE: f64 = 0.1;
 /// Largest step at which the variances may settle.
 const ROUGHLY: f64 = 1e-3;
+/// Largest step, in standard deviations before the measurement, that need not lower the loss.
+const SURE: f64 = 0.1;
+/// Factor by which the damping grows after a step that raised the loss, and shrinks after another one.
+const DAMPING: f64 = 4.0;
+/// Smallest damping that is not left out.
+const LEAST_DAMPING: f64 = 0.1;
 /// Largest relative change of a variance that has settled.
 const SETTLED: f64 = 1e-2;
 /// Number of positions whose covariances are computed at once.
@@ -123,24 +129,9 @@ impl<'a> Fit<'a> {
 
     fn solved(mut self, sessions: &[MeasuringSession], finds_misfit: bool) -> Result<Self, String> {
         let unknowns = self.question.unknowns;
-        let (mut share, mut before) = (1.0, 0.0);
+        let (mut share, mut before, mut damping) = (1.0, 0.0, 0.0);
         for _ in 0..STEPS {
-            // Far from the minimum, the Hessian can be indefinite.
-            let (hessian, right) = self.equations(sessions, 1.0);
-            let factor = hessian.cholesky().or_else(|| self.equations(sessions, 0.0).0.cholesky());
-            let Some(factor) = factor else {
-                return Err("the measured positions do not determine base and reflector".into());
-            };
-            let by = factor.solve(&right);
-            let (of_unknowns, of_sessions) = by.as_slice().split_at(unknowns.len());
-            self.values.iter_mut().zip(of_unknowns).for_each(|(value, by)| *value += by);
-            let mut left = of_sessions;
-            for (session, frames) in sessions.iter().zip(&mut self.frames) {
-                let (own, others) = left.split_at(SessionFrames::unknowns(&session.measured));
-                frames.take_step(own);
-                left = others;
-            }
-            self.covariance = factor.inverse();
+            let largest = self.take_step(sessions, &mut damping)?;
             let mut change = 0.0;
             let mut of_harmonics = 0.0;
             if finds_misfit {
@@ -151,8 +142,9 @@ impl<'a> Fit<'a> {
             let swings = change * before < 0.0;
             share = if swings { (share / 2.0).max(LEAST_SHARE) } else { (share * 1.5).min(1.0) };
             before = change;
-            let largest =
-                of_unknowns.iter().zip(&self.priors).fold(0.0_f64, |most, (by, s)| most.max((by / s).abs()));
+            if damping > 0.0 {
+                continue;
+            }
             if finds_misfit && largest < ROUGHLY && change.abs().max(of_harmonics) < SETTLED {
                 // The last digits of the unknowns do not depend on those of the variances.
                 return self.solved(sessions, false);
@@ -166,6 +158,65 @@ impl<'a> Fit<'a> {
             return self.solved(sessions, false);
         }
         Err(format!("the fit has not converged after {STEPS} steps"))
+    }
+
+    /// Takes a step of Levenberg and Marquardt, and returns its largest change in standard deviations before the
+    /// measurement.
+    ///
+    /// The damping adds to the precisions of the unknowns before the measurement, as a multiple of them. A long step
+    /// that raises the loss is taken back and the damping grows.
+    fn take_step(&mut self, sessions: &[MeasuringSession], damping: &mut f64) -> Result<f64, String> {
+        let (newton, right) = self.equations(sessions, 1.0);
+        let damped = |mut hessian: DMatrix<f64>| {
+            for (k, prior) in self.priors.iter().enumerate() {
+                hessian[(k, k)] += *damping * prior.powi(-2);
+            }
+            hessian.cholesky()
+        };
+        // Far from the minimum, the Hessian can be indefinite.
+        let factor = damped(newton).or_else(|| damped(self.equations(sessions, 0.0).0));
+        let Some(factor) = factor else {
+            return Err("the measured positions do not determine base and reflector".into());
+        };
+        let by = factor.solve(&right);
+        let (of_unknowns, of_sessions) = by.as_slice().split_at(self.values.len());
+        let largest =
+            of_unknowns.iter().zip(&self.priors).fold(0.0_f64, |most, (by, s)| most.max((by / s).abs()));
+        let unmoved =
+            (largest > SURE).then(|| (self.loss(sessions), self.values.clone(), self.frames.clone()));
+        self.values.iter_mut().zip(of_unknowns).for_each(|(value, by)| *value += by);
+        let mut left = of_sessions;
+        for (session, frames) in sessions.iter().zip(&mut self.frames) {
+            let (own, others) = left.split_at(SessionFrames::unknowns(&session.measured));
+            frames.take_step(own);
+            left = others;
+        }
+        self.covariance = factor.inverse();
+        match unmoved {
+            Some((loss, values, frames)) if self.loss(sessions) > loss => {
+                (self.values, self.frames) = (values, frames);
+                *damping = (*damping * DAMPING).max(1.0);
+            }
+            _ => *damping = if *damping > LEAST_DAMPING { *damping / DAMPING } else { 0.0 },
+        }
+        Ok(largest)
+    }
+
+    /// Returns half the sum of squares of all residuals, of which outliers have the loss of Huber.
+    fn loss(&self, sessions: &[MeasuringSession]) -> f64 {
+        let measured =
+            sessions.iter().enumerate().flat_map(|(s, session)| session.measured.iter().map(move |m| (s, m)));
+        let of_positions = measured.map(|(s, measured)| {
+            let Equation { residual, factor, weight, .. } = self.equation(measured, s);
+            weight * (2.0 - weight) * residual.dot(&factor.solve(&residual))
+        });
+        let of_unknowns = self.values.iter().zip(&self.priors).map(|(value, prior)| (value / prior).powi(2));
+        let of_reflectors = self
+            .frames
+            .iter()
+            .flat_map(|f| &f.reflectors)
+            .map(|r| r.norm_squared() / FARTHEST_REFLECTOR.powi(2));
+        (of_positions.sum::<f64>() + of_unknowns.sum::<f64>() + of_reflectors.sum::<f64>()) / 2.0
     }
 
     /// Takes a share of one step of the variances, and returns their largest relative change with its sign.
