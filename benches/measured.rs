@@ -15,7 +15,7 @@ use std::path::Path;
 use std::time::Instant;
 use sweetspot::calibration::{
     Calibration, Deformed, IntendedCalibration, MeasuredPosition, MeasuringSession, PlanProblem, Unknown,
-    UnmodelledError, aligned, calibrate, drawn, expected_harmonic, explain, harmonics, unknowns,
+    UnmodelledError, aligned, calibrate, drawn, explain, harmonics, unknowns,
 };
 use sweetspot::files;
 use sweetspot::robot::Chain;
@@ -84,7 +84,7 @@ impl Data {
             unknowns.iter().map(|u: &Unknown| u.default_prior() * terms.prior_factor).collect();
         if terms.orders > 0 {
             unknowns.extend(harmonics(&self.chain, terms.orders));
-            priors.resize(unknowns.len(), expected_harmonic(terms.orders));
+            priors.extend(unknowns[priors.len()..].iter().map(|u| u.default_prior()));
         }
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }

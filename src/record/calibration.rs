@@ -145,7 +145,8 @@ impl OutlierRow {
 #[serde(deny_unknown_fields)]
 pub struct HarmonicsEntry {
     pub joint: String,
-    /// Standard deviation of one coefficient before the measurement, found by the fit.
+    /// Standard deviation of a coefficient of the highest order before the measurement, found by the fit. Orders up to
+    /// 4 have twice that of the others.
     pub prior_deg: f64,
     /// Root mean square of the identified error over a turn of the joint.
     pub rms_deg: f64,
@@ -156,7 +157,7 @@ pub struct HarmonicsEntry {
 impl HarmonicsEntry {
     fn of(robot: &Robot, calibration: &Calibration) -> Vec<Self> {
         let of_joint = |(k, joint): (usize, &Joint)| {
-            let prior_deg = degrees(calibration.harmonics_of(k).next()?.prior);
+            let prior_deg = degrees(calibration.harmonics_of(k).last()?.prior);
             let values = |wanted: bool| -> Vec<f64> {
                 let all = calibration.harmonics_of(k);
                 let own =

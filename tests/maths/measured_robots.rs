@@ -154,8 +154,9 @@ fn periodic_errors_of_a_joint_are_identified_and_predict_other_positions() {
         }
     }
     assert_eq!(result.parameters().len(), plain.len());
-    let of_other_joint = result.periodic_variance(3).sqrt();
-    assert!(result.periodic_variance(1).sqrt() > 3.0 * of_other_joint, "{of_other_joint}");
+    let expected: f64 = result.harmonics_of(3).map(|i| i.unknown.default_prior().powi(2)).sum::<f64>() / 2.0;
+    let [found, of_other_joint] = [1, 3].map(|joint| result.periodic_variance(joint) / expected);
+    assert!(of_other_joint < 0.5 && found > 2.0 * of_other_joint, "{found}, {of_other_joint}");
 }
 
 /// Seven arms of every robot, 112 in all: the unknowns are drawn from the assumed distribution, so 95 % of their

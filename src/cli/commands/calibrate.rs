@@ -7,7 +7,7 @@ use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::suggest;
 use crate::calibration::{
-    Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn, expected_harmonic, harmonics,
+    Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn, harmonics,
 };
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::{path_word, word};
@@ -50,7 +50,7 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
     let (mut unknowns, mut priors) = assumed(&robot, &chain, a)?;
     if let Some(orders) = a.harmonics.map(usize::from) {
         unknowns.extend(harmonics(&chain, orders));
-        priors.resize(unknowns.len(), expected_harmonic(orders));
+        priors.extend(unknowns[priors.len()..].iter().map(|u| u.default_prior()));
     }
     let bar = output::spinner("identifying the errors");
     let calibration = fitted(&chain, &sessions, &unknowns, &priors);

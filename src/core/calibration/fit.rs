@@ -44,6 +44,14 @@ pub(super) struct FitProblem<'a> {
     pub priors: &'a [f64],
 }
 
+impl FitProblem<'_> {
+    /// Returns the variances of the misfit to begin with; `spread` is the standard deviation of a position per axis, m.
+    fn expected_misfit(&self, spread: f64) -> ResidualVariances {
+        let has_harmonics = self.unknowns.iter().any(|u| u.is_harmonic());
+        ResidualVariances::expected(self.chain, has_harmonics, spread)
+    }
+}
+
 /// Values of the unknowns and the frames of the sessions at the minimum.
 pub(super) struct Fit<'a> {
     question: FitProblem<'a>,
@@ -95,7 +103,7 @@ impl<'a> Fit<'a> {
             values: vec![0.0; question.unknowns.len()],
             priors: question.priors.to_vec(),
             frames: Vec::new(),
-            misfit: ResidualVariances::expected(question.chain, 0.0),
+            misfit: question.expected_misfit(0.0),
             covariance: DMatrix::zeros(0, 0),
         };
         let (mut squares, mut count) = (0.0, 0.0);
@@ -110,7 +118,7 @@ impl<'a> Fit<'a> {
             count += 3.0 * session.measured.len() as f64;
             fit.frames.push(frames);
         }
-        fit.misfit = ResidualVariances::expected(question.chain, (squares / count).sqrt());
+        fit.misfit = question.expected_misfit((squares / count).sqrt());
         fit.solved(sessions, true)
     }
 

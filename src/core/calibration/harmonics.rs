@@ -3,13 +3,14 @@
 //! Encoders, gears and bearings repeat their errors with every turn of a joint. The error of actuator j is
 //!
 //! ```text
-//! e_j(q_j) = sum_k a_jk cos(k q_j) + b_jk sin(k q_j),   a_jk, b_jk ~ N(0, s_j^2)
+//! e_j(q_j) = sum_k a_jk cos(k q_j) + b_jk sin(k q_j),   a_jk, b_jk ~ N(0, (f_j s_k)^2)
 //! ```
 //!
-//! All coefficients of one joint have the same variance before the measurement, so `e_j` is a Gaussian process:
-//! near postures share their error, and outside the measured range the error is as uncertain as before the
-//! measurement. The variance `s_j^2` is the sum of the squared coefficients divided by the number of
-//! coefficients that the data determine, found together with the fit (MacKay 1992, Bayesian interpolation).
+//! The standard deviation `s_k` is the expected one of the order, so `e_j` is a Gaussian process: near postures share
+//! their error, and outside the measured range the error is as uncertain as before the measurement. The factor
+//! `f_j^2` is the sum of the squared coefficients, in units of `s_k`, divided by the number of coefficients that the
+//! data determine, found together with the fit (MacKay 1992, Bayesian interpolation). The expectation `f_j = 1` counts
+//! as much as twenty coefficients: what a joint shows in the measured range says little about the rest of its turn.
 
 use super::unknown::{Unknown, expected_harmonic};
 use crate::cell::{JointKind, MAX_JOINTS};
@@ -17,7 +18,7 @@ use crate::robot::Chain;
 use nalgebra::DMatrix;
 
 /// Number of determined coefficients that the expectation counts for.
-const WEIGHT_OF_EXPECTATION: f64 = 2.0;
+const WEIGHT_OF_EXPECTATION: f64 = 20.0;
 
 /// Returns the harmonics of every revolute joint up to an order, as unknowns of a calibration.
 pub fn harmonics(chain: &Chain, orders: usize) -> Vec<Unknown> {
@@ -45,22 +46,23 @@ pub(super) fn improve_deviations(
     covariance: &DMatrix<f64>,
     deviations: &mut [f64],
 ) -> f64 {
-    let joint_of = |unknown: &Unknown| match *unknown {
-        Unknown::Harmonic { joint, .. } => Some(joint),
-        _ => None,
-    };
     let mut largest: f64 = 0.0;
     for joint in 0..MAX_JOINTS {
-        let own: Vec<usize> =
-            (0..unknowns.len()).filter(|&k| joint_of(&unknowns[k]) == Some(joint)).collect();
-        let Some(before) = own.first().map(|&k| deviations[k].powi(2)) else { continue };
-        let expected = expected_harmonic(own.len() / 2).powi(2);
-        let squares: f64 = own.iter().map(|&k| values[k].powi(2)).sum();
-        let determined: f64 = own.iter().map(|&k| 1.0 - covariance[(k, k)] / before).sum();
-        let after =
-            (squares + WEIGHT_OF_EXPECTATION * expected) / (determined.max(0.0) + WEIGHT_OF_EXPECTATION);
+        // Places and expected standard deviations of the coefficients of the joint.
+        let own = unknowns.iter().enumerate().filter_map(|(k, unknown)| match *unknown {
+            Unknown::Harmonic { joint: of, order, .. } if of == joint => Some((k, expected_harmonic(order))),
+            _ => None,
+        });
+        let own: Vec<(usize, f64)> = own.collect();
+        let Some(before) = own.first().map(|&(k, expected)| (deviations[k] / expected).powi(2)) else {
+            continue;
+        };
+        let squares: f64 = own.iter().map(|&(k, expected)| (values[k] / expected).powi(2)).sum();
+        let determined: f64 =
+            own.iter().map(|&(k, _)| 1.0 - covariance[(k, k)] / deviations[k].powi(2)).sum();
+        let after = (squares + WEIGHT_OF_EXPECTATION) / (determined.max(0.0) + WEIGHT_OF_EXPECTATION);
         largest = largest.max((after / before - 1.0).abs());
-        own.iter().for_each(|&k| deviations[k] = after.sqrt());
+        own.iter().for_each(|&(k, expected)| deviations[k] = expected * after.sqrt());
     }
     largest
 }

@@ -54,4 +54,4 @@ pub use session::{MeasuredPosition, MeasuringSession, drawn};
 pub use stated::{errors_between, errors_of_frames, no_errors, nominal_frames};
 pub use suspect::{SuspectRows, still_joints};
 pub use taken_up::{PositionJacobians, jacobian, taken_up};
-pub use unknown::{Identified, Unknown, expected_harmonic, unknowns};
+pub use unknown::{Identified, Unknown, unknowns};

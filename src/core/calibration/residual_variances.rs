@@ -29,11 +29,12 @@ const STEEPEST: f64 = 10.0;
 /// Share of the expected variance of a joint at which a change no longer matters.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Ratio by which the variances of the joints are larger in the fit.
+/// Ratio by which the variances of the joints are larger in a fit without harmonics, and with harmonics.
 ///
 /// Errors of a joint are functions of the posture, so near postures have nearly the same misfit, and many of
-/// them tell less than as many independent ones. The value is that of a real arm (results/measured).
-const CORRELATED: f64 = 4.0;
+/// them tell less than as many independent ones. Harmonics explain a part of what near postures have in common. The
+/// values are those of a real arm (results/measured).
+const CORRELATED: [f64; 2] = [4.0, 2.0];
 
 /// Variances of the errors that the identified parameters do not explain.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,17 +44,21 @@ pub struct ResidualVariances {
     /// Variance of a position per axis, m^2.
     pub position: f64,
     expected: Vec<f64>,
+    /// Ratio by which the variances of the joints are larger in the fit.
+    correlated: f64,
 }
 
 impl ResidualVariances {
     /// Returns the variances to begin with; `spread` is the standard deviation of a position per axis, m.
-    pub fn expected(chain: &Chain, spread: f64) -> Self {
+    pub fn expected(chain: &Chain, has_harmonics: bool, spread: f64) -> Self {
         let of_joint = |kind| match kind {
             JointKind::Revolute => EXPECTED_ANGLE.powi(2),
             JointKind::Prismatic => m_from_mm(0.1).powi(2),
         };
         let expected: Vec<_> = chain.links.iter().map(|link| of_joint(link.kind)).collect();
-        Self { joints: expected.clone(), position: spread.max(FINEST_POSITION).powi(2), expected }
+        let position = spread.max(FINEST_POSITION).powi(2);
+        let correlated = CORRELATED[usize::from(has_harmonics)];
+        Self { joints: expected.clone(), position, expected, correlated }
     }
 
     /// Returns the covariance of a remaining error, m^2.
@@ -65,9 +70,9 @@ impl ResidualVariances {
         drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)
     }
 
-    /// Returns the covariance by which the fit divides: misfits of the joints count four times.
+    /// Returns the covariance by which the fit divides, which has larger variances of the joints.
     pub fn covariance_of_fit(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
-        let joints = self.joints.iter().map(|v| v * CORRELATED).collect();
+        let joints = self.joints.iter().map(|v| v * self.correlated).collect();
         Self { joints, ..self.clone() }.covariance(drives, stated)
     }
 

@@ -93,23 +93,26 @@ impl Unknown {
     /// Returns the default standard deviation before the measurement, m, rad or rad/m.
     ///
     /// The values are ours: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1 degrees for twists, and
-    /// 3 mrad/m for elastic terms. The standard deviation of a harmonic is that of a single order
-    /// ([`expected_harmonic`]).
+    /// 3 mrad/m for elastic terms. Those of harmonics are [`expected_harmonic`].
     pub fn default_prior(self) -> f64 {
         match self {
             Self::Row(Parameter::Dr(_) | Parameter::Dl(_)) => m_from_mm(0.5),
             Self::Row(Parameter::Dq(_)) => rad_from_deg(0.5),
             Self::Row(_) => rad_from_deg(0.1),
             Self::Elastic { .. } => 3e-3,
-            Self::Harmonic { .. } => expected_harmonic(1),
+            Self::Harmonic { order, .. } => expected_harmonic(order),
         }
     }
 }
 
-/// Standard deviation of the periodic error of a joint that is expected without data, rad.
-const EXPECTED_ERROR: f64 = 3e-4;
+/// Largest order of the slow harmonics, which eccentric and tilted encoders and gears make larger.
+const SLOW: usize = 4;
+/// Standard deviation of a coefficient of a fast harmonic that is expected without data, rad.
+const EXPECTED_HARMONIC: f64 = 7.5e-5;
 
-/// Returns the standard deviation of one coefficient before the measurement, rad.
-pub fn expected_harmonic(orders: usize) -> f64 {
-    EXPECTED_ERROR / (orders as f64).sqrt()
+/// Returns the standard deviation of one coefficient of this order before the measurement, rad.
+///
+/// The values are those of a real arm (results/measured).
+pub(super) fn expected_harmonic(order: usize) -> f64 {
+    if order <= SLOW { 2.0 * EXPECTED_HARMONIC } else { EXPECTED_HARMONIC }
 }

@@ -81,7 +81,7 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     if !document.harmonics.is_empty() {
         out.push_str("\nPeriodic errors of the joints, deg\n");
         let mut periodic = TextTable::indented(1);
-        periodic.row(["", "orders", "rms over a turn", "sigma of a term"]);
+        periodic.row(["", "orders", "rms over a turn", "sigma, highest order"]);
         for h in &document.harmonics {
             let (rms, prior) = (fixed(h.rms_deg, 4), fixed(h.prior_deg, 5));
             periodic.row([shown(&h.joint), h.cos_deg.len().to_string(), rms, prior]);
