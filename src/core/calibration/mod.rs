@@ -23,8 +23,10 @@
 mod accuracy;
 mod deformed;
 mod fit;
+mod fit_state;
 mod harmonics;
 mod hypothesis;
+mod normal_equations;
 mod plan;
 mod plan_posterior;
 mod plan_problem;

@@ -2,7 +2,8 @@
 
 use super::accuracy::Accuracy;
 use super::deformed::Deformed;
-use super::fit::{Fit, FitProblem, Residual, drives, spreads};
+use super::fit::{Fit, Residual, spreads};
+use super::fit_state::{FitProblem, drives};
 use super::residual_variances::ResidualVariances;
 use super::rigid::{SessionFrames, aligned};
 use super::session::{MeasuredPosition, MeasuringSession};
@@ -75,23 +76,23 @@ pub fn calibrate(
     let fit = Fit::new(FitProblem { chain, unknowns, priors }, sessions)?;
     let left_out = held_out(&fit, sessions);
     let covariance = fit.covariance.view((0, 0), (unknowns.len(), unknowns.len())).into_owned();
-    let values = fit.values.iter().zip(unknowns).zip(&fit.priors).enumerate();
+    let values = fit.state.values.iter().zip(unknowns).zip(&fit.state.priors).enumerate();
     let identified = values.map(|(k, ((value, unknown), prior))| Identified {
         unknown: *unknown,
         value: *value,
         prior: *prior,
         sigma: covariance[(k, k)].sqrt(),
     });
-    let unidentified = undetermined(&covariance, &fit.priors, &parameters);
+    let unidentified = undetermined(&covariance, &fit.state.priors, &parameters);
     let of_harmonics: f64 = (0..unknowns.len())
         .filter(|&k| unknowns[k].is_harmonic())
-        .map(|k| 1.0 - covariance[(k, k)] / fit.priors[k].powi(2))
+        .map(|k| 1.0 - covariance[(k, k)] / fit.state.priors[k].powi(2))
         .sum();
     let mut squares = 0.0;
     let fitted = sessions.iter().enumerate().map(|(s, session)| {
-        let residuals = fit.residuals(&session.measured, s, &fit.own_covariance(sessions, s));
+        let residuals = fit.residuals(&session.measured, s);
         squares += residuals.iter().map(|r| r.by.norm_squared()).sum::<f64>();
-        FittedSession::new(fit.frames[s].clone(), &residuals)
+        FittedSession::new(fit.state.frames[s].clone(), &residuals)
     });
     let fitted = fitted.collect();
     Ok(Calibration {
@@ -101,7 +102,7 @@ pub fn calibrate(
         unidentified,
         residual: (squares / (equations as f64 - count as f64 - of_harmonics).max(1.0)).sqrt(),
         held_out: Accuracy::of(left_out.iter().map(|r| r.by.norm()).collect()),
-        misfit: fit.misfit.clone(),
+        misfit: fit.state.misfit.clone(),
         ranges: (0..chain.links.len()).map(|joint| range_of(sessions, joint)).collect(),
         covariance,
         chain: chain.clone(),

@@ -23,6 +23,11 @@ impl SessionFrames {
         Self::OF_BASE + 3 * reflectors(measured)
     }
 
+    /// Returns the number of unknowns of this session.
+    pub const fn size(&self) -> usize {
+        Self::OF_BASE + 3 * self.reflectors.len()
+    }
+
     /// Returns a reflector in the base frame, m, for a pose of the mechanical interface.
     pub fn reached(&self, interface: &Pose, reflector: usize) -> Vector3<f64> {
         interface.transform(&self.reflectors[reflector])

@@ -1,6 +1,7 @@
 //! Cross-validation over blocks of the joint space.
 
 use super::fit::{Fit, Residual};
+use super::normal_equations::NormalEquations;
 use super::session::{MeasuredPosition, MeasuringSession};
 use crate::cell::MAX_JOINTS;
 
@@ -12,6 +13,7 @@ const BLOCKS: usize = 8;
 /// Blocks without which the sessions cannot be fitted are left out.
 pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Residual> {
     let blocks: Vec<Vec<usize>> = sessions.iter().map(|s| blocks(&s.measured)).collect();
+    let all = NormalEquations::of_positions(&fit.state, sessions, 1.0);
     let mut residuals = Vec::new();
     for left_out in 0..BLOCKS {
         let split = |keep: bool| -> Vec<MeasuringSession> {
@@ -29,9 +31,10 @@ pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Resi
         if kept.iter().map(reflectors).ne(sessions.iter().map(reflectors)) {
             continue;
         }
-        let Ok(fit) = fit.again(&kept) else { continue };
-        for (s, session) in split(false).iter().enumerate() {
-            residuals.extend(fit.residuals(&session.measured, s, &fit.own_covariance(&kept, s)));
+        let left_out = split(false);
+        let Some(fit) = fit.without(&all, &left_out) else { continue };
+        for (s, session) in left_out.iter().enumerate() {
+            residuals.extend(fit.residuals(&session.measured, s));
         }
     }
     residuals
