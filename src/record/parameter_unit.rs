@@ -20,10 +20,14 @@ pub enum ParameterUnit {
     /// Deflection of a joint per torque.
     #[serde(rename = "deg/Nm")]
     AnglePerTorque,
+    /// Share of a stated error.
+    #[serde(rename = "1")]
+    Share,
 }
 
 impl ParameterUnit {
-    pub const ALL: [Self; 4] = [Self::Length, Self::Angle, Self::AnglePerLever, Self::AnglePerTorque];
+    pub const ALL: [Self; 5] =
+        [Self::Length, Self::Angle, Self::AnglePerLever, Self::AnglePerTorque, Self::Share];
 
     /// Returns the unit of a parameter of a cell.
     pub fn new(cell: &Cell, parameter: Parameter) -> Self {
@@ -40,6 +44,7 @@ impl ParameterUnit {
             Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c >= 3,
             Parameter::Elastic(..) => return Self::AnglePerLever,
             Parameter::Compliance(_) => return Self::AnglePerTorque,
+            Parameter::Periodic(_) => return Self::Share,
         };
         if turns { Self::Angle } else { Self::Length }
     }
@@ -51,6 +56,7 @@ impl ParameterUnit {
             Self::Angle => "deg",
             Self::AnglePerLever => "deg/m",
             Self::AnglePerTorque => "deg/Nm",
+            Self::Share => "1",
         }
     }
 
@@ -59,6 +65,7 @@ impl ParameterUnit {
         match self {
             Self::Length => mm_from_m(value),
             Self::Angle | Self::AnglePerLever | Self::AnglePerTorque => deg_from_rad(value),
+            Self::Share => value,
         }
     }
 
@@ -74,6 +81,7 @@ impl ParameterUnit {
             Self::Angle | Self::AnglePerLever | Self::AnglePerTorque => {
                 effect.map(mm_from_m) * rad_from_deg(1.0)
             }
+            Self::Share => effect.map(mm_from_m),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The table `[errors.measured]` of a robot file, from a calibration.
 
 use crate::calibration::{Calibration, Unknown};
-use crate::cell::{Convention, JointKind, PER_FRAME, Parameter, Robot, SignedErrors};
+use crate::cell::{Convention, JointKind, PER_FRAME, Parameter, PeriodicError, Robot, SignedErrors};
 use crate::files::toml_string;
 use crate::record::CalibrationDocument;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
@@ -22,6 +22,7 @@ pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDoc
         ranges(robot, calibration),
         lists(robot, calibration),
         elastic(calibration),
+        periodic(calibration),
         covariance(robot, calibration),
     ];
     parts.concat()
@@ -83,20 +84,35 @@ fn elastic(calibration: &Calibration) -> String {
     if terms.is_empty() { terms } else { format!("elastic = [\n{terms}]\n") }
 }
 
+/// Returns the periodic errors of the joints; empty if there are none.
+fn periodic(calibration: &Calibration) -> String {
+    let errors = calibration.periodic_errors();
+    if errors.is_empty() {
+        return String::new();
+    }
+    let list = |values: &[f64]| {
+        let shown = values.iter().map(|v| rounded(deg_from_rad(*v), 7).to_string());
+        shown.collect::<Vec<_>>().join(", ")
+    };
+    let entry = |error: &PeriodicError| {
+        let (joint, cos, sin) = (error.joint + 1, list(&error.cos), list(&error.sin));
+        format!("    {{ joint = {joint}, cos_deg = [{cos}], sin_deg = [{sin}] }},\n")
+    };
+    let entries: String = errors.iter().map(entry).collect();
+    format!("periodic = [\n{entries}]\n")
+}
+
 /// Returns the covariance of the identified parameters and of what they do not explain, with all digits.
 ///
-/// The misfit of a joint is a variance of its coordinate, to which its periodic errors belong. That of positions
-/// is a variance of the TCP.
+/// The misfit of a joint is a variance of its coordinate, to which the uncertainty of its periodic error belongs. That
+/// of positions is a variance of the TCP.
 fn covariance(robot: &Robot, calibration: &Calibration) -> String {
     let identified = calibration.parameters().iter().map(|i| of_file(robot, i.unknown));
     let mut parameters: Vec<Parameter> = identified.collect();
-    let known = parameters.len();
     let misfit = &calibration.misfit;
-    let of_joints = misfit
-        .joints
-        .iter()
-        .enumerate()
-        .map(|(joint, variance)| (Parameter::Dq(joint), variance + calibration.periodic_variance(joint)));
+    let of_joints = misfit.joints.iter().enumerate().map(|(joint, variance)| {
+        (Parameter::Dq(joint), variance + calibration.variance_of_periodic_error(joint))
+    });
     let of_tool = (0..3).map(|axis| (Parameter::Tool(axis), misfit.position));
     let unexplained: Vec<_> = of_joints.chain(of_tool).collect();
     for (parameter, _) in &unexplained {
@@ -105,8 +121,7 @@ fn covariance(robot: &Robot, calibration: &Calibration) -> String {
         }
     }
     let size = parameters.len();
-    let of_parameters = calibration.covariance.view((0, 0), (known, known)).into_owned();
-    let mut matrix = of_parameters.resize(size, size, 0.0);
+    let mut matrix = calibration.covariance_beside_periodic_errors().resize(size, size, 0.0);
     for (k, parameter) in parameters.iter().enumerate() {
         let own = unexplained.iter().find(|(unexplained, _)| unexplained == parameter);
         matrix[(k, k)] += own.map_or(0.0, |(_, variance)| *variance);

@@ -90,5 +90,6 @@ fn errors(rows: impl Fn(&str) -> Vec<f64>) -> SignedErrors {
         tool,
         joints: vec![[0.0; 6]; 6],
         elastic: vec![],
+        periodic: vec![],
     }
 }

@@ -96,7 +96,7 @@ const BEYOND: [(&str, &str); 6] = [
     ),
     (
         "the robot has so many joints, of such a kind, with such limits",
-        "coupling_without_diagonal coupling_wrong_shape elastic_joint_slides error_set_in_mm_for_turning_joint home_outside home_wrong_count margin_leaves_nothing solid_of_unknown_link via_in_the_margin via_outside via_wrong_count",
+        "coupling_without_diagonal coupling_wrong_shape elastic_joint_slides error_set_in_mm_for_turning_joint home_outside home_wrong_count margin_leaves_nothing periodic_of_coupled_joints solid_of_unknown_link via_in_the_margin via_outside via_wrong_count",
     ),
     (
         "numbers contradict each other",

@@ -97,6 +97,11 @@ fn measured_errors_have_values_and_a_covariance() {
         [Parameter::Dl(1), Parameter::Elastic(1, 2), Parameter::Compliance(1)].map(|p| place(p, 4));
     assert_eq!([values[dl2], values[compliance]], [0.006, 0.0]);
     assert!(close(values[term], -0.05 * DEG));
+    let share = |joint| values[place(Parameter::Periodic(joint), 4)];
+    assert_eq!([share(0), share(1), share(2)], [1.0, 1.0, 0.0]);
+    let waves = &measured.mean.periodic;
+    assert!(waves.len() == 2 && waves[1].joint == 1 && all_close(&waves[0].cos, &[0.004 * DEG, 0.0]));
+    assert!(all_close(&waves[0].sin, &[0.0, -0.01 * DEG]));
     let half = [0.5e-3, 0.02 * DEG, 0.001 * DEG].map(|deviation| 2.0 * deviation);
     assert!(all_close(&[dl2, term, compliance].map(|k| spreads[k].plus_minus), &half));
     assert_eq!(spreads[place(Parameter::Dr(0), 4)].plus_minus, 0.0);

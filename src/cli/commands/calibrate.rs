@@ -92,9 +92,9 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         json_text::print(&document)?;
     } else if a.toml {
         output::data(&report::measured_errors::table(&robot, &calibration, &document))?;
-        if a.harmonics.is_some() {
+        if a.harmonics.is_some() && calibration.is_coupled() {
             output::talk(
-                "note: a cell has no periodic errors; the table states them as misfit of the joints",
+                "note: the joints of this arm are coupled; periodic errors are part of their misfit",
             );
         }
         suggest(&format!("check CELL, with this table in a copy of {}", path_word(&a.robot)));

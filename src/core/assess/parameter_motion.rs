@@ -83,10 +83,12 @@ pub fn motions(chain: &Chain, frames: &Frames, work: &Pose, parameter: Parameter
         Parameter::Base(c) => component(MotionFrame::Base, c),
         Parameter::Tool(c) => component(MotionFrame::Tcp, c),
         Parameter::Joint(k, c) => component(MotionFrame::Joint(k), c),
-        Parameter::Elastic(..) | Parameter::Compliance(_) => deflection(frames, &chain.loads, parameter)
-            .map(|(joint, factor)| one(MotionFrame::Link(joint), 2, true, factor))
-            .into_iter()
-            .collect(),
+        Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Periodic(_) => {
+            deflection(frames, &chain.loads, &chain.periodic, parameter)
+                .map(|(joint, factor)| one(MotionFrame::Link(joint), 2, true, factor))
+                .into_iter()
+                .collect()
+        }
         Parameter::Equipment(_, c) => component(MotionFrame::Work, c),
     }
 }

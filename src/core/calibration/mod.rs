@@ -26,6 +26,7 @@ mod fit;
 mod fit_state;
 mod harmonics;
 mod hypothesis;
+mod known_harmonics;
 mod normal_equations;
 mod plan;
 mod plan_posterior;

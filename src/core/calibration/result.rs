@@ -201,6 +201,12 @@ impl Calibration {
         Some((FittedSession::new(frames, &residuals), share))
     }
 
+    /// Returns whether an actuator of the arm moves more than its own D-H coordinate.
+    pub fn is_coupled(&self) -> bool {
+        let rows = self.chain.coupling.iter().enumerate();
+        rows.into_iter().any(|(i, row)| row.iter().take(i).any(|c| *c != 0.0))
+    }
+
     fn unknowns_and_values(&self) -> (Vec<Unknown>, Vec<f64>) {
         self.identified.iter().map(|i| (i.unknown, i.value)).unzip()
     }

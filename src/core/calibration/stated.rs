@@ -22,6 +22,7 @@ pub fn no_errors(axes: usize) -> SignedErrors {
         tool: [0.0; PER_FRAME],
         joints: vec![[0.0; PER_FRAME]; axes],
         elastic: Vec::new(),
+        periodic: Vec::new(),
     }
 }
 

@@ -44,6 +44,8 @@ pub enum Parameter {
     /// Compliance of a revolute joint, rad/(N m), which multiplies the torque by all masses that it carries
     /// ([`crate::robot::gravity_torque`]).
     Compliance(usize),
+    /// Share of the periodic error of a revolute joint that the joint has ([`SignedErrors::periodic`]), without unit.
+    Periodic(usize),
     /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
     /// frame.
     Equipment(usize, usize),
@@ -65,11 +67,11 @@ impl Parameter {
     }
 
     /// Returns the elastic parameters of a robot with `axes` joints: joint by joint the terms of all links that
-    /// it carries, then the compliances.
+    /// it carries, then the compliances, then the shares of periodic errors.
     pub fn elastic(axes: usize) -> impl Iterator<Item = Parameter> {
         let terms =
             (0..axes).flat_map(move |joint| (joint..axes).map(move |link| Self::Elastic(joint, link)));
-        terms.chain((0..axes).map(Self::Compliance))
+        terms.chain((0..axes).map(Self::Compliance)).chain((0..axes).map(Self::Periodic))
     }
 
     /// Returns the name of the parameter in files: `dl2`, `base rx`, `joint3 rx`, `elastic 2 3`.
@@ -87,6 +89,7 @@ impl Parameter {
             Self::Joint(i, c) => format!("joint{} {}", i + 1, COMPONENTS[c]),
             Self::Elastic(joint, link) => format!("elastic {} {}", joint + 1, link + 1),
             Self::Compliance(joint) => format!("compliance {}", joint + 1),
+            Self::Periodic(joint) => format!("periodic {}", joint + 1),
             Self::Equipment(_, c) => COMPONENTS[c].to_string(),
         }
     }
@@ -94,14 +97,14 @@ impl Parameter {
     /// Returns the index of the joint that an elastic parameter deflects; 0 for any other parameter.
     pub const fn deflected_joint(self) -> usize {
         match self {
-            Self::Elastic(joint, _) | Self::Compliance(joint) => joint,
+            Self::Elastic(joint, _) | Self::Compliance(joint) | Self::Periodic(joint) => joint,
             _ => 0,
         }
     }
 
     /// Returns whether the effect of the parameter is a joint deflection that depends on the posture.
     pub const fn is_elastic(self) -> bool {
-        matches!(self, Self::Elastic(..) | Self::Compliance(_))
+        matches!(self, Self::Elastic(..) | Self::Compliance(_) | Self::Periodic(_))
     }
 
     /// Returns the index of the first joint-frame parameter, which follows the parameters of links, base and
@@ -117,7 +120,7 @@ impl Parameter {
 
     /// Returns the number of parameters of a robot with `axes` joints.
     pub const fn count(axes: usize) -> usize {
-        Self::first_elastic(axes) + axes * (axes + 1) / 2 + axes
+        Self::first_elastic(axes) + axes * (axes + 1) / 2 + 2 * axes
     }
 }
 
@@ -149,17 +152,48 @@ pub struct SignedErrors {
     pub joints: Vec<[f64; PER_FRAME]>,
     /// Values of [`Parameter::elastic`], rad/m or rad/(N m). Values beyond the end of the list are 0.
     pub elastic: Vec<f64>,
+    /// Periodic errors of joints; their shares are values of [`Parameter::Periodic`].
+    pub periodic: Vec<PeriodicError>,
+}
+
+/// Error of the coordinate q of a revolute joint that repeats with every turn.
+///
+/// The error is the sum of `cos[k] cos((k + 1) q) + sin[k] sin((k + 1) q)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PeriodicError {
+    /// Index of the joint.
+    pub joint: usize,
+    /// Coefficients of the cosines, rad.
+    pub cos: Vec<f64>,
+    /// Coefficients of the sines, rad; as many as those of the cosines.
+    pub sin: Vec<f64>,
 }
 
 impl SignedErrors {
-    /// Returns the sample with the given values (m, rad), in the order of [`Parameter::of_robot`].
+    /// Returns the sample with the given values (m, rad), in the order of [`Parameter::of_robot`], without periodic
+    /// errors.
     pub fn of_values(name: String, axes: usize, values: &[f64]) -> Self {
         let row = |k: usize| (0..axes).map(|i| values[PER_LINK * i + k]).collect();
         let frame = |k: usize| std::array::from_fn(|c| values[PER_LINK * axes + PER_FRAME * k + c]);
         let [dq, dr, dl, dalpha, dbeta] = [0, 1, 2, 3, 4].map(row);
         let joints = (0..axes).map(|i| frame(2 + i)).collect();
         let elastic = values.get(Parameter::first_elastic(axes)..).unwrap_or_default().to_vec();
-        Self { name, dq, dr, dl, dalpha, dbeta, base: frame(0), tool: frame(1), joints, elastic }
+        let (base, tool, periodic) = (frame(0), frame(1), Vec::new());
+        Self { name, dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic, periodic }
+    }
+
+    /// Returns this sample with periodic errors, whose shares become 1.
+    pub fn with_periodic(mut self, periodic: Vec<PeriodicError>) -> Self {
+        let axes = self.dq.len();
+        self.elastic.resize(Parameter::elastic(axes).count(), 0.0);
+        for (value, parameter) in self.elastic.iter_mut().zip(Parameter::elastic(axes)) {
+            if let Parameter::Periodic(joint) = parameter
+                && periodic.iter().any(|error| error.joint == joint)
+            {
+                *value = 1.0;
+            }
+        }
+        Self { periodic, ..self }
     }
 
     /// Returns the values in the order of [`Parameter::of_robot`].
@@ -173,7 +207,8 @@ impl SignedErrors {
             Parameter::Base(c) => self.base[c],
             Parameter::Tool(c) => self.tool[c],
             Parameter::Joint(i, c) => self.joints[i][c],
-            Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Equipment(..) => 0.0,
+            // The elastic values follow below.
+            _ => 0.0,
         };
         let axes = self.dq.len();
         let mut values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();

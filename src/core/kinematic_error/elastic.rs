@@ -1,18 +1,20 @@
-//! Elastic errors: deflections of revolute joints by gravity, which depend on the posture.
+//! Elastic and periodic errors: deflections of revolute joints, which depend on the posture.
 //!
-//! An elastic parameter turns one joint by its value times a factor of the posture, which is a lever (m) or a
-//! torque (N m). The factor is that of the chain without errors. Other errors change it by a share of their own
+//! An elastic parameter turns one joint by its value times a factor of the posture, which is a lever (m), a
+//! torque (N m), or the periodic error of the joint (rad). The factor is that of the chain without errors. Other errors change it by a share of their own
 //! size, so what is left out is of second order in the errors, and every model leaves it out alike.
 
 use crate::cell::{MAX_JOINTS, Parameter};
-use crate::robot::{Chain, Frames, Loads, gravity_torque, lever};
+use crate::robot::{Chain, Frames, Loads, PeriodicDeflection, gravity_torque, lever};
+use std::sync::Arc;
 
 /// Elastic parameters of one sample of errors, for one chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElasticErrors {
-    /// Parameters whose value is not 0, with these values (rad/m or rad/(N m)).
+    /// Parameters whose value is not 0, with these values (rad/m, rad/(N m) or a share).
     values: Vec<(Parameter, f64)>,
     loads: Loads,
+    periodic: Arc<[PeriodicDeflection]>,
 }
 
 impl ElasticErrors {
@@ -20,14 +22,14 @@ impl ElasticErrors {
     pub fn new(chain: &Chain, values: &[f64]) -> Option<Self> {
         let all = Parameter::elastic(chain.axes()).zip(values.iter().copied());
         let values: Vec<_> = all.filter(|(_, value)| *value != 0.0).collect();
-        (!values.is_empty()).then_some(Self { values, loads: chain.loads })
+        (!values.is_empty()).then(|| Self { values, loads: chain.loads, periodic: chain.periodic.clone() })
     }
 
     /// Returns the deflection of every joint at a posture, rad.
     pub fn deflections(&self, frames: &Frames) -> [f64; MAX_JOINTS] {
         let mut turns = [0.0; MAX_JOINTS];
         for &(parameter, value) in &self.values {
-            if let Some((joint, factor)) = deflection(frames, &self.loads, parameter) {
+            if let Some((joint, factor)) = deflection(frames, &self.loads, &self.periodic, parameter) {
                 turns[joint] += factor * value;
             }
         }
@@ -37,10 +39,19 @@ impl ElasticErrors {
 
 /// Returns the joint that an elastic parameter deflects, and its deflection per unit of the parameter at a
 /// posture, rad; None for any other parameter.
-pub fn deflection(frames: &Frames, loads: &Loads, parameter: Parameter) -> Option<(usize, f64)> {
+pub fn deflection(
+    frames: &Frames,
+    loads: &Loads,
+    periodic: &[PeriodicDeflection],
+    parameter: Parameter,
+) -> Option<(usize, f64)> {
     match parameter {
         Parameter::Elastic(joint, link) => Some((joint, lever(frames, joint, link))),
         Parameter::Compliance(joint) => Some((joint, gravity_torque(frames, loads, joint))),
+        Parameter::Periodic(joint) => {
+            let own = periodic.iter().filter(|error| error.joint == joint);
+            Some((joint, own.map(|error| error.at(&frames.links)).sum()))
+        }
         _ => None,
     }
 }

@@ -6,8 +6,9 @@ use super::Perturbation;
 use super::elastic::deflection;
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, PER_LINK, Parameter};
 use crate::pose::{Displacement, Pose};
-use crate::robot::{Chain, Frames, Loads};
+use crate::robot::{Chain, Frames, Loads, PeriodicDeflection};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Effect of one unit of a small motion on the TCP: its displacement `g` and its rotation `w`.
 ///
@@ -138,6 +139,7 @@ pub struct Expansion {
     /// Indices of the motions that [`Self::set`] updates.
     wanted: Vec<usize>,
     loads: Loads,
+    periodic: Arc<[PeriodicDeflection]>,
     /// Elastic parameters in their order, each with the motion that it causes at the last posture (index and
     /// size). Empty if none of them is wanted.
     elastic: Vec<(Parameter, (usize, f64))>,
@@ -156,10 +158,14 @@ impl Expansion {
             driven.map(|i| (motion(i), chain.coupling[i][j])).collect()
         });
         let (drives, wanted) = (drives.collect(), (0..Parameter::first_elastic(axes)).collect());
-        let (joint_frames, loads, terms) =
-            (chain.joint_frames.clone(), chain.loads, [MotionTerm::NONE; MAX_MOTIONS]);
+        let (joint_frames, loads, periodic, terms) = (
+            chain.joint_frames.clone(),
+            chain.loads,
+            chain.periodic.clone(),
+            [MotionTerm::NONE; MAX_MOTIONS],
+        );
         let elastic = Parameter::elastic(axes).map(|p| (p, (PER_LINK * p.deflected_joint(), 0.0)));
-        Self { axes, joint_frames, terms, drives, wanted, loads, elastic: elastic.collect() }
+        Self { axes, joint_frames, terms, drives, wanted, loads, periodic, elastic: elastic.collect() }
     }
 
     /// Returns an expansion with derivatives with respect to `parameters` alone; all other derivatives are
@@ -186,7 +192,7 @@ impl Expansion {
             };
         }
         for (parameter, (_, size)) in &mut self.elastic {
-            *size = deflection(frames, &self.loads, *parameter).map_or(0.0, |(_, size)| size);
+            *size = deflection(frames, &self.loads, &self.periodic, *parameter).map_or(0.0, |(_, size)| size);
         }
     }
 

@@ -53,7 +53,10 @@ pub fn identifiable(chain: &Chain, set: ParameterSet) -> Vec<Parameter> {
         Parameter::Dr(i) => chain.links[i].kind == JointKind::Revolute && !fifth(i),
         Parameter::Dbeta(i) => fifth(i),
         Parameter::Base(_) | Parameter::Tool(_) | Parameter::Joint(..) => false,
-        Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Equipment(..) => false,
+        Parameter::Elastic(..)
+        | Parameter::Compliance(_)
+        | Parameter::Periodic(_)
+        | Parameter::Equipment(..) => false,
     };
     let mut parameters: Vec<_> = Parameter::of_robot(axes).filter(is_of_set).collect();
     let spare = spare_slides(chain, &parameters);

@@ -2,7 +2,7 @@
 
 use crate::cell::{JointKind, PER_FRAME, Parameter};
 use crate::pose::Pose;
-use crate::robot::{Chain, Frames, STANDARD_GRAVITY};
+use crate::robot::{Chain, Frames, PeriodicDeflection, STANDARD_GRAVITY};
 use nalgebra::Vector3;
 
 /// Small motion at one place in the chain, which moves all parts from this place to the tool.
@@ -53,7 +53,10 @@ pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usi
         Parameter::Base(c) => of_frame(0, &Pose::identity(), c),
         Parameter::Tool(c) => of_frame(chain.axes(), &frames.tcp, c),
         Parameter::Joint(i, c) => of_frame(i, &(rows[i] * chain.joint_frames[i]), c),
-        Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Equipment(..) => Vec::new(),
+        Parameter::Elastic(..)
+        | Parameter::Compliance(_)
+        | Parameter::Periodic(_)
+        | Parameter::Equipment(..) => Vec::new(),
     }
 }
 
@@ -70,6 +73,9 @@ pub fn largest_deflection(
     let joint = parameter.is_elastic().then_some(parameter.deflected_joint())?;
     let factor = match parameter {
         Parameter::Elastic(_, link) => chain.link_length(link),
+        Parameter::Periodic(_) => {
+            chain.periodic.iter().filter(|error| error.joint == joint).map(PeriodicDeflection::largest).sum()
+        }
         _ => (joint + 1..=chain.axes())
             .map(|k| {
                 let arm: f64 = (joint..k).map(|link| chain.link_length(link)).sum();

@@ -67,7 +67,7 @@ impl EvaluatorScratch {
 impl ErrorEvaluator {
     /// Prepares the evaluator of one operation of a cell.
     pub fn new(cell: &Cell, operation: &Operation) -> Self {
-        let chain = Chain::new(&cell.robot).carrying(&operation.held);
+        let chain = Chain::new(&cell.robot).with_errors(cell.error_set()).carrying(&operation.held);
         let other = operation.relative_to.map(|k| cell.operations[k].equipment);
         let sources = ErrorSources::new(cell, operation.equipment, other);
         let mean = cell.model != Model::Linear;

@@ -146,6 +146,7 @@ pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
         // The last joint turns the last link and its load, and so changes levers and torques.
         Parameter::Elastic(_, link) => link + 1 == axes,
         Parameter::Compliance(_) => true,
+        Parameter::Periodic(joint) => joint + 1 == axes,
         _ => false,
     }
 }

@@ -1,10 +1,12 @@
 //! The Denavit-Hartenberg chain and its forward kinematics.
 
 use super::loads::Loads;
-use crate::cell::{HeldPart, JointKind, JointVector, MAX_JOINTS, Margins, Robot};
+use super::periodic::PeriodicDeflection;
+use crate::cell::{ErrorSet, HeldPart, JointKind, JointVector, MAX_JOINTS, Margins, Robot};
 use crate::low_discrepancy::halton;
 use crate::pose::{Pose, exact_sin_cos};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// One row of the Denavit-Hartenberg table, with the sine and cosine of its twist precomputed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +82,8 @@ pub struct Chain {
     pub tool_axis: Vector3<f64>,
     /// Masses of links, tool and held part, whose weights deflect elastic joints.
     pub loads: Loads,
+    /// Periodic errors of the joints, which [`Chain::with_errors`] takes from an error set.
+    pub periodic: Arc<[PeriodicDeflection]>,
 }
 
 impl Chain {
@@ -101,7 +105,16 @@ impl Chain {
             turned_tool: robot.tool.rotation != Matrix3::identity(),
             tool_axis: robot.tool_axis,
             loads,
+            periodic: Arc::default(),
         }
+    }
+
+    /// Returns this chain with the periodic errors of a set; their shares are parameters of the errors.
+    pub fn with_errors(mut self, set: &ErrorSet) -> Self {
+        let errors = set.signed().into_iter().flat_map(|sample| &sample.periodic);
+        self.periodic =
+            errors.map(|error| PeriodicDeflection::new(error, self.links[error.joint].theta)).collect();
+        self
     }
 
     /// Returns this chain with the mass of a part that the tool holds.

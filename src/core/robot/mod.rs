@@ -10,7 +10,9 @@
 mod chain;
 mod gravity;
 mod loads;
+mod periodic;
 
 pub use chain::{Chain, Frames, Link, Posture};
 pub use gravity::{STANDARD_GRAVITY, gravity_torque, lever};
 pub use loads::{CarriedMass, Loads};
+pub use periodic::PeriodicDeflection;

@@ -29,7 +29,7 @@ impl PredictedErrors {
         let means = if is_signed { Some(sources.signed()) } else { sources.means() };
         let is_measured = matches!(cell.error_set(), ErrorSet::Measured(_));
         Self {
-            chain: Chain::new(&cell.robot),
+            chain: Chain::new(&cell.robot).with_errors(cell.error_set()),
             model: cell.model,
             means: means.unwrap_or_else(|| vec![0.0; sources.list.len()]),
             sources,

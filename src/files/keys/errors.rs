@@ -114,6 +114,22 @@ key_table! {
     }
 }
 
+/// Largest order of a periodic error.
+const MAX_ORDER: usize = 64;
+
+/// Returns the key of a list of coefficients, one for each order.
+const fn coefficients(name: &'static str, example: &'static str, help: &'static str) -> Key {
+    Key::new(name, ValueKind::List(&FINITE, (1, MAX_ORDER), "numbers"), help).required().example(example)
+}
+
+key_table! {
+    periodic_error, "a periodic error", "Error of a joint that repeats with every turn of its coordinate q: the sum of cos_deg cos(k q) and sin_deg sin(k q) over the orders k = 1, 2, ...", {
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint with this error, by its number from 1 or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint");
+        COS = coefficients("cos_deg", "[0.004, 0]", "Coefficients of the cosines, one for each order from 1.").remedy("add cos_deg = [...], a number for each order");
+        SIN = coefficients("sin_deg", "[0, -0.01]", "Coefficients of the sines, one for each order from 1.").remedy("add sin_deg = [...], a number for each order");
+    }
+}
+
 key_table! {
     distribution, "`distribution`", "Distributions of the plus-or-minus values of rows and frames.", {
         DEFAULT = word::<Distribution>("default", "Distribution of all errors whose key is left out.").default(Literal::Word(Distribution::Normal.name()));
@@ -155,6 +171,7 @@ key_table! {
         JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves its joint and everything after it. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
         ELASTIC = Key::new("elastic", ValueKind::List(&ValueKind::Table(&elastic_term::TABLE), (0, MANY), "elastic terms"), "Deflections of joints by gravity, as a calibration identifies them; each depends on the posture.").example("[{ joint = 2, link = 3, deg_per_m = -0.05 }]");
         COMPLIANCE = Key::new("compliance_deg_per_Nm", POSTURE, "Compliances of the joints: the deflection per torque of gravity by the masses of links, tool and held part; one for each joint, 0 for a prismatic one.");
+        PERIODIC = Key::new("periodic", ValueKind::List(&ValueKind::Table(&periodic_error::TABLE), (0, MAX_JOINTS), "periodic errors"), "Periodic errors of joints, as a calibration identifies them; for robots without joint coupling.").example("[{ joint = 1, cos_deg = [0.004, 0], sin_deg = [0, -0.01] }]");
         DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table with words for rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
@@ -162,7 +179,7 @@ key_table! {
     }
     rules [
         Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance", "measured_ranges"] },
-        Rule::When { key: "kind", words: tolerance, needs: &[], never: &["measured_ranges"] },
+        Rule::When { key: "kind", words: tolerance, needs: &[], never: &["measured_ranges", "periodic"] },
         Rule::When { key: "kind", words: measured, needs: &[], never: &["distribution"] },
         Rule::NotNegativeWhen("kind", "tolerance"),
     ];

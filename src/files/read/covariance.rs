@@ -44,8 +44,8 @@ fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
         Parameter::Dq(i) => arm.slides(i),
         Parameter::Dr(_) | Parameter::Dl(_) => true,
         Parameter::Dalpha(_) | Parameter::Dbeta(_) => false,
-        // The conversion of degrees per m and per N m is that of degrees.
-        Parameter::Elastic(..) | Parameter::Compliance(_) => false,
+        // The conversion of degrees per m and per N m is that of degrees; shares have no name in a covariance.
+        Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Periodic(_) => false,
         Parameter::Base(c) | Parameter::Tool(c) => c < PER_FRAME / 2,
         Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c < PER_FRAME / 2,
     }
@@ -54,7 +54,8 @@ fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
 /// Returns the names in `parameters`. Records a fault if there are none, or more than the robot has
 /// parameters.
 fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n [Node]> {
-    let most = Parameter::count(arm.axes);
+    // The shares of periodic errors have no names.
+    let most = Parameter::count(arm.axes) - arm.axes;
     if let Some(items) = node.value.items().filter(|items| (1..=most).contains(&items.len())) {
         return Some(items);
     }
@@ -78,9 +79,11 @@ fn read_parameters(items: &[Node], arm: ErrorRows<'_>, t: &mut Table) -> Option<
     let mut names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
     arm.in_order(&mut names);
     arm.unused().into_iter().flatten().for_each(|place| names[place].clear());
-    let slides = |(_, p): &(usize, Parameter)| p.is_elastic() && arm.slides(p.deflected_joint());
-    let sliding: Vec<_> = Parameter::of_robot(arm.axes).enumerate().filter(slides).collect();
-    sliding.into_iter().for_each(|(place, _)| names[place].clear());
+    let is_none = |(_, p): &(usize, Parameter)| {
+        matches!(p, Parameter::Periodic(_)) || p.is_elastic() && arm.slides(p.deflected_joint())
+    };
+    let nameless: Vec<_> = Parameter::of_robot(arm.axes).enumerate().filter(is_none).collect();
+    nameless.into_iter().for_each(|(place, _)| names[place].clear());
     let mut places: Vec<Option<usize>> = Vec::new();
     for item in items {
         let place = read_parameter(item, &names, arm, t);

@@ -18,8 +18,8 @@ pub fn read(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<Vec
     if let Some(node) = t.get(&error_set::COMPLIANCE) {
         refuse_sliding(node.at, &compliances, arm, t);
     }
-    let first = all.len() - arm.axes;
-    all[first..].copy_from_slice(&compliances);
+    let first = all.len() - 2 * arm.axes;
+    all[first..][..arm.axes].copy_from_slice(&compliances);
     terms?.into_iter().for_each(|(place, value)| all[place] = value);
     Some(all)
 }

@@ -3,6 +3,7 @@
 use super::elastic;
 use super::frame_error;
 use super::measured_ranges;
+use super::periodic;
 use super::row_order::ErrorRows;
 use super::tolerance;
 use crate::cell::*;
@@ -18,6 +19,7 @@ pub fn read_all(
     axes: Option<usize>,
     joints: Option<&[Joint]>,
     convention: Option<Convention>,
+    coupling: Option<&[Vec<f64>]>,
 ) -> Vec<ErrorSet> {
     let node = t.get(&robot::ERRORS);
     let Some(axes) = axes else { return Vec::new() };
@@ -27,7 +29,9 @@ pub fn read_all(
         t.error(node.at, "no error set", robot::ERRORS.remedy);
     }
     let modified = convention == Some(Convention::Modified);
-    let arm = ErrorRows { axes, joints: joints.unwrap_or(&[]), modified };
+    let is_coupled = coupling
+        .is_some_and(|rows| rows.iter().enumerate().any(|(i, row)| row.iter().take(i).any(|c| *c != 0.0)));
+    let arm = ErrorRows { axes, joints: joints.unwrap_or(&[]), modified, is_coupled };
     t.named(&robot::ERRORS, |name, t| read(name, t, arm))
 }
 
@@ -41,6 +45,7 @@ fn read(name: &str, t: &mut Table, arm: ErrorRows<'_>) -> Option<ErrorSet> {
     }
     let set = match form {
         Some(ErrorSetForm::Plain(ErrorForm::Tolerance)) => {
+            periodic::refuse(t);
             tolerance::read(t, values, arm).map(ErrorSet::Tolerance)
         }
         Some(ErrorSetForm::Measured) => {
@@ -72,6 +77,7 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
     let tool = frame_error::read_part(t, &error_set::TOOL, range);
     let joints = frame_error::read_joints(t, arm, range);
     let elastic = elastic::read(t, arm, range);
+    let periodic = periodic::read(t, arm);
     let (dq_deg, dq_mm) = (dq_deg?, dq_mm?);
     check_joint_kinds(t, &error_set::DQ_DEG, &dq_deg, arm, JointKind::Revolute);
     check_joint_kinds(t, &error_set::DQ_MM, &dq_mm, arm, JointKind::Prismatic);
@@ -79,13 +85,15 @@ fn read_values(name: &str, t: &mut Table, arm: ErrorRows<'_>, range: NumberRange
     let dq = dq_deg.iter().zip(dq_mm).map(|(a, b)| a + b).collect();
     let (dr, dl, dalpha, dbeta) = (dr?, dl?, dalpha?, dbeta?);
     let (base, tool, joints, elastic, name) = (base?, tool?, joints?, elastic?, name.to_string());
+    let periodic = periodic?;
     if arm.modified {
         refuse_first_row(t, &base, &joints);
     }
-    let rows = SignedErrors { name: name.clone(), dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic };
+    let rows = SignedErrors { name, dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic, periodic };
     let mut values = rows.values();
     arm.in_order(&mut values);
-    Some(SignedErrors::of_values(name, n, &values))
+    let SignedErrors { name, periodic, .. } = rows;
+    Some(SignedErrors::of_values(name, n, &values).with_periodic(periodic))
 }
 
 /// Refuses errors of the base and of joint 1 that duplicate errors of row 1 of a modified D-H table.

@@ -14,6 +14,7 @@ pub mod header;
 pub mod joint;
 mod measured_ranges;
 pub mod operation;
+mod periodic;
 pub mod place;
 pub mod placement;
 pub mod plausible;

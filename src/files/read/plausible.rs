@@ -96,7 +96,7 @@ fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut
 
 /// Warns if elastic errors may turn a joint by an implausible angle, or if compliances lack masses.
 fn warn_of_deflections(cell: &Cell, at: At, lib: &mut Library<'_>) {
-    let (chain, set) = (Chain::new(&cell.robot), cell.error_set());
+    let (chain, set) = (Chain::new(&cell.robot).with_errors(cell.error_set()), cell.error_set());
     let name = set.name();
     let (signed, spreads) = (set.signed().map(SignedErrors::values), set.tolerance().spreads);
     let value = |k: usize| spreads[k].plus_minus.max(signed.as_ref().map_or(0.0, |values| values[k].abs()));
@@ -115,7 +115,10 @@ fn warn_of_deflections(cell: &Cell, at: At, lib: &mut Library<'_>) {
                 parameter.name(),
                 rounded(angle, 1)
             );
-            let help = "is it really in degrees per m, or degrees per N m?";
+            let help = match parameter {
+                Parameter::Periodic(_) => "are its coefficients really in degrees?",
+                _ => "is it really in degrees per m, or degrees per N m?",
+            };
             lib.fault(at, Severity::Warning, message, help);
         }
     }

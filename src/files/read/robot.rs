@@ -56,7 +56,8 @@ pub fn read(t: &mut Table) -> Option<Robot> {
     let needed: &[_] = if is_read && t.lib.errors() == before { &["footprint"] } else { &[] };
     let footprint = solid::read_footprint(t, &robot::FOOTPRINT, extent_of(base), needed);
     let self_collision = tool::read_self_collision(t, &solids);
-    let errors = error_set::read_all(t, from.axes, from.joints.as_deref(), from.convention);
+    let errors =
+        error_set::read_all(t, from.axes, from.joints.as_deref(), from.convention, from.coupling.as_deref());
     let (Tool { pose: tool, axis: tool_axis, .. }, footprint) = (tool?, footprint?);
     let Mechanism { mut mount, joint_frames, .. } = from;
     let (convention, mut joints, coupling) = (from.convention?, from.joints?, from.coupling?);

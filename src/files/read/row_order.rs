@@ -11,6 +11,8 @@ pub struct ErrorRows<'j> {
     pub joints: &'j [Joint],
     /// Whether the rows are in modified convention, in which a row begins with the common normal.
     pub modified: bool,
+    /// Whether an actuator moves more than its own D-H coordinate.
+    pub is_coupled: bool,
 }
 
 impl ErrorRows<'_> {

@@ -103,7 +103,8 @@ fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
         let joints = frames[2].repeat(axes.saturating_sub(1));
         let terms = vec![elastic?; axes * (axes + 1) / 2];
         let frames = frames.into_iter().flatten().chain(joints);
-        Some(by_link.chain(frames).chain(terms).chain(compliance?).collect())
+        let shares = vec![default; axes];
+        Some(by_link.chain(frames).chain(terms).chain(compliance?).chain(shares).collect())
     })
 }
 

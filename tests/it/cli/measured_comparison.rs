@@ -83,6 +83,31 @@ fn a_map_tells_how_well_it_predicts_measured_positions() {
     assert!(shop.json(&["map", "cell.toml"]).get("measured").is_none());
 }
 
+/// A cell with the pasted table predicts what the calibration itself predicts, its periodic errors included.
+#[test]
+fn a_map_predicts_with_the_periodic_errors_of_a_calibration() {
+    let shop = Sandbox::new();
+    let (b, d) = (series("B"), series("D"));
+    let robot = shop.done(&["robot", "ur10", "--toml"]).out;
+    let fit = ["calibrate", "ur10", &b, "--poses", "150", "--elastic", "--harmonics", "12"];
+    let table = shop.done(&[&fit[..], &["--toml"]].concat()).out;
+    assert_eq!(table.matches("cos_deg").count(), 6, "{table}");
+    shop.write("measured.toml", &format!("{robot}\n{table}"));
+    shop.write("cell.toml", &cell_with("measured.toml"));
+    let map = shop.json(&["map", "cell.toml", "--measured", &d]);
+    let file = &items(&map["measured"])[0];
+    let test = shop.json(&[&fit[..], &["--test", &d]].concat());
+    let tested = &items(&test["tests"])[0];
+    let (predicted, own) = (number(&file["residual"]["mean_mm"]), number(&tested["after"]["mean_mm"]));
+    assert!((predicted - own).abs() < 0.01, "{predicted} mm, {own} mm");
+    let without = fit.iter().filter(|w| !["--harmonics", "12"].contains(w)).copied().collect::<Vec<_>>();
+    let without = shop.json(&[&without[..], &["--test", &d]].concat());
+    let rigid = number(&items(&without["tests"])[0]["after"]["mean_mm"]);
+    assert!(own < 0.9 * rigid, "{own} mm with harmonics, {rigid} mm without");
+    let coverage = number(&file["coverage_95_varying"]);
+    assert!((coverage - number(&tested["coverage_95"])).abs() < 0.08, "{coverage}, {tested}");
+}
+
 /// The measured range of joint 2 leaves out every posture of the cell, that of the other joints none.
 #[test]
 fn a_map_and_a_search_say_which_errors_are_extrapolated() {

@@ -93,6 +93,7 @@ pub fn random_errors(rng: &mut ChaCha8Rng, n: usize, length: f64, angle: f64) ->
         tool,
         joints,
         elastic: vec![],
+        periodic: vec![],
     }
 }
 

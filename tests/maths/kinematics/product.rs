@@ -82,7 +82,7 @@ pub fn no_errors(n: usize) -> SignedErrors {
     let zeros = || vec![0.0; n];
     let (name, base, tool, joints) = ("none".into(), [0.0; 6], [0.0; 6], vec![[0.0; 6]; n]);
     let [dq, dr, dl, dalpha, dbeta] = [(); 5].map(|()| zeros());
-    SignedErrors { name, dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic: vec![] }
+    SignedErrors { name, dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic: vec![], periodic: vec![] }
 }
 
 pub fn random_joints(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {

@@ -32,7 +32,8 @@ pub fn all_wrong_with(robot: Robot, rng: &mut ChaCha8Rng) -> Cell {
     let joints = (0..n).map(|_| quarter()).collect();
     let fixture = frame();
     let (name, elastic) = ("all".into(), vec![]);
-    let signed = SignedErrors { name, dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic };
+    let signed =
+        SignedErrors { name, dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic, periodic: vec![] };
     (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
     cell.equipment[0].errors = Some(FrameErrors::Signed(fixture));
     cell
@@ -187,6 +188,7 @@ fn fixture_errors_match_hand_calculation() {
         tool: [0.0; 6],
         joints: vec![[0.0; 6]; n],
         elastic: vec![],
+        periodic: vec![],
     };
     (cell.robot.errors, cell.errors) = (vec![ErrorSet::Signed(signed)], 0);
     cell.equipment[0].placement[3] = Coordinate::Fixed(FRAC_PI_2);

@@ -24,7 +24,9 @@ pub fn unit(axes: usize, parameter: Parameter) -> SignedErrors {
         Parameter::Base(c) => e.base[c] = 1.0,
         Parameter::Tool(c) => e.tool[c] = 1.0,
         Parameter::Joint(i, c) => e.joints[i][c] = 1.0,
-        Parameter::Elastic(..) | Parameter::Compliance(_) => panic!("not a small motion of constant size"),
+        Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Periodic(_) => {
+            panic!("not a small motion of constant size")
+        }
         Parameter::Equipment(..) => panic!("not of a robot"),
     }
     e
