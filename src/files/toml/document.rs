@@ -47,6 +47,8 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
+    /// Numbers of errors and warnings among the faults; hostile files ask for them a million times.
+    found: [usize; 2],
     /// Index of the source that holds the settings, and one truth value per setting; None without settings.
     ///
     /// The value is true if a flag other than `--set` states the setting, and false if `--set` states it. The
@@ -59,7 +61,15 @@ pub struct Library<'a> {
 
 impl<'a> Library<'a> {
     pub fn new(read: &'a mut ReadFile<'a>) -> Self {
-        Self { read, sources: Vec::new(), faults: Vec::new(), flags: None, parsed: HashMap::new(), named: 0 }
+        Self {
+            read,
+            sources: Vec::new(),
+            faults: Vec::new(),
+            found: [0; 2],
+            flags: None,
+            parsed: HashMap::new(),
+            named: 0,
+        }
     }
 
     /// Returns whether the value at a place comes from a flag of the command line other than `--set`.
@@ -73,14 +83,15 @@ impl<'a> Library<'a> {
 
     /// Records a fault at a place.
     pub fn fault(&mut self, at: At, severity: Severity, message: String, help: impl Into<String>) {
-        let listed = self.faults.iter().filter(|f| f.severity == severity).count();
-        let (message, help) = match listed.cmp(&MAX_FAULTS) {
+        let found = &mut self.found[usize::from(severity == Severity::Warning)];
+        let (message, help) = match (*found).cmp(&MAX_FAULTS) {
             Ordering::Less => (message, help.into()),
             Ordering::Equal => {
                 (format!("more than {MAX_FAULTS} faults"), "correct the listed ones first".into())
             }
             Ordering::Greater => return,
         };
+        *found += 1;
         let source = &self.sources[at.file];
         let fault = Fault::in_text(&source.path, source.text(), at.offset, message, help);
         self.faults.push(Fault { severity, ..fault });
@@ -92,7 +103,7 @@ impl<'a> Library<'a> {
 
     /// Returns the number of errors found so far.
     pub fn errors(&self) -> usize {
-        self.faults.iter().filter(|f| f.is_error()).count()
+        self.found[0]
     }
 
     /// Reads a text file, unless it has been read, and returns its index among the sources.
