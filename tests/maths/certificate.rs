@@ -86,16 +86,16 @@ fn misplace_cell(name: &str, layouts: usize, count: usize) -> Tried {
 #[test]
 fn no_misplacement_breaks_a_certificate() {
     for (name, layouts) in [
-        ("hitachi_cell.toml", 60),
-        ("ur_cell.toml", 8),
-        ("scara_cell.toml", 30),
-        ("five_axis_cell.toml", 20),
-        ("palletizer_cell.toml", 20),
-        ("wrist_cell.toml", 12),
-        ("drilling_cell.toml", 20),
-        ("track_cell.toml", 2),
+        ("hitachi_cell.toml", 30),
+        ("ur_cell.toml", 4),
+        ("scara_cell.toml", 15),
+        ("five_axis_cell.toml", 10),
+        ("palletizer_cell.toml", 10),
+        ("wrist_cell.toml", 6),
+        ("drilling_cell.toml", 10),
+        ("track_cell.toml", 1),
     ] {
-        let tried = misplace_cell(name, cases(layouts, 10 * layouts), cases(40, 1000));
+        let tried = misplace_cell(name, cases(layouts, 20 * layouts), cases(20, 1000));
         let Tried { certified, refused, widest } = tried;
         println!(
             "{name}: {certified} certified, {refused:?} refused, bound at most {widest:.4} of the worst"
@@ -207,7 +207,7 @@ fn the_best_layouts_of_the_first_cells_withstand_random_misplacements() {
         let cell = from_text_to_build(&text).unwrap().cell;
         // Redundant and numeric arms take long.
         if name != "panda" {
-            let budget = cases(300, cell.search.budget as usize) as u64;
+            let budget = cases(120, cell.search.budget as usize) as u64;
             misplace_best(name, cell, budget, cases(20, 1000));
         }
     }

@@ -178,10 +178,10 @@ fn deflections_are_those_of_a_chain_of_springs_to_first_order() {
     }
 }
 
-/// Returns a periodic error of three orders for every revolute joint of an arm.
-fn random_waves(rng: &mut ChaCha8Rng, arm: &Robot) -> Vec<PeriodicError> {
+/// Returns a periodic error of three orders for every revolute joint of an arm; `size` bounds its coefficients, rad.
+pub fn random_waves(rng: &mut ChaCha8Rng, arm: &Robot, size: f64) -> Vec<PeriodicError> {
     let mut wave = |joint| {
-        let [cos, sin] = [(); 2].map(|()| (0..3).map(|_| rng.random_range(-0.2..0.2)).collect());
+        let [cos, sin] = [(); 2].map(|()| (0..3).map(|_| rng.random_range(-size..size)).collect());
         PeriodicError { joint, cos, sin }
     };
     let turning = arm.joints.iter().enumerate().filter(|(_, j)| j.kind == JointKind::Revolute);
@@ -200,10 +200,7 @@ fn periodic_errors_of_a_chain_turn_its_joints() {
         }
         uncoupled += 1;
         arm.tool = Pose::identity();
-        let waves = random_waves(&mut rng, &arm);
-        let small = |list: &[f64]| list.iter().map(|v| v * 0.05).collect();
-        let waves = waves.iter().map(|w| PeriodicError { cos: small(&w.cos), sin: small(&w.sin), ..*w });
-        let waves: Vec<PeriodicError> = waves.collect();
+        let waves = random_waves(&mut rng, &arm, 0.01);
         let wave = |joint, k, sine| Unknown::Harmonic { joint, order: k + 1, sine };
         let (unknowns, sizes): (Vec<_>, Vec<_>) = waves
             .iter()
@@ -234,7 +231,7 @@ fn derivatives_of_elastic_errors_agree_with_differences() {
         let mut arm = random_robot(&mut rng, axes, false);
         arm.masses = vec![LinkMass { link: axes, mass: 0.3, centre: Vector3::new(0.1, -0.2, 0.3) }];
         let q = random_joints(&arm, &mut rng);
-        let sample = no_errors(axes).with_periodic(random_waves(&mut others, &arm));
+        let sample = no_errors(axes).with_periodic(random_waves(&mut others, &arm, 0.2));
         let chain = Chain::new(&arm).with_errors(&ErrorSet::Signed(sample));
         let frames = chain.frames(&chain.posture(&q));
         let mut expansion = Expansion::new(&chain);

@@ -4,6 +4,7 @@
 //! axes in space.
 
 use crate::common::{root, shipped};
+use crate::elastic::random_waves;
 use nalgebra::{DMatrix, Matrix3, Vector3, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -504,8 +505,8 @@ const FIGURES: &str = "# How good is the best layout found?\n\n\
     | cell | bound | covers | best found | evaluations | gap | boxes | seconds |\n\
     |---|---|---|---|---|---|---|---|\n";
 
-/// Returns errors of rows and elastic errors of revolute joints as a tolerance or, with a covariance, as measured
-/// errors.
+/// Returns errors of rows and elastic errors of revolute joints as a tolerance or, with a covariance and periodic
+/// errors, as measured errors.
 fn elastic_set(robot: &Robot, is_measured: bool, rng: &mut ChaCha8Rng) -> ErrorSet {
     let axes = robot.axes();
     let value = |p: Parameter| match p {
@@ -531,7 +532,8 @@ fn elastic_set(robot: &Robot, is_measured: bool, rng: &mut ChaCha8Rng) -> ErrorS
         spread.spreads[place].plus_minus = 3.0 * matrix[(k, k)].sqrt();
     }
     spread.covariance = Some(Covariance { parameters, matrix });
-    ErrorSet::Measured(Box::new(MeasuredErrors { mean: sample, spread, ranges: None }))
+    let mean = sample.with_periodic(random_waves(&mut ChaCha8Rng::seed_from_u64(43), robot, 1e-4));
+    ErrorSet::Measured(Box::new(MeasuredErrors { mean, spread, ranges: None }))
 }
 
 /// Elastic errors and means are bounded in every reading, or the proof says why not.
@@ -561,7 +563,9 @@ fn no_random_posture_is_below_the_bound_with_elastic_errors() {
                         let rigid = Parameter::first_elastic(axes);
                         let values = values.map(|(k, s)| s.plus_minus * if k < rigid { 10.0 } else { 0.02 });
                         let values: Vec<f64> = values.collect();
-                        ErrorSet::Signed(SignedErrors::of_values("elastic".into(), axes, &values))
+                        let sample = SignedErrors::of_values("elastic".into(), axes, &values);
+                        let mut others = ChaCha8Rng::seed_from_u64(44);
+                        ErrorSet::Signed(sample.with_periodic(random_waves(&mut others, &cell.robot, 1e-5)))
                     }
                     (set, _) => set,
                 };
