@@ -2,7 +2,7 @@
 
 use crate::common::robots;
 use crate::kinematics::product::{position, product};
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{DVector, Rotation3, Vector3};
 use num_dual::Dual64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -154,6 +154,32 @@ fn periodic_errors_of_a_joint_are_identified_and_predict_other_positions() {
         }
     }
     assert_eq!(result.parameters().len(), plain.len());
+    // A file states the periodic errors as known: the covariance of the rest is the inverse of a block of precisions.
+    let known = plain.len();
+    let precision = result.covariance.clone().try_inverse().unwrap();
+    let block = precision.view((0, 0), (known, known)).into_owned().try_inverse().unwrap();
+    let beside = result.covariance_beside_periodic_errors();
+    let scale = |k: usize| result.covariance[(k, k)].sqrt();
+    let off = |i: usize, j: usize| (beside[(i, j)] - block[(i, j)]).abs() / (scale(i) * scale(j));
+    assert!((0..known).all(|i| (0..known).all(|j| off(i, j) < 1e-6)));
+    // Zero and periodic error of a joint are uncertain together, at random coordinates in the measured range.
+    let zero = plain.iter().position(|u| *u == Unknown::Row(Parameter::Dq(1))).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let (low, high) = result.ranges[1];
+    let variances = (0..4000).map(|_| {
+        let q = rng.random_range(low..high);
+        let part = |unknown: &Unknown| match *unknown {
+            Unknown::Row(Parameter::Dq(1)) => 1.0,
+            Unknown::Harmonic { joint: 1, order, sine: true } => (order as f64 * q).sin(),
+            Unknown::Harmonic { joint: 1, order, .. } => (order as f64 * q).cos(),
+            _ => 0.0,
+        };
+        let parts = DVector::from_iterator(periodic.len(), periodic.iter().map(part));
+        parts.dot(&(&result.covariance * &parts))
+    });
+    let mean = variances.sum::<f64>() / 4000.0;
+    let stated = result.variance_of_periodic_error(1) + beside[(zero, zero)];
+    assert!(high - low <= 6.0 && (stated / mean - 1.0).abs() < 0.05, "{stated:e} {mean:e}");
     let expected: f64 = result.harmonics_of(3).map(|i| i.unknown.default_prior().powi(2)).sum::<f64>() / 2.0;
     let [found, of_other_joint] = [1, 3].map(|joint| result.periodic_variance(joint) / expected);
     assert!(of_other_joint < 0.5 && found > 2.0 * of_other_joint, "{found}, {of_other_joint}");
