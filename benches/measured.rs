@@ -180,7 +180,7 @@ fn transfer(data: &Data) {
     for (series, count) in [2, 1, 0, 3].into_iter().flat_map(|series| [(series, 300), (series, 50)]) {
         print!("{:<22}", format!("{count} of {} {}", SERIES[series], HARMONICS.name));
         let results: Vec<_> =
-            FEW_SEEDS.map(|seed| data.calibrated(&[(series, count)], seed, HARMONICS)).collect();
+            SEEDS.map(|seed| data.calibrated(&[(series, count)], seed, HARMONICS)).collect();
         data.print_tests(&results, Some(series));
     }
 }
@@ -240,7 +240,7 @@ fn rank(data: &Data) {
     };
     let counts = [30, 50, 100, 300].into_iter();
     let plain = [ROWS, ELASTIC].into_iter().flat_map(|terms| counts.clone().map(move |c| (terms, c, SEEDS)));
-    for (terms, count, seeds) in plain.chain([(HARMONICS, 50, SEEDS), (HARMONICS, 300, FEW_SEEDS)]) {
+    for (terms, count, seeds) in plain.chain([(HARMONICS, 50, SEEDS), (HARMONICS, 300, SEEDS)]) {
         let one = |seed: u64| {
             let result = data.calibrated(&[(1, count)], seed, terms);
             let (fitted, _) = result.tested(&data.series[0]).expect("a test");
