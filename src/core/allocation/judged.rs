@@ -54,6 +54,9 @@ pub fn allocate_judged(
     let mut scratch = FigureScratch::default();
     let mut at: Vec<f64> = costs.iter().map(|cost| cost.ordered(1.0)).collect();
     let mut judged = judge(&at);
+    if judged.len() != limits.len() {
+        return Err(AllocationFailure::NotSolved);
+    }
     let (mut missed, mut best): (f64, Option<JudgedAllocation>) = (0.0, None);
     for round in 0..MAX_ROUNDS {
         let problem = ToleranceProblem {

@@ -31,12 +31,14 @@ mod grade_choice;
 mod judged;
 mod lagrangian;
 mod linear_figure;
+mod node_figure;
 mod problem;
 mod shortfall;
 mod uniform;
 
 pub use judged::{JudgedAllocation, JudgedFigure, allocate_judged};
 pub use linear_figure::{FigureScratch, LinearFigure};
+pub use node_figure::NodeFigure;
 pub use problem::{AllocationFailure, ToleranceAllocation, ToleranceProblem, ToleranceRequirement, allocate};
 pub use shortfall::{BoundInTheWay, Shortfall};
 pub use uniform::uniform_scale;

@@ -5,6 +5,7 @@
 //! [`ErrorDistribution`] concern one posture. [`Readings`] compares the results of one layout under every
 //! reading.
 
+mod allocation;
 mod budget;
 mod corrections;
 mod distribution;
@@ -20,6 +21,10 @@ mod readings;
 mod remedies;
 mod sampled_spots;
 
+pub use allocation::{
+    AllocatedNodes, AllocatedParameter, CellAllocation, CheapestTolerances, NoAllocation, NodeRequirement,
+    SampledRequirement,
+};
 pub use budget::{BudgetReport, Tighter};
 pub use corrections::{CorrectedTarget, OperationCorrector, StatedTarget};
 pub use distribution::ErrorDistribution;

@@ -50,15 +50,14 @@ impl ToleranceCost {
 
     /// Returns the cost model of discrete grades; None if there is no grade.
     ///
-    /// Grades that cost at least as much as a looser one are left out, because nobody would order them.
+    /// Grades that cost at least as much as a tighter one are left out, because nobody would order them.
     pub fn of_grades(mut grades: Vec<ToleranceGrade>) -> Option<Self> {
-        grades.sort_by(|a, b| a.scale.total_cmp(&b.scale));
+        grades.sort_by(|a, b| a.scale.total_cmp(&b.scale).then(a.cost.total_cmp(&b.cost)));
         let mut kept: Vec<ToleranceGrade> = Vec::new();
         for grade in grades {
-            while kept.last().is_some_and(|tighter| tighter.cost >= grade.cost) {
-                kept.pop();
+            if kept.last().is_none_or(|tighter| grade.cost < tighter.cost) {
+                kept.push(grade);
             }
-            kept.push(grade);
         }
         let range = (kept.first()?.scale, kept.last()?.scale);
         Some(Self { law: CostLaw::Grades(kept), range })

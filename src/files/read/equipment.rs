@@ -38,7 +38,19 @@ pub fn read(name: &str, t: &mut Table, role: Role) -> Option<Equipment> {
     let tolerance = t.table_or(&equipment::TOLERANCE, exact, placement::read_tolerance);
     let (footprint, placement, tolerance) = (footprint?, placement?, tolerance?);
     let (name, errors) = (name.to_string(), errors?);
-    Some(Equipment { name, role, surface, footprint, solids, on: None, placement, errors, tolerance })
+    let error_costs = Vec::new();
+    Some(Equipment {
+        name,
+        role,
+        surface,
+        footprint,
+        solids,
+        on: None,
+        placement,
+        errors,
+        error_costs,
+        tolerance,
+    })
 }
 
 /// Returns the extent of a work surface, m.

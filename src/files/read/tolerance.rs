@@ -31,7 +31,7 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
     // If the covariance was refused, the whole set counts as unreadable.
     let covariance = covariance?;
     set_variances(&mut spreads, covariance.as_ref(), sigmas);
-    Some(Tolerance { name: values.name, spreads, covariance })
+    Some(Tolerance { name: values.name, spreads, covariance, costs: Vec::new() })
 }
 
 /// Reads sigmas and covariance of measured errors, whose values with their signs are `values`.
@@ -52,7 +52,7 @@ pub fn read_measured(
     let none = Spread { plus_minus: 0.0, distribution: Distribution::Normal, sigmas };
     let mut spreads = vec![none; Parameter::count(arm.axes)];
     set_variances(&mut spreads, covariance.as_ref(), sigmas);
-    let spread = Tolerance { name: mean.name.clone(), spreads, covariance };
+    let spread = Tolerance { name: mean.name.clone(), spreads, covariance, costs: Vec::new() };
     Some(MeasuredErrors { mean, spread, ranges })
 }
 

@@ -1,0 +1,310 @@
+//! Tolerance allocation of a cell: the cheapest tolerances with which its operations keep their limits.
+
+use super::SAMPLES;
+use crate::allocation::{
+    AllocationFailure, JudgedAllocation, JudgedFigure, NodeFigure, Shortfall, allocate_judged,
+};
+use crate::cell::{Layout, Parameter, Quantity, Reading, ToleranceCost, Unit};
+use crate::error_map::OperationMap;
+use crate::layout::Workcell;
+use crate::reading::{Estimate, MonteCarlo, SampleSpace, SampledPosture};
+
+/// Largest number of requirements that Monte Carlo samples check: those nearest to their limits.
+const MAX_SAMPLED: usize = 4;
+/// Largest number of allocations that Monte Carlo samples may correct.
+const MAX_SAMPLED_ROUNDS: usize = 4;
+/// Relative distance from the limit at which a requirement counts as binding.
+const BINDING: f64 = 1e-4;
+
+/// Choice of the nodes at which every operation must keep its limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AllocatedNodes {
+    /// The spot of an operation, or every node if the operation happens at all of them.
+    Spots,
+    /// Every usable node.
+    Usable,
+    /// The node with these indices.
+    Node(usize, usize),
+}
+
+/// Parameter whose tolerance is chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AllocatedParameter {
+    pub parameter: Parameter,
+    /// Tolerance of the error set, m or rad.
+    pub plus_minus: f64,
+    pub cost: ToleranceCost,
+}
+
+/// One operation at one node, which must keep the limit of the operation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodeRequirement {
+    pub operation: usize,
+    /// Indices (i, j) of the node.
+    pub node: (usize, usize),
+    /// Index of the node in the map of the operation.
+    place: usize,
+    /// Limit, m or rad.
+    pub limit: f64,
+    /// Figure at the tolerances of the error set, m or rad.
+    pub before: f64,
+}
+
+/// Problem of tolerance allocation of one layout.
+pub struct CellAllocation<'a> {
+    pub workcell: &'a Workcell,
+    layout: &'a Layout,
+    maps: &'a [OperationMap],
+    pub parameters: Vec<AllocatedParameter>,
+    pub requirements: Vec<NodeRequirement>,
+    /// Yield that is demanded if the quantity is the yield, 0 to 1.
+    share: f64,
+}
+
+/// Monte Carlo check of one requirement at the tolerances found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampledRequirement {
+    pub requirement: usize,
+    /// Figure of the requirement by the samples of the nonlinear model, m or rad.
+    pub figure: Estimate,
+    /// Whether the samples confirm the first-order figure.
+    pub confirmed: bool,
+}
+
+/// Cheapest tolerances of a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheapestTolerances {
+    pub found: JudgedAllocation,
+    /// Monte Carlo checks; empty unless the reading is statistical.
+    pub sampled: Vec<SampledRequirement>,
+    /// Number of allocations after the first that the samples caused.
+    pub sampled_rounds: usize,
+}
+
+/// Reason why a cell has no cheapest tolerances.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoAllocation {
+    /// The question has no answer: no limit, no tolerance, no such node. The text tells why.
+    Question(String),
+    /// An operation has no usable node. The text tells why.
+    Unusable(String),
+    /// Even the tightest tolerances exceed these limits.
+    Infeasible(Vec<Shortfall>),
+    /// The solver of the cone programs failed.
+    NotSolved,
+}
+
+impl<'a> CellAllocation<'a> {
+    /// Prepares the problem of a layout with its maps.
+    ///
+    /// # Errors
+    /// Returns the reason if there is no requirement or no tolerance.
+    pub fn new(
+        workcell: &'a Workcell,
+        layout: &'a Layout,
+        maps: &'a [OperationMap],
+        nodes: AllocatedNodes,
+        share: f64,
+    ) -> Result<Self, NoAllocation> {
+        let cell = &workcell.cell;
+        let mut parameters: Vec<AllocatedParameter> = Vec::new();
+        let mut requirements = Vec::new();
+        for (k, operation) in cell.operations.iter().enumerate() {
+            let Some(limit) = operation.limit else { continue };
+            for (place, node) in chosen(workcell, &maps[k], nodes)? {
+                requirements.push(NodeRequirement { operation: k, node, place, limit, before: 0.0 });
+            }
+            for source in &workcell.evaluator(k).sources.list {
+                let is_free = source.spread.is_some() && source.plus_minus > 0.0;
+                if is_free && !parameters.iter().any(|p| p.parameter == source.parameter) {
+                    let (parameter, plus_minus) = (source.parameter, source.plus_minus);
+                    let cost = cell.tolerance_cost(parameter);
+                    parameters.push(AllocatedParameter { parameter, plus_minus, cost });
+                }
+            }
+        }
+        if requirements.is_empty() {
+            return Err(NoAllocation::Question("no operation has a limit".into()));
+        }
+        if parameters.is_empty() {
+            return Err(NoAllocation::Question("no parameter has a tolerance of its own".into()));
+        }
+        let mut problem = Self { workcell, layout, maps, parameters, requirements, share };
+        let present = problem.figures(workcell)?;
+        for (requirement, value) in problem.requirements.iter_mut().zip(present) {
+            requirement.before = value;
+        }
+        Ok(problem)
+    }
+
+    /// Finds the cheapest tolerances.
+    ///
+    /// # Errors
+    /// Returns the reason if there are none.
+    pub fn solve(&self) -> Result<CheapestTolerances, NoAllocation> {
+        let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
+        let mut limits: Vec<f64> = self.requirements.iter().map(|r| r.limit).collect();
+        let mut failed = None;
+        for round in 0..MAX_SAMPLED_ROUNDS {
+            let found = allocate_judged(&costs, &limits, &mut |scales| match self.judged(scales) {
+                Ok(judged) => judged,
+                Err(why) => {
+                    failed = Some(why);
+                    Vec::new()
+                }
+            });
+            if let Some(why) = failed.take() {
+                return Err(why);
+            }
+            let found = found.map_err(|why| match why {
+                AllocationFailure::Infeasible(shortfalls) => NoAllocation::Infeasible(shortfalls),
+                AllocationFailure::NotSolved => NoAllocation::NotSolved,
+            })?;
+            let sampled = self.sampled(&found)?;
+            let mut is_kept = true;
+            for check in sampled.iter().filter(|check| !check.confirmed) {
+                let (k, value) = (check.requirement, check.figure.value);
+                if value > self.requirements[k].limit {
+                    limits[k] *= self.requirements[k].limit / value;
+                    is_kept = false;
+                }
+            }
+            if is_kept || round + 1 == MAX_SAMPLED_ROUNDS {
+                return Ok(CheapestTolerances { found, sampled, sampled_rounds: round });
+            }
+        }
+        Err(NoAllocation::NotSolved)
+    }
+
+    /// Returns whether a requirement is at its limit.
+    pub fn is_binding(&self, requirement: usize, found: &JudgedAllocation) -> bool {
+        found.judged[requirement] >= self.requirements[requirement].limit * (1.0 - BINDING)
+    }
+
+    /// Returns the unit of the figures and the limit of an operation.
+    pub fn unit(&self, operation: usize) -> Unit {
+        self.workcell.cell.operations[operation].sense.unit
+    }
+
+    /// Returns the yield that is demanded; None if the quantity is not the yield.
+    pub fn demanded_yield(&self) -> Option<f64> {
+        let cell = &self.workcell.cell;
+        ((cell.reading, cell.quantity) == (Reading::Statistical, Quantity::Yield)).then_some(self.share)
+    }
+
+    /// Returns the workcell with the tolerances at some scales.
+    fn scaled(&self, scales: &[f64]) -> Result<Workcell, NoAllocation> {
+        let scale = |parameter: Parameter| {
+            let place = self.parameters.iter().position(|p| p.parameter == parameter);
+            place.map_or(1.0, |place| scales[place])
+        };
+        self.workcell.with_scaled_tolerances(&scale).map_err(NoAllocation::Unusable)
+    }
+
+    /// Calls `each` for every requirement in a workcell.
+    fn visit<T>(
+        &self,
+        workcell: &Workcell,
+        mut each: impl FnMut(&NodeRequirement, &NodeFigure<'_>) -> T,
+    ) -> Result<Vec<T>, NoAllocation> {
+        let figures = self.requirements.iter().map(|requirement| {
+            let map = &self.maps[requirement.operation];
+            let posture = map.nodes[requirement.place].posture.as_ref();
+            let posture = posture.ok_or_else(|| NoAllocation::Unusable("a node has no posture".into()))?;
+            let posed = workcell.posed(self.layout, self.maps, requirement.operation, posture);
+            let (context, frames) = posed.map_err(|why| NoAllocation::Unusable(why.in_words().into()))?;
+            let evaluator = workcell.evaluator(requirement.operation);
+            let figure = NodeFigure { evaluator, context: &context, frames: &frames, share: self.share };
+            Ok(each(requirement, &figure))
+        });
+        figures.collect()
+    }
+
+    /// Returns the figure of every requirement in a workcell.
+    fn figures(&self, workcell: &Workcell) -> Result<Vec<f64>, NoAllocation> {
+        self.visit(workcell, |_, figure| figure.value(&mut figure.evaluator.memory()))
+    }
+
+    /// Judges every requirement at some scales.
+    fn judged(&self, scales: &[f64]) -> Result<Vec<JudgedFigure>, NoAllocation> {
+        let free: Vec<Parameter> = self.parameters.iter().map(|p| p.parameter).collect();
+        let scaled = self.scaled(scales)?;
+        self.visit(&scaled, |_, figure| figure.judged(&free, scales, &mut figure.evaluator.memory()))
+    }
+
+    /// Checks the requirements nearest to their limits by Monte Carlo samples of the nonlinear model.
+    fn sampled(&self, found: &JudgedAllocation) -> Result<Vec<SampledRequirement>, NoAllocation> {
+        let cell = &self.workcell.cell;
+        if cell.reading != Reading::Statistical {
+            return Ok(Vec::new());
+        }
+        let used = |k: usize| found.judged[k] / self.requirements[k].limit;
+        let mut order: Vec<usize> = (0..self.requirements.len()).collect();
+        order.sort_by(|&a, &b| used(b).total_cmp(&used(a)).then(a.cmp(&b)));
+        order.truncate(MAX_SAMPLED);
+        let scaled = self.scaled(&found.allocation.scales)?;
+        let space = SampleSpace::of_cell(&scaled.cell);
+        let mut k = 0;
+        let checks = self.visit(&scaled, |_, figure| {
+            k += 1;
+            let requirement = k - 1;
+            order.contains(&requirement).then(|| {
+                let value = found.judged[requirement];
+                let NodeFigure { evaluator, context, frames, .. } = *figure;
+                let posture = SampledPosture { evaluator, context, frames, p95: value };
+                let samples = posture.monte_carlo(&space, SAMPLES, cell.search.seed);
+                self.check(requirement, value, &samples)
+            })
+        });
+        Ok(checks?.into_iter().flatten().collect())
+    }
+
+    /// Compares a first-order figure with samples. For the yield, the share of samples within the figure counts.
+    fn check(&self, requirement: usize, value: f64, samples: &MonteCarlo) -> SampledRequirement {
+        let figure = match self.workcell.cell.quantity {
+            Quantity::Rms => samples.rms,
+            Quantity::Mean => samples.mean,
+            Quantity::P95 => samples.p95,
+            Quantity::P99 => samples.p99,
+            Quantity::Yield => {
+                // The share above the figure is known; the figure itself is confirmed or not.
+                let above = samples.above;
+                let confirmed = (above.low..=above.high).contains(&(1.0 - self.share))
+                    || above.value <= 1.0 - self.share;
+                let factor = if confirmed { 1.0 } else { above.value / (1.0 - self.share).max(1e-6) };
+                let value = value * factor.powf(0.05);
+                let figure = Estimate { value, low: value, high: value };
+                return SampledRequirement { requirement, figure, confirmed };
+            }
+        };
+        SampledRequirement { requirement, figure, confirmed: figure.agrees(value) }
+    }
+}
+
+/// Returns the nodes of a map at which the operation must keep its limit, each with its place in the map.
+fn chosen(
+    workcell: &Workcell,
+    map: &OperationMap,
+    nodes: AllocatedNodes,
+) -> Result<Vec<(usize, (usize, usize))>, NoAllocation> {
+    let operation = &workcell.cell.operations[map.operation];
+    let usable: Vec<(usize, (usize, usize))> =
+        map.nodes.iter().enumerate().filter(|(_, n)| n.usable_posture().is_some()).map(|(k, n)| (k, (n.i, n.j))).collect();
+    let none = || NoAllocation::Unusable(super::posture_context::no_spot(&workcell.cell, map));
+    match nodes {
+        AllocatedNodes::Spots if !operation.over.needs_every_node() => {
+            let spot = map.best.ok_or_else(none)?;
+            Ok(usable.into_iter().filter(|(k, _)| *k == spot).collect())
+        }
+        AllocatedNodes::Node(i, j) => {
+            let found: Vec<_> = usable.into_iter().filter(|(_, node)| *node == (i, j)).collect();
+            if found.is_empty() {
+                return Err(NoAllocation::Unusable(format!("node ({i}, {j}) cannot be used")));
+            }
+            Ok(found)
+        }
+        AllocatedNodes::Spots if map.best.is_none() => Err(none()),
+        _ if usable.is_empty() => Err(none()),
+        _ => Ok(usable),
+    }
+}
