@@ -12,9 +12,9 @@ use super::uniform::uniform_scale;
 use crate::cell::ToleranceCost;
 
 /// Largest number of rounds.
-pub(super) const MAX_ROUNDS: usize = 12;
-/// Relative excess of a judged figure over its limit at which the rounds end.
-const KEPT: f64 = 1e-6;
+const MAX_ROUNDS: usize = 12;
+/// Relative excess of a judged figure over its limit up to which it counts as kept.
+pub const JUDGED_EXCESS: f64 = 1e-6;
 
 /// Figure of one requirement as judged by the full model, with a linear figure near it.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,11 +77,11 @@ pub fn allocate_judged(
         let values = judged.iter().map(|j| j.value).collect();
         let before = best.as_ref().map(|b| b.allocation.cost);
         let found = JudgedAllocation { allocation, judged: values, rounds: round, missed, excess, uniform };
-        let is_settled = excess <= KEPT
-            && before.is_none_or(|cost| (found.allocation.cost - cost).abs() <= KEPT * cost)
-            && (round > 0 || excess >= -KEPT || found.allocation.shadow_prices.iter().all(|s| *s == 0.0));
+        let is_settled = excess <= JUDGED_EXCESS
+            && before.is_none_or(|cost| (found.allocation.cost - cost).abs() <= JUDGED_EXCESS * cost)
+            && (round > 0 || excess >= -JUDGED_EXCESS || found.allocation.shadow_prices.iter().all(|s| *s == 0.0));
         // A later round replaces an earlier one unless it exceeds the limits more.
-        if best.as_ref().is_none_or(|b| excess <= b.excess.max(KEPT)) {
+        if best.as_ref().is_none_or(|b| excess <= b.excess.max(JUDGED_EXCESS)) {
             best = Some(found);
         }
         if is_settled {

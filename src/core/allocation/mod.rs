@@ -36,7 +36,7 @@ mod problem;
 mod shortfall;
 mod uniform;
 
-pub use judged::{JudgedAllocation, JudgedFigure, allocate_judged};
+pub use judged::{JUDGED_EXCESS, JudgedAllocation, JudgedFigure, allocate_judged};
 pub use linear_figure::{FigureScratch, LinearFigure};
 pub use node_figure::NodeFigure;
 pub use problem::{AllocationFailure, ToleranceAllocation, ToleranceProblem, ToleranceRequirement, allocate};

@@ -4,7 +4,7 @@ use super::SAMPLES;
 use crate::allocation::{
     AllocationFailure, JudgedAllocation, JudgedFigure, NodeFigure, Shortfall, allocate_judged,
 };
-use crate::cell::{Layout, Parameter, Quantity, Reading, ToleranceCost, Unit};
+use crate::cell::{Cell, Layout, Parameter, Quantity, Reading, ToleranceCost, Unit};
 use crate::error_map::OperationMap;
 use crate::layout::Workcell;
 use crate::reading::{Estimate, MonteCarlo, SampleSpace, SampledPosture};
@@ -56,6 +56,8 @@ pub struct CellAllocation<'a> {
     layout: &'a Layout,
     maps: &'a [OperationMap],
     pub parameters: Vec<AllocatedParameter>,
+    /// Parameters whose errors stay, because they are measured or correlated.
+    pub fixed: Vec<Parameter>,
     pub requirements: Vec<NodeRequirement>,
     /// Yield that is demanded if the quantity is the yield, 0 to 1.
     share: f64,
@@ -95,7 +97,7 @@ pub enum NoAllocation {
 }
 
 impl<'a> CellAllocation<'a> {
-    /// Prepares the problem of a layout with its maps.
+    /// Prepares the problem of a layout with its maps, for all operations with a limit or for one of them.
     ///
     /// # Errors
     /// Returns the reason if there is no requirement or no tolerance.
@@ -103,14 +105,14 @@ impl<'a> CellAllocation<'a> {
         workcell: &'a Workcell,
         layout: &'a Layout,
         maps: &'a [OperationMap],
-        nodes: AllocatedNodes,
+        (only, nodes): (Option<usize>, AllocatedNodes),
         share: f64,
     ) -> Result<Self, NoAllocation> {
         let cell = &workcell.cell;
         let mut parameters: Vec<AllocatedParameter> = Vec::new();
-        let mut requirements = Vec::new();
+        let (mut fixed, mut requirements) = (Vec::new(), Vec::new());
         for (k, operation) in cell.operations.iter().enumerate() {
-            let Some(limit) = operation.limit else { continue };
+            let Some(limit) = operation.limit.filter(|_| only.is_none_or(|only| only == k)) else { continue };
             for (place, node) in chosen(workcell, &maps[k], nodes)? {
                 requirements.push(NodeRequirement { operation: k, node, place, limit, before: 0.0 });
             }
@@ -121,15 +123,19 @@ impl<'a> CellAllocation<'a> {
                     let cost = cell.tolerance_cost(parameter);
                     parameters.push(AllocatedParameter { parameter, plus_minus, cost });
                 }
+                if !is_free && !fixed.contains(&source.parameter) {
+                    fixed.push(source.parameter);
+                }
             }
         }
         if requirements.is_empty() {
-            return Err(NoAllocation::Question("no operation has a limit".into()));
+            let which = if only.is_some() { "the operation has no limit" } else { "no operation has a limit" };
+            return Err(NoAllocation::Question(which.into()));
         }
         if parameters.is_empty() {
             return Err(NoAllocation::Question("no parameter has a tolerance of its own".into()));
         }
-        let mut problem = Self { workcell, layout, maps, parameters, requirements, share };
+        let mut problem = Self { workcell, layout, maps, parameters, fixed, requirements, share };
         let present = problem.figures(workcell)?;
         for (requirement, value) in problem.requirements.iter_mut().zip(present) {
             requirement.before = value;
@@ -192,13 +198,20 @@ impl<'a> CellAllocation<'a> {
         ((cell.reading, cell.quantity) == (Reading::Statistical, Quantity::Yield)).then_some(self.share)
     }
 
+    /// Returns the cell with the tolerances at some scales.
+    pub fn scaled_cell(&self, scales: &[f64]) -> Cell {
+        self.workcell.cell.with_scaled_tolerances(&|parameter| self.scale(parameter, scales))
+    }
+
     /// Returns the workcell with the tolerances at some scales.
     fn scaled(&self, scales: &[f64]) -> Result<Workcell, NoAllocation> {
-        let scale = |parameter: Parameter| {
-            let place = self.parameters.iter().position(|p| p.parameter == parameter);
-            place.map_or(1.0, |place| scales[place])
-        };
-        self.workcell.with_scaled_tolerances(&scale).map_err(NoAllocation::Unusable)
+        let scaled = self.workcell.with_scaled_tolerances(&|parameter| self.scale(parameter, scales));
+        scaled.map_err(NoAllocation::Unusable)
+    }
+
+    fn scale(&self, parameter: Parameter, scales: &[f64]) -> f64 {
+        let place = self.parameters.iter().position(|p| p.parameter == parameter);
+        place.map_or(1.0, |place| scales[place])
     }
 
     /// Calls `each` for every requirement in a workcell.

@@ -26,7 +26,7 @@ fn solved(cell: Cell, nodes: AllocatedNodes) -> CheapestTolerances {
     let workcell = Workcell::new(cell).unwrap();
     let layout = workcell.cell.start();
     let maps = workcell.maps(&layout);
-    CellAllocation::new(&workcell, &layout, &maps, nodes, 0.99).unwrap().solve().unwrap()
+    CellAllocation::new(&workcell, &layout, &maps, (None, nodes), 0.99).unwrap().solve().unwrap()
 }
 
 fn check(cell: Cell, nodes: AllocatedNodes, want: f64, digits: f64) {
@@ -45,7 +45,7 @@ fn present_mm(reading: Reading) -> f64 {
     let workcell = Workcell::new(paper_cell(reading, 1.0)).unwrap();
     let layout = workcell.cell.start();
     let maps = workcell.maps(&layout);
-    let problem = CellAllocation::new(&workcell, &layout, &maps, NODE, 0.99).unwrap();
+    let problem = CellAllocation::new(&workcell, &layout, &maps, (None, NODE), 0.99).unwrap();
     let factor = if reading == Reading::Statistical { 3.0 } else { 1.0 };
     factor * mm_from_m(problem.requirements[0].before)
 }
@@ -92,7 +92,7 @@ fn the_cheapest_node_is_not_the_node_of_least_error() {
     let maps = workcell.maps(&layout);
     let cost = |i: usize, j: usize| {
         let nodes = AllocatedNodes::Node(i, j);
-        let problem = CellAllocation::new(&workcell, &layout, &maps, nodes, 0.99).unwrap();
+        let problem = CellAllocation::new(&workcell, &layout, &maps, (None, nodes), 0.99).unwrap();
         problem.solve().unwrap().found.allocation.cost
     };
     let usable = maps[0].usable().map(|(_, node, _)| (node.i, node.j));
@@ -109,7 +109,7 @@ fn an_infeasible_limit_is_told_with_the_bounds_in_the_way() {
     let workcell = Workcell::new(paper_cell(Reading::WorstCase, 1.0)).unwrap();
     let layout = workcell.cell.start();
     let maps = workcell.maps(&layout);
-    let problem = CellAllocation::new(&workcell, &layout, &maps, NODE, 0.99).unwrap();
+    let problem = CellAllocation::new(&workcell, &layout, &maps, (None, NODE), 0.99).unwrap();
     let Err(NoAllocation::Infeasible(shortfalls)) = problem.solve() else { panic!("feasible") };
     // All tolerances at a tenth give a tenth of 14.03314 mm.
     assert!((shortfalls[0].least - m_from_mm(1.403314)).abs() < 1e-8, "{:?}", shortfalls[0]);
