@@ -21,7 +21,7 @@ fn random_grades(rng: &mut ChaCha8Rng) -> ToleranceCost {
 }
 
 fn random_problem(rng: &mut ChaCha8Rng) -> ToleranceProblem {
-    let n = rng.random_range(2..7);
+    let n = rng.random_range(3..8);
     let costs: Vec<ToleranceCost> = (0..n).map(|_| random_grades(rng)).collect();
     let rows = rng.random_range(1..4);
     let statistical = rng.random_bool(0.4);
@@ -85,7 +85,7 @@ fn grades_match_full_enumeration() {
         let is_grade = |(cost, u): (&ToleranceCost, &f64)| cost.grades().iter().any(|g| g.scale == *u);
         assert!(problem.costs.iter().zip(&found.scales).all(is_grade), "case {case}: {:?}", found.scales);
     }
-    assert!(programs > 300, "only {programs} programs: the cases are too easy");
+    assert!(programs > 200, "only {programs} programs: the cases are too easy");
 }
 
 /// A grade that costs as much as a tighter one is never ordered.
