@@ -114,9 +114,9 @@
 
 #[doc(inline)]
 pub use sweetspot_core::{
-    allocation, assess, calibration, cell, clearance, colours, correction, drawing, error_map, geometry, kinematic_error,
-    layout, low_discrepancy, mesh, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot,
-    safe_text, search, svg_text, units, verification,
+    allocation, assess, calibration, cell, clearance, colours, correction, drawing, error_map, geometry,
+    kinematic_error, layout, low_discrepancy, mesh, motion, pose, pose_accuracy, proof, raster, reach,
+    reading, region, robot, safe_text, search, svg_text, units, verification,
 };
 
 pub mod cli;

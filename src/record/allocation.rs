@@ -210,7 +210,7 @@ impl AllocationDocument {
             cost_before: nine_digits(cost_before),
             cost: allocation.map(|a| nine_digits(a.cost)),
             lower_bound: allocation.map(|a| rounded_down(a.lower_bound)),
-            duality_gap: allocation.map(|a| nine_digits(a.gap())),
+            duality_gap: allocation.map(|a| rounded_up(a.gap())),
             uniform,
             parameters: (0..problem.parameters.len())
                 .map(|k| AllocatedEntry::new(cell, &problem.parameters[k], allocation.map(|a| a.scales[k])))
@@ -255,6 +255,11 @@ impl AllocatedEntry {
             at_end: scale.and_then(|u| end_of(u, (low, high))),
         }
     }
+}
+
+/// Rounds a gap up to 1e-9, the digits of the costs.
+fn rounded_up(gap: f64) -> f64 {
+    nine_digits((gap * 1e9).ceil() / 1e9)
 }
 
 /// Returns the end of a range at which a scale is, up to a relative distance of 1e-6.

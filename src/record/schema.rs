@@ -1,8 +1,8 @@
 //! The published JSON Schema of every document, made from its record.
 
 use super::{
-    AllocationDocument, BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument, CorrectionDocument,
-    EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument,
+    AllocationDocument, BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument,
+    CorrectionDocument, EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument,
     MeasuringPlanDocument, ReadingsDocument, RemediesDocument, RobotSheetDocument, RobotsDocument,
     RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
 };

@@ -56,7 +56,9 @@ fn toleranced(cell: Cell, a: &AllocateArguments) -> Result<Cell, Exit> {
         output::talk("  help: add --reading worst-case or --reading statistical");
         return Err(Exit::BadInput);
     }
-    output::talk("note: the errors are read as worst-case tolerances (--reading statistical treats them as random)");
+    output::talk(
+        "note: the errors are read as worst-case tolerances (--reading statistical treats them as random)",
+    );
     let interpretation = Interpretation { reading: Reading::WorstCase, ..cell.interpretation() };
     cell.with_interpretation(&interpretation).map_err(|faults| {
         for fault in faults {
@@ -72,7 +74,9 @@ fn refused(why: NoAllocation) -> Exit {
     match why {
         NoAllocation::Question(why) => {
             output::error(&format!("nothing to allocate: {why}"));
-            output::talk("  help: add --limit, or write limit_mm into the operation; choose tolerances with --errors");
+            output::talk(
+                "  help: add --limit, or write limit_mm into the operation; choose tolerances with --errors",
+            );
             Exit::BadInput
         }
         NoAllocation::Unusable(why) => {

@@ -111,7 +111,8 @@ impl CutPool {
         for ((requirement, cut), dual) in self.cuts.iter().zip(duals) {
             shadow[*requirement] += cut.add_inequality(dual, &mut prices, &mut limit);
         }
-        let parts = costs.iter().zip(domains).zip(&prices).map(|((c, d), price)| least_priced(c, d, *price).1);
+        let parts =
+            costs.iter().zip(domains).zip(&prices).map(|((c, d), price)| least_priced(c, d, *price).1);
         let bound = parts.sum::<f64>() - limit;
         RelaxedSolution { scales: Vec::new(), bound, prices, shadow }
     }
@@ -131,7 +132,8 @@ impl ScaleDomain {
         match self {
             Self::Range(low, high) => (*low, *high),
             Self::Grades(allowed) => {
-                let scale = |g: Option<&usize>| g.and_then(|&g| cost.grades().get(g)).map_or(1.0, |g| g.scale);
+                let scale =
+                    |g: Option<&usize>| g.and_then(|&g| cost.grades().get(g)).map_or(1.0, |g| g.scale);
                 (scale(allowed.first()), scale(allowed.last()))
             }
         }

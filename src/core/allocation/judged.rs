@@ -71,15 +71,16 @@ pub fn allocate_judged(
         if round == 0 {
             missed = excess;
         }
-        let uniform = uniform_scale(&problem).map(|(u, scales)| {
-            (u, costs.iter().zip(scales).map(|(cost, u)| cost.cost(u)).sum())
-        });
+        let uniform = uniform_scale(&problem)
+            .map(|(u, scales)| (u, costs.iter().zip(scales).map(|(cost, u)| cost.cost(u)).sum()));
         let values = judged.iter().map(|j| j.value).collect();
         let before = best.as_ref().map(|b| b.allocation.cost);
         let found = JudgedAllocation { allocation, judged: values, rounds: round, missed, excess, uniform };
         let is_settled = excess <= JUDGED_EXCESS
             && before.is_none_or(|cost| (found.allocation.cost - cost).abs() <= JUDGED_EXCESS * cost)
-            && (round > 0 || excess >= -JUDGED_EXCESS || found.allocation.shadow_prices.iter().all(|s| *s == 0.0));
+            && (round > 0
+                || excess >= -JUDGED_EXCESS
+                || found.allocation.shadow_prices.iter().all(|s| *s == 0.0));
         // A later round replaces an earlier one unless it exceeds the limits more.
         if best.as_ref().is_none_or(|b| excess <= b.excess.max(JUDGED_EXCESS)) {
             best = Some(found);

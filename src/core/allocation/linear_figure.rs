@@ -39,8 +39,7 @@ impl LinearFigure {
                 scratch.columns.extend(columns.take(MAX_GENERATORS));
                 scratch.signs.clear();
                 scratch.signs.resize(scratch.columns.len(), 1.0);
-                let found =
-                    farthest(&scratch.columns, *rows, &mut scratch.zonotope, &mut scratch.signs);
+                let found = farthest(&scratch.columns, *rows, &mut scratch.zonotope, &mut scratch.signs);
                 found.upper.max(found.value)
             }
             Self::RootSumSquare { squares, constant } => {

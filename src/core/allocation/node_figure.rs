@@ -45,12 +45,7 @@ impl NodeFigure<'_> {
     /// Returns the judged figure with a linear figure near it.
     ///
     /// The evaluator has the tolerances at the scales `scales` of the parameters `free`. Other errors are fixed.
-    pub fn judged(
-        &self,
-        free: &[Parameter],
-        scales: &[f64],
-        memory: &mut EvaluatorScratch,
-    ) -> JudgedFigure {
+    pub fn judged(&self, free: &[Parameter], scales: &[f64], memory: &mut EvaluatorScratch) -> JudgedFigure {
         let value = self.value(memory);
         let linear = match (self.evaluator.reading, self.evaluator.quantity) {
             (Reading::Statistical, Quantity::Rms) => self.root_mean_square(free, scales, memory),
@@ -100,7 +95,8 @@ impl NodeFigure<'_> {
             }
         }
         for factor in &evaluator.sources.factors {
-            let sum: Vector6<f64> = factor.iter().map(|&(k, v)| measure.column(&(effects.columns[k] * v))).sum();
+            let sum: Vector6<f64> =
+                factor.iter().map(|&(k, v)| measure.column(&(effects.columns[k] * v))).sum();
             constant += sum.norm_squared();
         }
         LinearFigure::RootSumSquare { squares, constant }

@@ -65,8 +65,7 @@ pub fn allocate(problem: &ToleranceProblem) -> Result<ToleranceAllocation, Alloc
     if !exceeded.is_empty() {
         return Err(AllocationFailure::Infeasible(exceeded));
     }
-    let figures: Vec<LinearFigure> =
-        requirements.iter().map(|r| r.figure.scaled(1.0 / r.limit)).collect();
+    let figures: Vec<LinearFigure> = requirements.iter().map(|r| r.figure.scaled(1.0 / r.limit)).collect();
     let domains: Vec<ScaleDomain> = costs.iter().map(ScaleDomain::of).collect();
     let mut pool = CutPool::default();
     let relaxed = pool.relaxed(costs, &domains, &figures, &mut scratch);

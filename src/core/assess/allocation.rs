@@ -129,7 +129,8 @@ impl<'a> CellAllocation<'a> {
             }
         }
         if requirements.is_empty() {
-            let which = if only.is_some() { "the operation has no limit" } else { "no operation has a limit" };
+            let which =
+                if only.is_some() { "the operation has no limit" } else { "no operation has a limit" };
             return Err(NoAllocation::Question(which.into()));
         }
         if parameters.is_empty() {
@@ -282,8 +283,8 @@ impl<'a> CellAllocation<'a> {
             Quantity::Yield => {
                 // The share above the figure is known; the figure itself is confirmed or not.
                 let above = samples.above;
-                let confirmed = (above.low..=above.high).contains(&(1.0 - self.share))
-                    || above.value <= 1.0 - self.share;
+                let confirmed =
+                    (above.low..=above.high).contains(&(1.0 - self.share)) || above.value <= 1.0 - self.share;
                 let factor = if confirmed { 1.0 } else { above.value / (1.0 - self.share).max(1e-6) };
                 let value = value * factor.powf(0.05);
                 let figure = Estimate { value, low: value, high: value };
@@ -301,8 +302,13 @@ fn chosen(
     nodes: AllocatedNodes,
 ) -> Result<Vec<(usize, (usize, usize))>, NoAllocation> {
     let operation = &workcell.cell.operations[map.operation];
-    let usable: Vec<(usize, (usize, usize))> =
-        map.nodes.iter().enumerate().filter(|(_, n)| n.usable_posture().is_some()).map(|(k, n)| (k, (n.i, n.j))).collect();
+    let usable: Vec<(usize, (usize, usize))> = map
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, n)| n.usable_posture().is_some())
+        .map(|(k, n)| (k, (n.i, n.j)))
+        .collect();
     let none = || NoAllocation::Unusable(super::posture_context::no_spot(&workcell.cell, map));
     match nodes {
         AllocatedNodes::Spots if !operation.over.needs_every_node() => {

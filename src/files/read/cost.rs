@@ -1,17 +1,19 @@
 //! Reader of the costs of tolerances.
 
 use crate::cell::{
-    CostLaw, DEFAULT_SCALES, MAX_NOMINAL_MM, ToleranceCost, ToleranceGrade, it_half_width,
+    CostLaw, DEFAULT_SCALES, FIRST_IT_GRADE, LAST_IT_GRADE, MAX_NOMINAL_MM, ToleranceCost, ToleranceGrade,
+    it_half_width,
 };
 use crate::files::fault::{did_you_mean, listed, shown};
 use crate::files::keys::costs::{
     COST, CostForm, MAX_POWER, MAX_RATE, SCALES, tolerance_cost, tolerance_grade,
 };
+use crate::files::keys::key::Key;
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{At, Node, Value};
 use crate::files::toml::value;
 use crate::files::toml::value::plain;
-use crate::units::mm_from_m;
+use crate::units::{mm_from_m, rounded};
 
 /// Grades of ISO 286 if the file names none.
 const DEFAULT_GRADES: std::ops::RangeInclusive<usize> = 5..=12;
@@ -117,19 +119,15 @@ fn read(t: &mut Table, parameters: &[CostedParameter]) -> Option<StatedCost> {
     let nominal = read_nominal(t);
     let it_grades = t.if_given(&tolerance_cost::IT_GRADES, |t, key| {
         let items = t.items(key)?;
-        let bounds = (crate::cell::FIRST_IT_GRADE as u64, crate::cell::LAST_IT_GRADE as u64);
+        let bounds = (FIRST_IT_GRADE as u64, LAST_IT_GRADE as u64);
         let grades: Vec<_> =
             items.iter().map(|item| value::whole(item, "a number of `it_grades`", bounds, t.lib)).collect();
         grades.into_iter().map(|g| g.map(|g| g as usize)).collect::<Option<Vec<_>>>()
     });
     let range = range?.unwrap_or(DEFAULT_SCALES);
     let law = match form? {
-        CostForm::Reciprocal => {
-            StatedLaw::Continuous(CostLaw::Reciprocal { at: at?, power: power? }, range)
-        }
-        CostForm::Exponential => {
-            StatedLaw::Continuous(CostLaw::Exponential { at: at?, rate: rate? }, range)
-        }
+        CostForm::Reciprocal => StatedLaw::Continuous(CostLaw::Reciprocal { at: at?, power: power? }, range),
+        CostForm::Exponential => StatedLaw::Continuous(CostLaw::Exponential { at: at?, rate: rate? }, range),
         CostForm::Grades => StatedLaw::Grades(grades?),
         CostForm::Iso286 => StatedLaw::Iso {
             nominal_mm: nominal?,
@@ -146,7 +144,7 @@ fn read_power(t: &mut Table) -> Option<f64> {
 }
 
 /// Reads a positive number that must not exceed `most`.
-fn read_limited(t: &mut Table, key: &crate::files::keys::key::Key, most: f64) -> Option<f64> {
+fn read_limited(t: &mut Table, key: &Key, most: f64) -> Option<f64> {
     let value = t.number(key)?;
     if value <= most {
         return Some(value);
@@ -228,7 +226,11 @@ fn read_grades(t: &mut Table) -> Option<Vec<StatedGrade>> {
         let given: Vec<_> = sizes.into_iter().filter(|(key, _)| t.get(key).is_some()).collect();
         let [(key, unit)] = given[..] else {
             let names = sizes.map(|(key, _)| key.name).join("`, `");
-            t.error(t.at, format!("a grade needs exactly one of `{names}`"), "write for example plus_minus_mm = 0.02");
+            t.error(
+                t.at,
+                format!("a grade needs exactly one of `{names}`"),
+                "write for example plus_minus_mm = 0.02",
+            );
             return None;
         };
         let size = t.number(key);
@@ -236,6 +238,11 @@ fn read_grades(t: &mut Table) -> Option<Vec<StatedGrade>> {
     });
     let grades: Vec<StatedGrade> = grades?.into_iter().flatten().collect();
     (t.lib.errors() == before).then_some(grades)
+}
+
+/// Returns whether a scale is one that a file may state.
+fn is_plausible(scale: f64) -> bool {
+    (SCALES.0..=SCALES.1).contains(&scale)
 }
 
 impl StatedLaw {
@@ -258,6 +265,15 @@ impl StatedLaw {
                         return None;
                     }
                     let scale = grade.unit.map_or(grade.size, |_| grade.size / plus_minus);
+                    if !is_plausible(scale) {
+                        let grade_name = shown(&grade.name);
+                        let message = format!(
+                            "the grade `{grade_name}` is {} times the tolerance of `{name}`",
+                            plain(rounded(scale, 9))
+                        );
+                        t.error(grade.at, message, "it must be 0.01 to 100 times: is the unit right?");
+                        return None;
+                    }
                     grades.push((grade, scale));
                 }
                 grades.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -271,8 +287,10 @@ impl StatedLaw {
                         return None;
                     }
                 }
-                let grade = |(g, scale): (&StatedGrade, f64)| {
-                    ToleranceGrade { name: g.name.clone(), scale, cost: g.cost }
+                let grade = |(g, scale): (&StatedGrade, f64)| ToleranceGrade {
+                    name: g.name.clone(),
+                    scale,
+                    cost: g.cost,
                 };
                 ToleranceCost::of_grades(grades.into_iter().map(grade).collect())
             }
@@ -284,9 +302,19 @@ impl StatedLaw {
                 }
                 let grade = |&grade: &usize| {
                     let scale = it_half_width(grade, *nominal_mm)? / plus_minus;
-                    Some(ToleranceGrade { name: format!("IT{grade}"), scale, cost: cost * scale.powf(-power) })
+                    Some(ToleranceGrade {
+                        name: format!("IT{grade}"),
+                        scale,
+                        cost: cost * scale.powf(-power),
+                    })
                 };
-                ToleranceCost::of_grades(grades.iter().filter_map(grade).collect())
+                let all = grades.iter().filter_map(grade).filter(|grade| is_plausible(grade.scale));
+                let costs = ToleranceCost::of_grades(all.collect());
+                if costs.is_none() {
+                    let message = format!("no grade of ISO 286 is near the tolerance of `{name}`");
+                    t.error(at, message, "each is below 0.01 or above 100 times: is nominal_mm right?");
+                }
+                costs
             }
         }
     }

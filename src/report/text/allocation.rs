@@ -1,7 +1,7 @@
 //! The cheapest tolerances: a table before and after, and the findings in sentences.
 
-use super::table::TextTable;
 use super::fixed;
+use super::table::TextTable;
 use crate::files::shown;
 use crate::record::{
     AllocatedEntry, AllocationDocument, AllocationRequirement, AllocationStatus, ShortfallEntry, ToleranceEnd,
@@ -113,7 +113,8 @@ fn costs(d: &AllocationDocument) -> String {
     let (Some(cost), Some(bound), Some(gap)) = (d.cost, d.lower_bound, d.duality_gap) else {
         return String::new();
     };
-    let mut out = format!("  cost {} now, {} with the cheapest tolerances\n", fixed(d.cost_before, 6), fixed(cost, 6));
+    let mut out =
+        format!("  cost {} now, {} with the cheapest tolerances\n", fixed(d.cost_before, 6), fixed(cost, 6));
     let _ = match &d.uniform {
         Some(u) => writeln!(
             out,
@@ -124,7 +125,11 @@ fn costs(d: &AllocationDocument) -> String {
         ),
         None => writeln!(out, "  no uniform tightening within the ranges keeps the limits"),
     };
-    let _ = writeln!(out, "  no tolerances within the ranges cost less than {} (duality gap {gap:.1e})", fixed(bound, 6));
+    let _ = writeln!(
+        out,
+        "  no tolerances within the ranges cost less than {} (duality gap at most {gap:.0e})",
+        fixed(bound, 6)
+    );
     out
 }
 
@@ -135,7 +140,8 @@ fn bindings(d: &AllocationDocument) -> String {
     let mut out = String::new();
     for r in binding.iter().take(MAX_LISTED) {
         // A small step in a round number: 0.1 of the unit, or less if the limit is small.
-        let step = [0.1, 0.01, 0.001].into_iter().find(|step| *step <= 0.05 * r.limit).unwrap_or(0.01 * r.limit);
+        let step =
+            [0.1, 0.01, 0.001].into_iter().find(|step| *step <= 0.05 * r.limit).unwrap_or(0.01 * r.limit);
         let saved = r.shadow_price.zip(d.cost).filter(|(_, cost)| *cost > 0.0);
         let saved = saved.map_or(0.0, |(price, cost)| 100.0 * price * step / cost);
         let unit = r.unit.word();
@@ -171,7 +177,11 @@ fn judgement(d: &AllocationDocument) -> String {
         );
     }
     if j.sampled_rounds > 0 {
-        let _ = writeln!(out, "  samples refuted the first-order figures, so {} rounds tightened more", j.sampled_rounds);
+        let _ = writeln!(
+            out,
+            "  samples refuted the first-order figures, so {} rounds tightened more",
+            j.sampled_rounds
+        );
     }
     for r in d.requirements.iter().filter(|r| r.sampled.is_some()).take(MAX_LISTED) {
         let unit = r.unit.word();
@@ -203,7 +213,12 @@ fn shortfall(s: &ShortfallEntry) -> String {
     );
     let bounds = s.in_the_way.iter().take(3).map(|b| {
         let tightest = rounded(b.tightest, 6);
-        format!("{} (at least {tightest} {}; without it {} {unit})", b.parameter, b.unit.word(), fixed(b.without, 4))
+        format!(
+            "{} (at least {tightest} {}; without it {} {unit})",
+            b.parameter,
+            b.unit.word(),
+            fixed(b.without, 4)
+        )
     });
     let _ = writeln!(out, "    in the way: {}", bounds.collect::<Vec<_>>().join(", "));
     out

@@ -3,9 +3,7 @@
 use nalgebra::Vector6;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sweetspot::allocation::{
-    FigureScratch, LinearFigure, ToleranceProblem, ToleranceRequirement, allocate,
-};
+use sweetspot::allocation::{FigureScratch, LinearFigure, ToleranceProblem, ToleranceRequirement, allocate};
 use sweetspot::cell::{ToleranceCost, ToleranceGrade, it_half_width};
 
 fn random_grades(rng: &mut ChaCha8Rng) -> ToleranceCost {
@@ -39,8 +37,7 @@ fn random_problem(rng: &mut ChaCha8Rng) -> ToleranceProblem {
             false => LinearFigure::WorstCase { rows, generators, fixed: Vec::new() },
         };
         let [least, most] = [0, 1].map(|end| {
-            let ends: Vec<f64> =
-                costs.iter().map(|c| if end == 0 { c.range.0 } else { c.range.1 }).collect();
+            let ends: Vec<f64> = costs.iter().map(|c| if end == 0 { c.range.0 } else { c.range.1 }).collect();
             figure.value(&ends, &mut scratch)
         });
         ToleranceRequirement { limit: least + rng.random_range(0.05..0.95) * (most - least), figure }
@@ -92,7 +89,9 @@ fn grades_match_full_enumeration() {
 #[test]
 fn useless_grades_are_left_out() {
     let grade = |scale: f64, cost: f64| ToleranceGrade { name: String::new(), scale, cost };
-    let cost = ToleranceCost::of_grades(vec![grade(2.0, 1.0), grade(0.5, 1.0), grade(0.1, 3.0), grade(0.3, 4.0)]).unwrap();
+    let cost =
+        ToleranceCost::of_grades(vec![grade(2.0, 1.0), grade(0.5, 1.0), grade(0.1, 3.0), grade(0.3, 4.0)])
+            .unwrap();
     let scales: Vec<f64> = cost.grades().iter().map(|g| g.scale).collect();
     assert_eq!(scales, [0.1, 0.5]);
     assert_eq!((cost.cost(0.4), cost.cost(2.0), cost.cost(0.01)), (3.0, 1.0, 3.0));

@@ -67,9 +67,9 @@ fn barrier(problem: &ToleranceProblem) -> f64 {
                 b.constant + b.columns.iter().zip(u).map(|(c, u)| c * *u).sum::<Vector6<f64>>();
             1.0 - e.norm_squared()
         });
-        let of_sums = ellipsoids
-            .iter()
-            .map(|(squares, constant)| 1.0 - constant - squares.iter().zip(u).map(|(w, u)| w * u * u).sum::<f64>());
+        let of_sums = ellipsoids.iter().map(|(squares, constant)| {
+            1.0 - constant - squares.iter().zip(u).map(|(w, u)| w * u * u).sum::<f64>()
+        });
         let of_bounds = problem.costs.iter().zip(u).flat_map(|(c, u)| [u - c.range.0, c.range.1 - u]);
         of_balls.chain(of_sums).chain(of_bounds).collect()
     };
@@ -96,14 +96,13 @@ fn barrier(problem: &ToleranceProblem) -> f64 {
                 hessian[(k, k)] += t * bend + 1.0 / (below * below) + 1.0 / (above * above);
             }
             for ball in &balls {
-                let e: Vector6<f64> = ball.constant
-                    + ball.columns.iter().zip(&u).map(|(c, u)| c * *u).sum::<Vector6<f64>>();
+                let e: Vector6<f64> =
+                    ball.constant + ball.columns.iter().zip(&u).map(|(c, u)| c * *u).sum::<Vector6<f64>>();
                 let slack = 1.0 - e.norm_squared();
                 let slope = DVector::from_fn(n, |k, _| 2.0 * e.dot(&ball.columns[k]));
                 gradient += &slope / slack;
                 hessian += &slope * slope.transpose() / (slack * slack);
-                hessian +=
-                    DMatrix::from_fn(n, n, |j, k| 2.0 * ball.columns[j].dot(&ball.columns[k]) / slack);
+                hessian += DMatrix::from_fn(n, n, |j, k| 2.0 * ball.columns[j].dot(&ball.columns[k]) / slack);
             }
             for (squares, constant) in &ellipsoids {
                 let sum: f64 = squares.iter().zip(&u).map(|(w, u)| w * u * u).sum();
@@ -117,7 +116,9 @@ fn barrier(problem: &ToleranceProblem) -> f64 {
             let decrement = -gradient.dot(&step);
             let now = objective(&u, t);
             let mut length = 1.0;
-            let moved = |length: f64| -> Vec<f64> { u.iter().zip(step.iter()).map(|(u, s)| u + length * s).collect() };
+            let moved = |length: f64| -> Vec<f64> {
+                u.iter().zip(step.iter()).map(|(u, s)| u + length * s).collect()
+            };
             while objective(&moved(length), t) > now - 0.1 * length * decrement && length > 1e-12 {
                 length *= 0.5;
             }
@@ -282,7 +283,8 @@ fn two_parameters_match_a_refined_grid() {
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .unwrap();
             best = best.min(least);
-            (low, high) = ((at - step).max(problem.costs[0].range.0), (at + step).min(problem.costs[0].range.1));
+            (low, high) =
+                ((at - step).max(problem.costs[0].range.0), (at + step).min(problem.costs[0].range.1));
         }
         let found = allocate(&problem).unwrap().cost;
         assert!((found / best - 1.0).abs() < 1e-6, "case {case}: {found} instead of {best}");

@@ -1,5 +1,5 @@
 //! Tests of tolerance allocation: reference values, an independent interior-point method, full enumeration.
 
-mod independent;
 mod grades;
+mod independent;
 mod reference;

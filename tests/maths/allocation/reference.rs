@@ -55,7 +55,9 @@ fn present_mm(reading: Reading) -> f64 {
 fn the_worst_case_at_one_node_matches_the_reference() {
     let present = present_mm(Reading::WorstCase);
     assert!((present - 14.03314).abs() < 5e-6 && (0.5 * present - 7.0166).abs() < 5e-5, "{present}");
-    for (limit, want) in [(present, 8.203440), (10.0, 11.243127), (0.5 * present, 15.740213), (5.0, 21.819587)] {
+    for (limit, want) in
+        [(present, 8.203440), (10.0, 11.243127), (0.5 * present, 15.740213), (5.0, 21.819587)]
+    {
         check(paper_cell(Reading::WorstCase, limit), NODE, want, 1e-6);
     }
 }
