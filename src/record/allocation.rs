@@ -4,7 +4,7 @@ use super::numbers::{in_unit, nine_digits, percent, rounded_down};
 use super::parameter_names as names;
 use super::parameter_unit::ParameterUnit;
 use super::words::value_word;
-use crate::allocation::Shortfall;
+use crate::allocation::ToleranceShortfall;
 use crate::assess::{AllocatedParameter, CellAllocation, CheapestTolerances};
 use crate::cell::{Cell, CostLaw, Model, Reading, Registration, Unit};
 use schemars::JsonSchema;
@@ -178,7 +178,10 @@ pub struct JudgementEntry {
 
 impl AllocationDocument {
     /// Makes the document of a solved problem, or of limits that cannot be kept.
-    pub fn new(problem: &CellAllocation<'_>, found: Result<&CheapestTolerances, &[Shortfall]>) -> Self {
+    pub fn new(
+        problem: &CellAllocation<'_>,
+        found: Result<&CheapestTolerances, &[ToleranceShortfall]>,
+    ) -> Self {
         let cell = &problem.workcell.cell;
         let cost_before = problem.parameters.iter().map(|p| p.cost.cost(1.0)).sum();
         let (solved, shortfalls) = match found {
@@ -293,7 +296,7 @@ impl AllocationRequirement {
 }
 
 impl ShortfallEntry {
-    fn new(problem: &CellAllocation<'_>, shortfall: &Shortfall) -> Self {
+    fn new(problem: &CellAllocation<'_>, shortfall: &ToleranceShortfall) -> Self {
         let cell = &problem.workcell.cell;
         let requirement = &problem.requirements[shortfall.requirement];
         let unit = problem.unit(requirement.operation);

@@ -139,3 +139,18 @@ impl ScaleDomain {
         }
     }
 }
+
+/// Reduces all scales by the relative violation of a limit that the accuracy of the solver leaves.
+pub fn keep_limits(
+    costs: &[ToleranceCost],
+    figures: &[LinearFigure],
+    scales: &mut [f64],
+    scratch: &mut FigureScratch,
+) {
+    let largest = figures.iter().map(|f| f.value(scales, scratch)).fold(0.0, f64::max);
+    if largest > 1.0 {
+        for (u, cost) in scales.iter_mut().zip(costs) {
+            *u = (*u / largest).max(cost.range.0);
+        }
+    }
+}

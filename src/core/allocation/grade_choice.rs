@@ -6,10 +6,9 @@
 //! improved by loosening single grades.
 
 use super::cone_program::ScaleDomain;
-use super::cutting_planes::{CutPool, RelaxedSolution};
+use super::cutting_planes::{CutPool, RelaxedSolution, keep_limits};
 use super::lagrangian::least_priced;
 use super::linear_figure::{FigureScratch, LinearFigure};
-use super::problem::keep_limits;
 use crate::cell::ToleranceCost;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -22,26 +21,26 @@ const CLOSED: f64 = 1e-9;
 const ROUNDING: f64 = 1e-9;
 
 /// Part of the choices, with its relaxation.
-struct Branch {
+struct GradeBranch {
     domains: Vec<ScaleDomain>,
     relaxed: RelaxedSolution,
 }
 
-impl PartialEq for Branch {
+impl PartialEq for GradeBranch {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Branch {}
+impl Eq for GradeBranch {}
 
-impl PartialOrd for Branch {
+impl PartialOrd for GradeBranch {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Branch {
+impl Ord for GradeBranch {
     /// The branch with the least bound is the greatest: it is taken from the heap first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.relaxed.bound.total_cmp(&self.relaxed.bound)
@@ -72,10 +71,10 @@ pub fn choose_grades(
     search.consider(&costs.iter().map(|cost| cost.range.0).collect::<Vec<_>>());
     let domains: Vec<ScaleDomain> = costs.iter().map(ScaleDomain::of).collect();
     let mut heap = BinaryHeap::new();
-    search.offer(Branch { domains, relaxed }, &mut heap);
+    search.offer(GradeBranch { domains, relaxed }, &mut heap);
     let mut left = f64::INFINITY;
     for _ in 0..MAX_BRANCHES {
-        left = heap.peek().map_or(f64::INFINITY, |branch: &Branch| branch.relaxed.bound);
+        left = heap.peek().map_or(f64::INFINITY, |branch: &GradeBranch| branch.relaxed.bound);
         let Some(branch) = heap.pop().filter(|b| search.is_open(b.relaxed.bound)) else {
             left = f64::INFINITY;
             break;
@@ -84,7 +83,7 @@ pub fn choose_grades(
             if let Some(relaxed) = search.pool.relaxed(costs, &domains, figures, search.scratch)
                 && search.is_permitted(&domains)
             {
-                search.offer(Branch { domains, relaxed }, &mut heap);
+                search.offer(GradeBranch { domains, relaxed }, &mut heap);
             }
         }
     }
@@ -108,7 +107,7 @@ impl GradeSearch<'_> {
     }
 
     /// Takes the relaxed scales of a branch for a choice, discards grades, and keeps the branch if it is open.
-    fn offer(&mut self, mut branch: Branch, heap: &mut BinaryHeap<Branch>) {
+    fn offer(&mut self, mut branch: GradeBranch, heap: &mut BinaryHeap<GradeBranch>) {
         let pairs = self.costs.iter().zip(&branch.domains).zip(&branch.relaxed.scales);
         let rounded: Vec<f64> = pairs.map(|((cost, domain), u)| tighter(cost, domain, *u)).collect();
         self.consider(&rounded);
@@ -134,8 +133,8 @@ impl GradeSearch<'_> {
     }
 
     /// Splits a branch at the parameter whose grade costs most more than in the relaxation.
-    fn split(&mut self, branch: Branch) -> Vec<Vec<ScaleDomain>> {
-        let Branch { domains, relaxed } = branch;
+    fn split(&mut self, branch: GradeBranch) -> Vec<Vec<ScaleDomain>> {
+        let GradeBranch { domains, relaxed } = branch;
         let mut widest: Option<(f64, usize, usize)> = None;
         for (k, (cost, domain)) in self.costs.iter().zip(&domains).enumerate() {
             let ScaleDomain::Grades(allowed) = domain else { continue };

@@ -34,11 +34,13 @@ mod linear_figure;
 mod node_figure;
 mod problem;
 mod shortfall;
+mod solution;
 mod uniform;
 
-pub use judged::{JUDGED_EXCESS, JudgedAllocation, JudgedFigure, allocate_judged};
+pub use judged::{JUDGED_EXCESS, JudgedAllocation, ToleranceJudge, allocate_judged};
 pub use linear_figure::{FigureScratch, LinearFigure};
 pub use node_figure::NodeFigure;
-pub use problem::{AllocationFailure, ToleranceAllocation, ToleranceProblem, ToleranceRequirement, allocate};
-pub use shortfall::{BoundInTheWay, Shortfall};
+pub use problem::{ToleranceProblem, ToleranceRequirement};
+pub use shortfall::{BoundInTheWay, ToleranceShortfall};
+pub use solution::{AllocationFailure, ToleranceAllocation, allocate};
 pub use uniform::uniform_scale;

@@ -1,6 +1,5 @@
 //! Figure of one operation at one node, judged by the error model of the cell, with its linear figure.
 
-use super::judged::JudgedFigure;
 use super::linear_figure::LinearFigure;
 use crate::cell::{Parameter, Quantity, Reading};
 use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext};
@@ -9,6 +8,12 @@ use nalgebra::Vector6;
 
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
+
+/// Probability above which the square of a percentile is convex in the squared scales.
+///
+/// A normal error in one direction has a larger percentile than one of equal variance in two or three directions
+/// above this probability.
+const LEAST_CONVEX_SHARE: f64 = 0.8;
 
 /// One operation at one node.
 pub struct NodeFigure<'a> {
@@ -42,17 +47,33 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns the judged figure with a linear figure near it.
+    /// Returns a linear figure near the judged figure `value`.
     ///
     /// The evaluator has the tolerances at the scales `scales` of the parameters `free`. Other errors are fixed.
-    pub fn judged(&self, free: &[Parameter], scales: &[f64], memory: &mut EvaluatorScratch) -> JudgedFigure {
-        let value = self.value(memory);
-        let linear = match (self.evaluator.reading, self.evaluator.quantity) {
+    pub fn linear(
+        &self,
+        free: &[Parameter],
+        scales: &[f64],
+        value: f64,
+        memory: &mut EvaluatorScratch,
+    ) -> LinearFigure {
+        match (self.evaluator.reading, self.evaluator.quantity) {
             (Reading::Statistical, Quantity::Rms) => self.root_mean_square(free, scales, memory),
             (Reading::Statistical, _) => self.percentile(free, scales, value, memory),
             _ => self.worst_case(free, scales, memory),
-        };
-        JudgedFigure { value, linear }
+        }
+    }
+
+    /// Returns whether the squared figure is a convex function of the squared scales, but for nonlinear effects.
+    ///
+    /// The square of a high percentile is: it lies between the trace and the largest eigenvalue of the
+    /// covariance, times a factor. That of a mean or of a low percentile is not.
+    pub fn is_convex(&self) -> bool {
+        match (self.evaluator.reading, self.evaluator.quantity) {
+            (Reading::Statistical, Quantity::P95 | Quantity::P99) => true,
+            (Reading::Statistical, Quantity::Yield) => self.share >= LEAST_CONVEX_SHARE,
+            _ => false,
+        }
     }
 
     /// Returns the linear worst case.

@@ -8,7 +8,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Requirement that even the tightest tolerances exceed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shortfall {
+pub struct ToleranceShortfall {
     pub requirement: usize,
     pub limit: f64,
     /// Least figure that the bounds permit.
@@ -26,7 +26,7 @@ pub struct BoundInTheWay {
 }
 
 /// Returns the requirements that the tightest tolerances exceed.
-pub fn shortfalls(problem: &ToleranceProblem, scratch: &mut FigureScratch) -> Vec<Shortfall> {
+pub fn shortfalls(problem: &ToleranceProblem, scratch: &mut FigureScratch) -> Vec<ToleranceShortfall> {
     let mut tightest: Vec<f64> = problem.costs.iter().map(|cost| cost.range.0).collect();
     let mut found = Vec::new();
     for (requirement, r) in problem.requirements.iter().enumerate() {
@@ -44,7 +44,7 @@ pub fn shortfalls(problem: &ToleranceProblem, scratch: &mut FigureScratch) -> Ve
             }
         }
         bounds.sort_by(|a, b| a.without.total_cmp(&b.without));
-        found.push(Shortfall { requirement, limit: r.limit, least, bounds });
+        found.push(ToleranceShortfall { requirement, limit: r.limit, least, bounds });
     }
     found
 }

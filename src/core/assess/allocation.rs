@@ -2,7 +2,8 @@
 
 use super::SAMPLES;
 use crate::allocation::{
-    AllocationFailure, JudgedAllocation, JudgedFigure, NodeFigure, Shortfall, allocate_judged,
+    AllocationFailure, JudgedAllocation, LinearFigure, NodeFigure, ToleranceJudge, ToleranceShortfall,
+    allocate_judged,
 };
 use crate::cell::{Cell, Layout, Parameter, Quantity, Reading, ToleranceCost, Unit};
 use crate::error_map::OperationMap;
@@ -91,7 +92,7 @@ pub enum NoAllocation {
     /// An operation has no usable node. The text tells why.
     Unusable(String),
     /// Even the tightest tolerances exceed these limits.
-    Infeasible(Vec<Shortfall>),
+    Infeasible(Vec<ToleranceShortfall>),
     /// The solver of the cone programs failed.
     NotSolved,
 }
@@ -151,18 +152,9 @@ impl<'a> CellAllocation<'a> {
     pub fn solve(&self) -> Result<CheapestTolerances, NoAllocation> {
         let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
         let mut limits: Vec<f64> = self.requirements.iter().map(|r| r.limit).collect();
-        let mut failed = None;
         for round in 0..MAX_SAMPLED_ROUNDS {
-            let found = allocate_judged(&costs, &limits, &mut |scales| match self.judged(scales) {
-                Ok(judged) => judged,
-                Err(why) => {
-                    failed = Some(why);
-                    Vec::new()
-                }
-            });
-            if let Some(why) = failed.take() {
-                return Err(why);
-            }
+            let mut judge = CellJudge { problem: self, scales: Vec::new(), scaled: None, values: Vec::new() };
+            let found = allocate_judged(&costs, &limits, &mut judge);
             let found = found.map_err(|why| match why {
                 AllocationFailure::Infeasible(shortfalls) => NoAllocation::Infeasible(shortfalls),
                 AllocationFailure::NotSolved => NoAllocation::NotSolved,
@@ -215,13 +207,15 @@ impl<'a> CellAllocation<'a> {
         place.map_or(1.0, |place| scales[place])
     }
 
-    /// Calls `each` for every requirement in a workcell.
+    /// Calls `each` for some requirements in a workcell.
     fn visit<T>(
         &self,
         workcell: &Workcell,
-        mut each: impl FnMut(&NodeRequirement, &NodeFigure<'_>) -> T,
+        which: impl Iterator<Item = usize>,
+        mut each: impl FnMut(usize, &NodeFigure<'_>) -> T,
     ) -> Result<Vec<T>, NoAllocation> {
-        let figures = self.requirements.iter().map(|requirement| {
+        let figures = which.map(|k| {
+            let requirement = &self.requirements[k];
             let map = &self.maps[requirement.operation];
             let posture = map.nodes[requirement.place].posture.as_ref();
             let posture = posture.ok_or_else(|| NoAllocation::Unusable("a node has no posture".into()))?;
@@ -229,21 +223,15 @@ impl<'a> CellAllocation<'a> {
             let (context, frames) = posed.map_err(|why| NoAllocation::Unusable(why.in_words().into()))?;
             let evaluator = workcell.evaluator(requirement.operation);
             let figure = NodeFigure { evaluator, context: &context, frames: &frames, share: self.share };
-            Ok(each(requirement, &figure))
+            Ok(each(k, &figure))
         });
         figures.collect()
     }
 
     /// Returns the figure of every requirement in a workcell.
     fn figures(&self, workcell: &Workcell) -> Result<Vec<f64>, NoAllocation> {
-        self.visit(workcell, |_, figure| figure.value(&mut figure.evaluator.memory()))
-    }
-
-    /// Judges every requirement at some scales.
-    fn judged(&self, scales: &[f64]) -> Result<Vec<JudgedFigure>, NoAllocation> {
-        let free: Vec<Parameter> = self.parameters.iter().map(|p| p.parameter).collect();
-        let scaled = self.scaled(scales)?;
-        self.visit(&scaled, |_, figure| figure.judged(&free, scales, &mut figure.evaluator.memory()))
+        let all = 0..self.requirements.len();
+        self.visit(workcell, all, |_, figure| figure.value(&mut figure.evaluator.memory()))
     }
 
     /// Checks the requirements nearest to their limits by Monte Carlo samples of the nonlinear model.
@@ -258,22 +246,16 @@ impl<'a> CellAllocation<'a> {
         order.truncate(MAX_SAMPLED);
         let scaled = self.scaled(&found.allocation.scales)?;
         let space = SampleSpace::of_cell(&scaled.cell);
-        let mut k = 0;
-        let checks = self.visit(&scaled, |_, figure| {
-            k += 1;
-            let requirement = k - 1;
-            order.contains(&requirement).then(|| {
-                let value = found.judged[requirement];
-                let NodeFigure { evaluator, context, frames, .. } = *figure;
-                let posture = SampledPosture { evaluator, context, frames, p95: value };
-                let samples = posture.monte_carlo(&space, SAMPLES, cell.search.seed);
-                self.check(requirement, value, &samples)
-            })
-        });
-        Ok(checks?.into_iter().flatten().collect())
+        self.visit(&scaled, order.into_iter(), |requirement, figure| {
+            let value = found.judged[requirement];
+            let NodeFigure { evaluator, context, frames, .. } = *figure;
+            let posture = SampledPosture { evaluator, context, frames, p95: value };
+            let samples = posture.monte_carlo(&space, SAMPLES, cell.search.seed);
+            self.check(requirement, value, &samples)
+        })
     }
 
-    /// Compares a first-order figure with samples. For the yield, the share of samples within the figure counts.
+    /// Compares a first-order figure with samples. For the yield, the share of samples within the limit counts.
     fn check(&self, requirement: usize, value: f64, samples: &MonteCarlo) -> SampledRequirement {
         let figure = match self.workcell.cell.quantity {
             Quantity::Rms => samples.rms,
@@ -281,17 +263,46 @@ impl<'a> CellAllocation<'a> {
             Quantity::P95 => samples.p95,
             Quantity::P99 => samples.p99,
             Quantity::Yield => {
-                // The share above the figure is known; the figure itself is confirmed or not.
-                let above = samples.above;
-                let confirmed =
-                    (above.low..=above.high).contains(&(1.0 - self.share)) || above.value <= 1.0 - self.share;
-                let factor = if confirmed { 1.0 } else { above.value / (1.0 - self.share).max(1e-6) };
-                let value = value * factor.powf(0.05);
+                let confirmed = samples.success.is_none_or(|success| success.high >= self.share);
+                let value = samples.histogram.quantile(self.share);
                 let figure = Estimate { value, low: value, high: value };
                 return SampledRequirement { requirement, figure, confirmed };
             }
         };
         SampledRequirement { requirement, figure, confirmed: figure.agrees(value) }
+    }
+}
+
+/// Judge of the tolerances of a cell by its error model.
+struct CellJudge<'p, 'a> {
+    problem: &'p CellAllocation<'a>,
+    /// Scales that were judged last, with the workcell and the figures there.
+    scales: Vec<f64>,
+    scaled: Option<Workcell>,
+    values: Vec<f64>,
+}
+
+impl ToleranceJudge for CellJudge<'_, '_> {
+    fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>> {
+        let scaled = self.problem.scaled(scales).ok()?;
+        self.values = self.problem.figures(&scaled).ok()?;
+        self.scales = scales.to_vec();
+        self.scaled = Some(scaled);
+        Some(self.values.clone())
+    }
+
+    fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>> {
+        let free: Vec<Parameter> = self.problem.parameters.iter().map(|p| p.parameter).collect();
+        let linear = self.problem.visit(self.scaled.as_ref()?, which.iter().copied(), |k, figure| {
+            figure.linear(&free, &self.scales, self.values[k], &mut figure.evaluator.memory())
+        });
+        linear.ok()
+    }
+
+    fn is_bounded_by_linear(&self) -> bool {
+        let workcell = self.problem.workcell;
+        let first = self.problem.visit(workcell, std::iter::once(0), |_, figure| figure.is_convex());
+        first.is_ok_and(|convex| convex == [true])
     }
 }
 

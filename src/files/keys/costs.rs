@@ -2,7 +2,7 @@
 
 use super::key::*;
 use super::parts::*;
-use crate::cell::{DEFAULT_SCALES, FIRST_IT_GRADE, LAST_IT_GRADE};
+use crate::cell::{FIRST_IT_GRADE, LAST_IT_GRADE};
 
 /// Largest exponent of a reciprocal cost.
 pub const MAX_POWER: f64 = 10.0;
@@ -75,8 +75,6 @@ pub const COST: Key = Key::new(
     "Costs of the tolerances; a parameter without one costs 1 / scale, with a scale from 0.1 to 3.",
 )
 .example("[{ parameters = [\"dl2\"], kind = \"reciprocal\", at = 2 }]");
-
-const _: () = assert!(DEFAULT_SCALES.0 == 0.1 && DEFAULT_SCALES.1 == 3.0, "the help states the default");
 
 fn reciprocal() -> Vec<String> {
     vec![CostForm::Reciprocal.name().to_string()]

@@ -140,8 +140,7 @@ fn bindings(d: &AllocationDocument) -> String {
     let mut out = String::new();
     for r in binding.iter().take(MAX_LISTED) {
         // A small step in a round number: 0.1 of the unit, or less if the limit is small.
-        let step =
-            [0.1, 0.01, 0.001].into_iter().find(|step| *step <= 0.05 * r.limit).unwrap_or(0.01 * r.limit);
+        let step = [0.1, 0.01].into_iter().find(|step| *step <= 0.05 * r.limit).unwrap_or(0.01 * r.limit);
         let saved = r.shadow_price.zip(d.cost).filter(|(_, cost)| *cost > 0.0);
         let saved = saved.map_or(0.0, |(price, cost)| 100.0 * price * step / cost);
         let unit = r.unit.word();
