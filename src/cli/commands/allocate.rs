@@ -16,10 +16,11 @@ pub fn allocate(a: &AllocateArguments) -> Result<Exit, Exit> {
     let workcell = workcell(toleranced(loaded.cell, a)?, &file)?;
     let cell = &workcell.cell;
     let only = a.operation.as_deref().map(|name| lookup::operation(cell, name)).transpose()?;
-    let nodes = match (a.nodes, a.at) {
-        (true, _) => AllocatedNodes::Usable,
-        (false, NodeChoice::Best) => AllocatedNodes::Spots,
-        (false, NodeChoice::Node(i, j)) => AllocatedNodes::Node(i, j),
+    let nodes = match a.at {
+        _ if a.nodes => AllocatedNodes::Usable,
+        _ if a.cheapest => AllocatedNodes::Cheapest,
+        NodeChoice::Best => AllocatedNodes::Spots,
+        NodeChoice::Node(i, j) => AllocatedNodes::Node(i, j),
     };
     let layout = cell.start();
     let maps = workcell.maps(&layout);
@@ -99,7 +100,11 @@ fn next(a: &AllocateArguments, is_kept: bool) -> String {
         NodeChoice::Best => String::new(),
         NodeChoice::Node(i, j) => format!(" --at {i},{j}"),
     };
-    let nodes = if a.nodes { " --nodes" } else { "" };
+    let nodes = match (a.nodes, a.cheapest) {
+        (true, _) => " --nodes",
+        (_, true) => " --cheapest",
+        _ => "",
+    };
     let flags = a.question.words();
     match (is_kept, a.toml) {
         (true, false) => format!("allocate {of}{operation}{at}{nodes}{flags} --toml"),

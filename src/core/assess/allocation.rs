@@ -2,8 +2,8 @@
 
 use super::SAMPLES;
 use crate::allocation::{
-    AllocationFailure, JudgedAllocation, LinearFigure, NodeFigure, ToleranceJudge, ToleranceShortfall,
-    allocate_judged,
+    AllocationFailure, FigureScratch, JudgedAllocation, LinearFigure, NodeFigure, ToleranceJudge,
+    ToleranceProblem, ToleranceRequirement, ToleranceShortfall, allocate, allocate_judged,
 };
 use crate::cell::{Cell, Layout, Parameter, Quantity, Reading, ToleranceCost, Unit};
 use crate::error_map::OperationMap;
@@ -24,6 +24,8 @@ pub enum AllocatedNodes {
     Spots,
     /// Every usable node.
     Usable,
+    /// The node of each operation at which its limit alone costs least.
+    Cheapest,
     /// The node with these indices.
     Node(usize, usize),
 }
@@ -137,7 +139,11 @@ impl<'a> CellAllocation<'a> {
         if parameters.is_empty() {
             return Err(NoAllocation::Question("no parameter has a tolerance of its own".into()));
         }
+        let cheapest = nodes == AllocatedNodes::Cheapest;
         let mut problem = Self { workcell, layout, maps, parameters, fixed, requirements, share };
+        if cheapest {
+            problem.keep_cheapest_nodes()?;
+        }
         let present = problem.figures(workcell)?;
         for (requirement, value) in problem.requirements.iter_mut().zip(present) {
             requirement.before = value;
@@ -173,6 +179,40 @@ impl<'a> CellAllocation<'a> {
             }
         }
         Err(NoAllocation::NotSolved)
+    }
+
+    /// Keeps for each operation only the node at which its limit alone costs least, by the linear model.
+    fn keep_cheapest_nodes(&mut self) -> Result<(), NoAllocation> {
+        let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
+        let free: Vec<Parameter> = self.parameters.iter().map(|p| p.parameter).collect();
+        let present = vec![1.0; free.len()];
+        let figures = self.visit(self.workcell, 0..self.requirements.len(), |_, figure| {
+            let mut memory = figure.evaluator.memory();
+            let value = figure.value(&mut memory);
+            let linear = figure.linear(&free, &present, value, &mut memory);
+            let at_present = linear.value(&present, &mut FigureScratch::default());
+            // The linear figure is scaled to the judged one at the present tolerances.
+            linear.scaled(if at_present > 0.0 && value > 0.0 { value / at_present } else { 1.0 })
+        })?;
+        let cost_of = |(figure, r): (LinearFigure, &NodeRequirement)| {
+            let requirements = vec![ToleranceRequirement { figure, limit: r.limit }];
+            match allocate(&ToleranceProblem { costs: costs.clone(), requirements }) {
+                Ok(found) => found.cost,
+                Err(_) => f64::INFINITY,
+            }
+        };
+        let node_costs: Vec<f64> = figures.into_iter().zip(&self.requirements).map(cost_of).collect();
+        let mut kept: Vec<usize> = Vec::new();
+        for (k, requirement) in self.requirements.iter().enumerate() {
+            let same = kept.iter().position(|&own| self.requirements[own].operation == requirement.operation);
+            match same {
+                None => kept.push(k),
+                Some(place) if node_costs[k] < node_costs[kept[place]] => kept[place] = k,
+                Some(_) => {}
+            }
+        }
+        self.requirements = kept.into_iter().map(|k| self.requirements[k].clone()).collect();
+        Ok(())
     }
 
     /// Returns whether a requirement is at its limit.

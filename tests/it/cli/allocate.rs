@@ -46,6 +46,15 @@ fn the_document_holds_the_reference() {
     assert!(near(&all["cost"], 11.325751, 1e-6) && items(&all, "requirements").len() == 80);
 }
 
+/// The cheapest node is not the node of least error: 10.223 at (5, 4) instead of 11.243 at (5, 8).
+#[test]
+fn the_cheapest_node_is_found() {
+    let shop = Sandbox::new();
+    let document = shop.json(&[&REFERENCE[..], &["--limit", "10", "--cheapest"]].concat());
+    assert!(near(&document["cost"], 10.223, 5e-4), "{document}");
+    assert_eq!(items(&document, "requirements")[0]["node"], serde_json::json!([5, 4]));
+}
+
 #[test]
 fn the_text_tells_costs_limits_and_what_to_do_next() {
     let shop = Sandbox::new();

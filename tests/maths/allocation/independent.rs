@@ -134,7 +134,7 @@ fn barrier(problem: &ToleranceProblem) -> f64 {
 /// Returns the errors of the TCP of a random arm: of its joint angles, lengths and offsets at one posture.
 ///
 /// The arms differ between calls; `tip` moves the TCP, so one arm gives several nodes.
-fn random_arm(rng: &mut ChaCha8Rng, n: usize, nodes: usize, rows: usize) -> Vec<Vec<Vector6<f64>>> {
+pub fn random_arm(rng: &mut ChaCha8Rng, n: usize, nodes: usize, rows: usize) -> Vec<Vec<Vector6<f64>>> {
     let vector = |rng: &mut ChaCha8Rng| Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
     let joints: Vec<(bool, Vector3<f64>, Vector3<f64>, f64)> = (0..n)
         .map(|_| (rng.random_bool(0.5), vector(rng).normalize(), vector(rng), rng.random_range(0.2..2.0)))
@@ -154,7 +154,7 @@ fn random_arm(rng: &mut ChaCha8Rng, n: usize, nodes: usize, rows: usize) -> Vec<
         .collect()
 }
 
-fn random_cost(rng: &mut ChaCha8Rng) -> ToleranceCost {
+pub fn random_cost(rng: &mut ChaCha8Rng) -> ToleranceCost {
     let at = rng.random_range(0.3..3.0);
     let law = match rng.random_range(0..3) {
         0 => CostLaw::Reciprocal { at, power: 1.0 },
