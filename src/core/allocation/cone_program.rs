@@ -18,8 +18,10 @@ use clarabel::solver::{
     SecondOrderConeT, SolverStatus, SupportedConeT, ZeroConeT,
 };
 
-/// Tolerance of the solver for the gap and for the violation of constraints, relative and absolute.
-const SOLVER_TOLERANCE: f64 = 1e-10;
+/// Tolerance of a final solution for the gap and for the violation of constraints, relative and absolute.
+pub const FINE: f64 = 1e-10;
+/// Tolerance of a solution that serves only to find cuts.
+pub const COARSE: f64 = 1e-5;
 
 /// Values that the scale of one parameter may take.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,8 +62,13 @@ impl Builder {
     }
 }
 
-/// Returns the cheapest scales that satisfy the cuts; None if the solver fails or the cuts cannot be satisfied.
-pub fn solve(costs: &[ToleranceCost], domains: &[ScaleDomain], cuts: &[&ConeCut]) -> Option<ConeSolution> {
+/// Returns the cheapest scales that satisfy the cuts up to a tolerance of the solver; None if the solver fails or the cuts cannot be satisfied.
+pub fn solve(
+    costs: &[ToleranceCost],
+    domains: &[ScaleDomain],
+    cuts: &[&ConeCut],
+    tolerance: f64,
+) -> Option<ConeSolution> {
     let n = costs.len();
     let mut objective = vec![0.0; n];
     let mut program = Builder::default();
@@ -96,9 +103,9 @@ pub fn solve(costs: &[ToleranceCost], domains: &[ScaleDomain], cuts: &[&ConeCut]
     let p = CscMatrix::zeros((variables, variables));
     let settings = DefaultSettings {
         verbose: false,
-        tol_gap_abs: SOLVER_TOLERANCE,
-        tol_gap_rel: SOLVER_TOLERANCE,
-        tol_feas: SOLVER_TOLERANCE,
+        tol_gap_abs: tolerance,
+        tol_gap_rel: tolerance,
+        tol_feas: tolerance,
         ..DefaultSettings::default()
     };
     let mut solver = DefaultSolver::new(&p, &objective, &a, &right, &cones, settings).ok()?;

@@ -1,13 +1,15 @@
 //! Cutting planes: the relaxed problem solved with the cuts that bind.
 
 use super::cone_cut::ConeCut;
-use super::cone_program::{ScaleDomain, solve};
+use super::cone_program::{COARSE, FINE, ScaleDomain, solve};
 use super::lagrangian::least_priced;
 use super::linear_figure::{FigureScratch, LinearFigure};
 use crate::cell::ToleranceCost;
 
 /// Largest number of cone programs for one relaxation.
 const MAX_ROUNDS: usize = 60;
+/// Relative violation of a limit above which a coarse solution adds a cut.
+const COARSE_VIOLATION: f64 = 1e-3;
 /// Relative violation of a limit below which a solution keeps it.
 const VIOLATION: f64 = 1e-9;
 /// Largest number of requirements that add a cut in one round.
@@ -58,20 +60,24 @@ impl CutPool {
             self.separate(figures, &shrunk, 0.9, scratch);
         }
         let mut best: Option<RelaxedSolution> = None;
+        // Coarse solutions find the cuts; the fine ones find those that are left.
+        let (mut tolerance, mut violation) = (COARSE, COARSE_VIOLATION);
         for _ in 0..MAX_ROUNDS {
             let cuts: Vec<&ConeCut> = self.cuts.iter().map(|(_, cut)| cut).collect();
             self.programs += 1;
-            let Some(solution) = solve(costs, domains, &cuts) else { break };
+            let Some(solution) = solve(costs, domains, &cuts, tolerance) else { break };
             let mut found = self.bounded(costs, domains, figures.len(), &solution.duals);
             found.scales = solution.scales;
             for ((u, cost), domain) in found.scales.iter_mut().zip(costs).zip(domains) {
                 let (low, high) = domain.ends(cost);
                 *u = u.clamp(low, high);
             }
-            let is_closed = !self.separate(figures, &found.scales, 1.0 + VIOLATION, scratch);
+            let is_closed = !self.separate(figures, &found.scales, 1.0 + violation, scratch);
             best = Some(found);
-            if is_closed {
-                break;
+            match (is_closed, tolerance == FINE) {
+                (true, true) => break,
+                (true, false) => (tolerance, violation) = (FINE, VIOLATION),
+                (false, _) => {}
             }
         }
         best
