@@ -19,7 +19,7 @@ use clarabel::solver::{
 };
 
 /// Tolerance of a final solution for the gap and for the violation of constraints, relative and absolute.
-pub const FINE: f64 = 1e-10;
+pub const FINE: f64 = 1e-9;
 /// Tolerance of a solution that serves only to find cuts.
 pub const COARSE: f64 = 1e-5;
 

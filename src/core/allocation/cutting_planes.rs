@@ -61,7 +61,10 @@ impl CutPool {
         }
         let mut best: Option<RelaxedSolution> = None;
         // Coarse solutions find the cuts; the fine ones find those that are left.
-        let (mut tolerance, mut violation) = (COARSE, COARSE_VIOLATION);
+        let (mut tolerance, mut violation) = match figures.iter().any(LinearFigure::has_many_cuts) {
+            true => (COARSE, COARSE_VIOLATION),
+            false => (FINE, VIOLATION),
+        };
         for _ in 0..MAX_ROUNDS {
             let cuts: Vec<&ConeCut> = self.cuts.iter().map(|(_, cut)| cut).collect();
             self.programs += 1;

@@ -229,7 +229,7 @@ fn tighter(cost: &ToleranceCost, domain: &ScaleDomain, u: f64) -> f64 {
         ScaleDomain::Range(low, high) => u.clamp(*low, *high),
         ScaleDomain::Grades(allowed) => {
             let scales = allowed.iter().filter_map(|&g| cost.grades().get(g)).map(|g| g.scale);
-            let below = scales.filter(|scale| *scale <= u * (1.0 + CLOSED)).last();
+            let below = scales.rev().find(|scale| *scale <= u * (1.0 + CLOSED));
             below.unwrap_or_else(|| domain.ends(cost).0)
         }
     }

@@ -84,6 +84,11 @@ impl LinearFigure {
         }
     }
 
+    /// Returns whether one cut does not state the whole figure: a worst case in more than one axis.
+    pub fn has_many_cuts(&self) -> bool {
+        matches!(self, Self::WorstCase { rows, .. } if *rows > 1)
+    }
+
     /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
         match self {

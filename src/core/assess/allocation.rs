@@ -1,6 +1,7 @@
 //! Tolerance allocation of a cell: the cheapest tolerances with which its operations keep their limits.
 
 use super::SAMPLES;
+use super::allocated_nodes::{AllocatedNodes, chosen};
 use crate::allocation::{
     AllocationFailure, FigureScratch, JudgedAllocation, LinearFigure, NodeFigure, ToleranceJudge,
     ToleranceProblem, ToleranceRequirement, ToleranceShortfall, allocate, allocate_judged,
@@ -16,19 +17,6 @@ const MAX_SAMPLED: usize = 4;
 const MAX_SAMPLED_ROUNDS: usize = 4;
 /// Relative distance from the limit at which a requirement counts as binding.
 const BINDING: f64 = 1e-4;
-
-/// Choice of the nodes at which every operation must keep its limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AllocatedNodes {
-    /// The spot of an operation, or every node if the operation happens at all of them.
-    Spots,
-    /// Every usable node.
-    Usable,
-    /// The node of each operation at which its limit alone costs least.
-    Cheapest,
-    /// The node with these indices.
-    Node(usize, usize),
-}
 
 /// Parameter whose tolerance is chosen.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +104,7 @@ impl<'a> CellAllocation<'a> {
         let (mut fixed, mut requirements) = (Vec::new(), Vec::new());
         for (k, operation) in cell.operations.iter().enumerate() {
             let Some(limit) = operation.limit.filter(|_| only.is_none_or(|only| only == k)) else { continue };
-            for (place, node) in chosen(workcell, &maps[k], nodes)? {
+            for (place, node) in chosen(workcell, &maps[k], nodes).map_err(NoAllocation::Unusable)? {
                 requirements.push(NodeRequirement { operation: k, node, place, limit, before: 0.0 });
             }
             for source in &workcell.evaluator(k).sources.list {
@@ -343,38 +331,5 @@ impl ToleranceJudge for CellJudge<'_, '_> {
         let workcell = self.problem.workcell;
         let first = self.problem.visit(workcell, std::iter::once(0), |_, figure| figure.is_convex());
         first.is_ok_and(|convex| convex == [true])
-    }
-}
-
-/// Returns the nodes of a map at which the operation must keep its limit, each with its place in the map.
-fn chosen(
-    workcell: &Workcell,
-    map: &OperationMap,
-    nodes: AllocatedNodes,
-) -> Result<Vec<(usize, (usize, usize))>, NoAllocation> {
-    let operation = &workcell.cell.operations[map.operation];
-    let usable: Vec<(usize, (usize, usize))> = map
-        .nodes
-        .iter()
-        .enumerate()
-        .filter(|(_, n)| n.usable_posture().is_some())
-        .map(|(k, n)| (k, (n.i, n.j)))
-        .collect();
-    let none = || NoAllocation::Unusable(super::posture_context::no_spot(&workcell.cell, map));
-    match nodes {
-        AllocatedNodes::Spots if !operation.over.needs_every_node() => {
-            let spot = map.best.ok_or_else(none)?;
-            Ok(usable.into_iter().filter(|(k, _)| *k == spot).collect())
-        }
-        AllocatedNodes::Node(i, j) => {
-            let found: Vec<_> = usable.into_iter().filter(|(_, node)| *node == (i, j)).collect();
-            if found.is_empty() {
-                return Err(NoAllocation::Unusable(format!("node ({i}, {j}) cannot be used")));
-            }
-            Ok(found)
-        }
-        AllocatedNodes::Spots if map.best.is_none() => Err(none()),
-        _ if usable.is_empty() => Err(none()),
-        _ => Ok(usable),
     }
 }

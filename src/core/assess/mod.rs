@@ -5,6 +5,7 @@
 //! [`ErrorDistribution`] concern one posture. [`Readings`] compares the results of one layout under every
 //! reading.
 
+mod allocated_nodes;
 mod allocation;
 mod budget;
 mod corrections;
@@ -21,9 +22,9 @@ mod readings;
 mod remedies;
 mod sampled_spots;
 
+pub use allocated_nodes::AllocatedNodes;
 pub use allocation::{
-    AllocatedNodes, AllocatedParameter, CellAllocation, CheapestTolerances, NoAllocation, NodeRequirement,
-    SampledRequirement,
+    AllocatedParameter, CellAllocation, CheapestTolerances, NoAllocation, NodeRequirement, SampledRequirement,
 };
 pub use budget::{BudgetReport, Tighter};
 pub use corrections::{CorrectedTarget, OperationCorrector, StatedTarget};

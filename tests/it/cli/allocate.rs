@@ -226,3 +226,52 @@ fn a_result_folder_is_judged_at_its_best_layout() {
     assert_eq!(folder, file);
     assert_eq!(folder["status"], "cheapest");
 }
+
+/// Measured errors are known, so only the tolerances of the fixture are allocated.
+const MEASURED: &str = r#"
+from = "hitachi_cell.toml"
+errors = "known"
+reading = "worst-case"
+
+[robot.errors.known]
+kind = "measured"
+source = "made up"
+dr_mm = [0.1, 0, 0, 0]
+dl_mm = [0, 0, 0, 0]
+dalpha_deg = [0, 0, 0, 0]
+covariance = { parameters = ["dl2", "dl3"], matrix = [[0.01, 0.002], [0.002, 0.02]] }
+
+[equipment.worktable.errors]
+kind = "tolerance"
+position_mm = [1, 1, 0]
+rotation_deg = [0, 0, 0.1]
+
+[operation.assembly]
+limit_mm = 2.5
+"#;
+
+#[test]
+fn measured_errors_stay_as_they_are() {
+    let shop = Sandbox::new();
+    shop.write("cells/measured.toml", MEASURED);
+    for flags in [&[][..], &["--quantity", "rms"]] {
+        let args = [&["allocate", "cells/measured.toml"], flags].concat();
+        let document = shop.json(&args);
+        let names: Vec<&str> =
+            items(&document, "parameters").iter().map(|p| p["parameter"].as_str().unwrap()).collect();
+        assert_eq!(names, ["worktable x", "worktable y", "worktable rz"]);
+        assert_eq!(document["fixed"], serde_json::json!(["dr1", "dl2", "dl3"]));
+        let requirement = &items(&document, "requirements")[0];
+        assert!(requirement["after"].as_f64().unwrap() <= 2.5 * (1.0 + 1e-6), "{requirement}");
+        assert!(document["duality_gap"].as_f64().unwrap() < 1e-6, "{document}");
+    }
+    let ran = shop.done(&["allocate", "cells/measured.toml"]);
+    assert!(ran.out.contains("not to order, because measured or correlated: dr1, dl2, dl3"), "{}", ran.out);
+    shop.write(
+        "cells/known.toml",
+        &MEASURED.replace("[equipment.worktable.errors]", "[equipment.conveyor.errors]"),
+    );
+    let ran = shop.run(&["allocate", "cells/known.toml"]);
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("no parameter has a tolerance of its own"), "{}", ran.err);
+}
