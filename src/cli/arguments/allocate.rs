@@ -34,6 +34,9 @@ pub struct AllocateArguments {
     /// Print the allocation as JSON on stdout
     #[arg(long, conflicts_with = "toml")]
     pub json: bool,
+    /// Draw the tolerances before and after as a picture
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
     /// Print the tolerances as tables for the robot and cell files
     #[arg(long)]
     pub toml: bool,

@@ -5,7 +5,7 @@ use crate::assess::{AllocatedNodes, CellAllocation, NoAllocation, NodeChoice};
 use crate::cell::{Cell, Interpretation, Reading};
 use crate::cli::arguments::AllocateArguments;
 use crate::cli::output::{path_word, word};
-use crate::cli::{Exit, asked, json_text, lookup, output, results_folder};
+use crate::cli::{Exit, asked, json_text, loading, lookup, output, results_folder};
 use crate::record::{AllocationDocument, AllocationStatus};
 use crate::report;
 
@@ -32,6 +32,10 @@ pub fn allocate(a: &AllocateArguments) -> Result<Exit, Exit> {
         Err(why) => return Err(refused(why)),
     };
     let document = AllocationDocument::new(&problem, found.as_ref().map_err(Vec::as_slice));
+    if let Some(path) = &a.svg {
+        loading::write_whole(path, report::chart::allocation(&document).as_bytes())?;
+        output::talk(&format!("wrote {}", path_word(path)));
+    }
     if a.json {
         json_text::print(&document)?;
     } else if let (true, Ok(found)) = (a.toml, &found) {

@@ -227,6 +227,22 @@ fn a_result_folder_is_judged_at_its_best_layout() {
     assert_eq!(folder["status"], "cheapest");
 }
 
+#[test]
+fn the_chart_has_a_bar_for_each_tolerance() {
+    let shop = Sandbox::new();
+    shop.done(&[&REFERENCE[..], &["--limit", "10", "--at", "5,8", "--svg", "chart.svg"]].concat());
+    let svg = shop.text("chart.svg");
+    for part in [
+        "Cheapest tolerances",
+        "cost 12 now, 11.243 with the cheapest",
+        "33.2 % saved",
+        "dl2 \u{b1}1 \u{2192} 1.7584 mm",
+    ] {
+        assert!(svg.contains(part), "no {part:?}: {svg}");
+    }
+    assert!(svg.matches("fill-green").count() >= 9 && svg.matches("fill-vermilion").count() == 2, "{svg}");
+}
+
 /// Measured errors are known, so only the tolerances of the fixture are allocated.
 const MEASURED: &str = r#"
 from = "hitachi_cell.toml"
