@@ -42,6 +42,7 @@
 //! | [`kinematic_error`] | error models | frames and a sample of errors to position and rotation error |
 //! | [`calibration`] | identification | measured positions to the errors of a robot, their covariance and rank |
 //! | [`reading`] | error figures | frames and a tolerance to worst case, percentiles, yield, budget |
+//! | [`allocation`] | tolerance allocation | costs of tolerances and limits to the cheapest tolerances |
 //! | [`verification`] | measured against predicted | measured positions and error set to residuals, coverage, ranks |
 //! | [`reach`] | inverse kinematics | TCP target and orientation to all postures, or the reason for none; envelope |
 //! | [`correction`] | corrected programme | target and errors to the joint coordinates that land on it |
@@ -114,9 +115,9 @@
 
 #[doc(inline)]
 pub use sweetspot_core::{
-    assess, calibration, cell, clearance, colours, correction, drawing, error_map, geometry, kinematic_error,
-    layout, low_discrepancy, mesh, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot,
-    safe_text, search, svg_text, units, verification,
+    allocation, assess, calibration, cell, clearance, colours, correction, drawing, error_map, geometry,
+    kinematic_error, layout, low_discrepancy, mesh, motion, pose, pose_accuracy, proof, raster, reach,
+    reading, region, robot, safe_text, search, svg_text, units, verification,
 };
 
 pub mod cli;

@@ -81,8 +81,12 @@ fn the_node_loop_does_not_allocate_for_bounded_parameters() {
     {
         spreads[k] = Spread { plus_minus: 1e-3, distribution, sigmas: 3.0 };
     }
-    cell.robot.errors =
-        vec![ErrorSet::Tolerance(Tolerance { name: "bounded".into(), spreads, covariance: None })];
+    cell.robot.errors = vec![ErrorSet::Tolerance(Tolerance {
+        name: "bounded".into(),
+        spreads,
+        covariance: None,
+        costs: Vec::new(),
+    })];
     (cell.errors, cell.reading, cell.operations[0].limit) = (0, Reading::Statistical, Some(1e-3));
     let frames = chain.frames(
         &chain.posture(&std::array::from_fn(|i| [0.3, 0.2, 0.1, -0.4].get(i).copied().unwrap_or(0.0))),

@@ -72,6 +72,7 @@ pub fn run() -> ExitCode {
         Command::Sweep(a) => commands::sweep(&a),
         Command::Compare(a) => commands::compare(&a),
         Command::Budget(a) => commands::budget(&a),
+        Command::Allocate(a) => commands::allocate(&a),
         Command::Explain(a) => commands::explain(&a),
         Command::Readings(a) => commands::readings(&a),
         Command::Robust(a) => commands::robust(&a),

@@ -4,6 +4,7 @@
 //! documentation explains the problem and the flow of data. The core is a crate of its own so that the
 //! compiler optimises the mathematics fully and spends little time on the code for files and reports.
 
+pub mod allocation;
 pub mod assess;
 pub mod calibration;
 pub mod cell;

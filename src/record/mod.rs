@@ -6,6 +6,7 @@
 //! Joint coordinates follow the convention of the robot file. A missing value is null; only fields that the
 //! schema does not require are left out. Reading a document refuses unknown fields.
 
+mod allocation;
 mod budget;
 mod buildability;
 mod calibration;
@@ -41,6 +42,10 @@ mod sweep;
 mod verdict;
 mod words;
 
+pub use allocation::{
+    ALLOCATION_SCHEMA, AllocatedEntry, AllocationDocument, AllocationRequirement, AllocationStatus,
+    BoundEntry, CostKind, JudgementEntry, ShortfallEntry, ToleranceEnd, UniformEntry,
+};
 pub use budget::{BudgetDocument, OperationBudget, ShareEntry, TightenEntry, TotalEntry};
 pub use buildability::{AssumedEntry, CertifiedEntry};
 pub use calibration::{

@@ -1,8 +1,8 @@
 //! The published JSON Schema of every document, made from its record.
 
 use super::{
-    BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument, CorrectionDocument,
-    EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument,
+    AllocationDocument, BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument,
+    CorrectionDocument, EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument,
     MeasuringPlanDocument, ReadingsDocument, RemediesDocument, RobotSheetDocument, RobotsDocument,
     RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
 };
@@ -34,10 +34,11 @@ pub enum DocumentKind {
     Correction,
     MeasuringPlan,
     Remedies,
+    Allocation,
 }
 
 impl DocumentKind {
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::SearchResult,
         Self::Map,
         Self::Comparison,
@@ -59,6 +60,7 @@ impl DocumentKind {
         Self::Correction,
         Self::MeasuringPlan,
         Self::Remedies,
+        Self::Allocation,
     ];
 
     /// Returns the name of the schema.
@@ -85,6 +87,7 @@ impl DocumentKind {
             Self::Correction => "correction",
             Self::MeasuringPlan => "measuring-plan",
             Self::Remedies => "remedies",
+            Self::Allocation => "allocation",
         }
     }
 
@@ -112,6 +115,7 @@ impl DocumentKind {
             Self::Correction => of::<CorrectionDocument>(),
             Self::MeasuringPlan => of::<MeasuringPlanDocument>(),
             Self::Remedies => of::<RemediesDocument>(),
+            Self::Allocation => of::<AllocationDocument>(),
         }
     }
 }

@@ -26,6 +26,10 @@ enum FilePlace {
     Tool(usize),
     /// Number of the joint from 0, and component of its frame.
     Joint(usize, usize),
+    /// Numbers from 0 of a joint and of a link that it carries.
+    Elastic(usize, usize),
+    /// Number of the joint from 0.
+    Compliance(usize),
 }
 
 /// Returns the table `[errors.NAME]` with the tolerances `spreads`, in the order of [`Parameter::of_robot`].
@@ -37,12 +41,15 @@ pub fn table(robot: &Robot, name: &str, source: &str, spreads: &[Spread]) -> Str
     let mut rows = [(); ROWS.len()].map(|()| vec![none; axes]);
     let (mut base, mut tool) = ([none; PER_FRAME], [none; PER_FRAME]);
     let mut joints = vec![[none; PER_FRAME]; axes];
+    let (mut elastic, mut compliance) = (Vec::new(), vec![none; axes]);
     for (parameter, spread) in Parameter::of_robot(axes).zip(spreads).filter(|(_, s)| s.plus_minus > 0.0) {
         match place(robot, parameter) {
             Some(FilePlace::Row(key, row)) if row < axes => rows[key][row] = *spread,
             Some(FilePlace::Base(c)) => base[c] = *spread,
             Some(FilePlace::Tool(c)) => tool[c] = *spread,
             Some(FilePlace::Joint(i, c)) => joints[i][c] = *spread,
+            Some(FilePlace::Elastic(joint, link)) => elastic.push((joint, link, *spread)),
+            Some(FilePlace::Compliance(joint)) => compliance[joint] = *spread,
             _ => {}
         }
     }
@@ -64,10 +71,29 @@ pub fn table(robot: &Robot, name: &str, source: &str, spreads: &[Spread]) -> Str
     if !given.is_empty() {
         let _ = writeln!(out, "joints = [{}]", given.join(", "));
     }
-    let _ = writeln!(out, "distribution = {}", distributions(&rows, &base, &tool, &joints));
+    let terms = elastic.iter().map(|(joint, link, spread)| {
+        format!("{{ joint = {}, link = {}, deg_per_m = {} }}", joint + 1, link + 1, number(spread, true))
+    });
+    if !elastic.is_empty() {
+        let _ = writeln!(out, "elastic = [{}]", terms.collect::<Vec<_>>().join(", "));
+    }
+    if compliance.iter().any(is_given) {
+        let values: Vec<_> = compliance.iter().map(|s| number(s, true)).collect();
+        let _ = writeln!(out, "compliance_deg_per_Nm = [{}]", values.join(", "));
+    }
+    let frames = FrameSpreads { base: &base, tool: &tool, joints: &joints };
+    let deflections = (elastic.first().map(|(.., spread)| *spread), &compliance[..]);
+    let _ = writeln!(out, "distribution = {}", distributions(&rows, &frames, deflections));
     let normal = spreads.iter().find(|s| is_given(s) && s.distribution == Distribution::Normal);
     let _ = writeln!(out, "sigmas = {}", normal.map_or(Spread::SIGMAS, |s| s.sigmas));
     out
+}
+
+/// Tolerances of the frames of a robot.
+struct FrameSpreads<'a> {
+    base: &'a [Spread; PER_FRAME],
+    tool: &'a [Spread; PER_FRAME],
+    joints: &'a [[Spread; PER_FRAME]],
 }
 
 fn is_given(spread: &Spread) -> bool {
@@ -91,12 +117,14 @@ fn place(robot: &Robot, parameter: Parameter) -> Option<FilePlace> {
         Parameter::Base(c) => FilePlace::Base(c),
         Parameter::Tool(c) => FilePlace::Tool(c),
         Parameter::Joint(i, c) => FilePlace::Joint(i, c),
-        _ => return None,
+        Parameter::Elastic(joint, link) => FilePlace::Elastic(joint, link),
+        Parameter::Compliance(joint) => FilePlace::Compliance(joint),
+        Parameter::Periodic(_) | Parameter::Equipment(..) => return None,
     })
 }
 
 /// Returns a half width in mm or degrees with seven significant digits.
-fn number(spread: &Spread, is_angle: bool) -> String {
+pub fn number(spread: &Spread, is_angle: bool) -> String {
     let value = if is_angle { deg_from_rad(spread.plus_minus) } else { mm_from_m(spread.plus_minus) };
     format!("{value:.6e}").parse::<f64>().unwrap_or(value).to_string()
 }
@@ -112,12 +140,12 @@ fn frame_values(frame: &[Spread; PER_FRAME]) -> String {
 /// Returns the value of `distribution`: one word if all tolerances have the same, otherwise a table.
 fn distributions(
     rows: &[Vec<Spread>; ROWS.len()],
-    base: &[Spread; PER_FRAME],
-    tool: &[Spread; PER_FRAME],
-    joints: &[[Spread; PER_FRAME]],
+    FrameSpreads { base, tool, joints }: &FrameSpreads<'_>,
+    (elastic, compliance): (Option<Spread>, &[Spread]),
 ) -> String {
-    let frames = base.iter().chain(tool).chain(joints.iter().flatten());
-    let used: Vec<_> = rows.iter().flatten().chain(frames).filter(|s| is_given(s)).collect();
+    let frames = base.iter().chain(*tool).chain(joints.iter().flatten());
+    let all = rows.iter().flatten().chain(frames).chain(&elastic).chain(compliance);
+    let used: Vec<_> = all.filter(|s| is_given(s)).collect();
     let first = used.first().map_or(Distribution::Normal, |s| s.distribution);
     let word = |d: Distribution| format!("\"{}\"", d.name());
     if used.iter().all(|s| s.distribution == first) {
@@ -129,8 +157,12 @@ fn distributions(
     let dq: Vec<_> = rows[0].iter().zip(&rows[1]).map(|(a, b)| if is_given(a) { *a } else { *b }).collect();
     let mut parts = vec![format!("dq = [{}]", list(&dq))];
     parts.extend(ROWS.iter().zip(rows).skip(2).map(|((_, key), row)| format!("{key} = [{}]", list(row))));
-    parts.extend([("base", base), ("tool", tool)].map(|(key, frame)| format!("{key} = [{}]", list(frame))));
+    parts.extend([("base", *base), ("tool", *tool)].map(|(key, frame)| format!("{key} = [{}]", list(frame))));
     let joint = joints.iter().find(|frame| frame.iter().any(is_given));
     parts.extend(joint.map(|frame| format!("joints = [{}]", list(frame))));
+    parts.extend(elastic.map(|spread| format!("elastic = {}", word(spread.distribution))));
+    if compliance.iter().any(is_given) {
+        parts.push(format!("compliance = [{}]", list(compliance)));
+    }
     format!("{{ {} }}", parts.join(", "))
 }

@@ -1,5 +1,6 @@
 //! Pure renderers from records to bytes, one per format.
 
+pub mod allocated_table;
 pub mod chart;
 pub mod correction;
 pub mod csv;

@@ -8,13 +8,15 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::sync::atomic::AtomicBool;
 use sweetspot::assess::{
-    Assessment, BudgetReport, Comparison, Explanation, NodeChoice, PostureContext, Readings,
+    AllocatedNodes, Assessment, BudgetReport, CellAllocation, Comparison, Explanation, NoAllocation,
+    NodeChoice, PostureContext, Readings,
 };
+use sweetspot::cell::Reading;
 use sweetspot::layout::Workcell;
 use sweetspot::proof::{ProofOptions, prove};
 use sweetspot::record::{
-    BudgetDocument, ComparisonDocument, DocumentKind, ExplanationDocument, MapDocument, NodeTable,
-    ReadingsDocument, RobustDocument, SearchResult, SweepRow, TableValue,
+    AllocationDocument, BudgetDocument, ComparisonDocument, DocumentKind, ExplanationDocument, MapDocument,
+    NodeTable, ReadingsDocument, RobustDocument, SearchResult, SweepRow, TableValue,
 };
 use sweetspot::search::{Watch, search};
 
@@ -113,6 +115,28 @@ fn results_of_searches_and_readings_validate_against_their_schemas() {
     let readings = Readings::new(&workcell.cell).unwrap();
     let document = ReadingsDocument::new(&readings, vec!["a finding".into()]);
     holds::<ReadingsDocument>(DocumentKind::Readings, &document, "all readings");
+}
+
+#[test]
+fn allocations_validate_against_their_schema() {
+    for (limit, statistical) in [(0.02, false), (0.008, true), (0.001, false)] {
+        let mut cell = crate::common::shipped("hitachi_cell.toml");
+        cell.operations.iter_mut().for_each(|operation| operation.limit = Some(limit));
+        cell.reading = if statistical { Reading::Statistical } else { Reading::WorstCase };
+        let workcell = Workcell::new(cell).unwrap();
+        let layout = workcell.cell.start();
+        let maps = workcell.maps(&layout);
+        let problem =
+            CellAllocation::new(&workcell, &layout, &maps, (None, AllocatedNodes::Spots), 0.99).unwrap();
+        let found = match problem.solve() {
+            Ok(found) => Ok(found),
+            Err(NoAllocation::Infeasible(shortfalls)) => Err(shortfalls),
+            Err(why) => panic!("{why:?}"),
+        };
+        assert_eq!(found.is_err(), limit == 0.001);
+        let document = AllocationDocument::new(&problem, found.as_ref().map_err(Vec::as_slice));
+        holds::<AllocationDocument>(DocumentKind::Allocation, &document, "an allocation");
+    }
 }
 
 /// CSV and Parquet are written from these rows, so that each value must have the kind of its column.

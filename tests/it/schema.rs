@@ -100,7 +100,7 @@ const BEYOND: [(&str, &str); 6] = [
     ),
     (
         "numbers contradict each other",
-        "capsule_of_no_length covariance_besides_plus_minus covariance_beyond_one covariance_negative_variance covariance_not_definite covariance_not_symmetric covariance_wrong_rows covariance_wrong_shape fence_corner_twice fence_crosses_itself fence_in_metres fence_runs_back footprint_too_small keep_out_empty limits_reversed limits_without_travel placement_reversed placement_start_outside sense_mixed_units sense_too_many_rows teach_in_line teach_off_the_surface",
+        "capsule_of_no_length costs_do_not_suit covariance_besides_plus_minus covariance_beyond_one covariance_negative_variance covariance_not_definite covariance_not_symmetric covariance_wrong_rows covariance_wrong_shape fence_corner_twice fence_crosses_itself fence_in_metres fence_runs_back footprint_too_small keep_out_empty limits_reversed limits_without_travel placement_reversed placement_start_outside sense_mixed_units sense_too_many_rows teach_in_line teach_off_the_surface",
     ),
     (
         "the question has no answer",

@@ -296,7 +296,7 @@ fn elastic_cell() -> Cell {
     set(Parameter::Elastic(1, 2), 2e-3);
     set(Parameter::Elastic(2, 2), 4e-3);
     set(Parameter::Elastic(3, 5), 6e-3);
-    let tolerance = Tolerance { name: "elastic".into(), spreads, covariance: None };
+    let tolerance = Tolerance { name: "elastic".into(), spreads, covariance: None, costs: Vec::new() };
     cell_of(robot, tolerance, Sense::plain("xyz").unwrap())
 }
 

@@ -5,6 +5,7 @@
 //! environment variable or the current directory.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod allocation;
 mod assessment;
 mod attitude;
 mod bound;

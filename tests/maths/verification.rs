@@ -143,6 +143,7 @@ fn ellipsoids_cover_about_95_percent_of_the_positions_of_random_arms() {
         name: "measured".into(),
         spreads: values(6, &unknowns, &sigmas).into_iter().map(spread).collect(),
         covariance: None,
+        costs: Vec::new(),
     };
     let measured = MeasuredErrors {
         mean: SignedErrors::of_values("measured".into(), 6, &values(6, &unknowns, &mean)),

@@ -1,5 +1,6 @@
 //! The command line: every command and its arguments.
 
+mod allocate;
 mod calibrate;
 mod correct;
 mod errors;
@@ -15,6 +16,7 @@ mod search;
 mod sweep;
 mod value_parsers;
 
+pub use allocate::AllocateArguments;
 pub use calibrate::CalibrateArguments;
 pub use correct::{CorrectArguments, TargetFrame};
 pub use errors::{AccuracyBase, ErrorsArguments};
@@ -72,6 +74,9 @@ pub enum Command {
     /// Rank the error sources at a spot: which tolerance to tighten first
     #[command(before_help = "Example: sweetspot budget cells/hitachi_cell.toml --operation assembly")]
     Budget(BudgetArguments),
+    /// Allocate tolerances: the cheapest set with which every operation keeps its limit
+    #[command(before_help = "Example: sweetspot allocate cells/hitachi_cell.toml --limit 20")]
+    Allocate(AllocateArguments),
     /// Show the error calculation of one posture step by step
     #[command(before_help = "Example: sweetspot explain cells/hitachi_paper.toml --at 5,4")]
     Explain(ExplainArguments),

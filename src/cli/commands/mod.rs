@@ -1,6 +1,7 @@
 //! One function per command: it reads the input, calls the library, prints the result and suggests the next
 //! command.
 
+mod allocate;
 mod assumed;
 mod calibrate;
 mod check;
@@ -30,6 +31,7 @@ mod view;
 #[path = "without_view.rs"]
 mod view;
 
+pub use allocate::allocate;
 pub use calibrate::calibrate;
 pub use check::check;
 pub use correct::correct;

@@ -85,14 +85,9 @@ fn figure(evaluator: &ErrorEvaluator, context: &PostureContext<'_>, memory: &mut
 /// Returns a copy of an evaluator in which the tolerances of `parameters` are halved.
 fn halved(evaluator: &ErrorEvaluator, parameters: &[Parameter]) -> ErrorEvaluator {
     let mut tighter = evaluator.clone();
-    let sources = &mut tighter.sources;
-    for (k, source) in sources.list.iter_mut().enumerate() {
-        if parameters.contains(&source.parameter) {
-            source.plus_minus /= 2.0;
-            source.deviation /= 2.0;
-            source.spread.iter_mut().for_each(|spread| spread.plus_minus /= 2.0);
-            let of_it = sources.factors.iter_mut().flatten().filter(|(source, _)| *source == k);
-            of_it.for_each(|(_, value)| *value /= 2.0);
+    for k in 0..tighter.sources.list.len() {
+        if parameters.contains(&tighter.sources.list[k].parameter) {
+            tighter.sources.scale(k, 0.5);
         }
     }
     tighter

@@ -5,6 +5,8 @@
 //! [`ErrorDistribution`] concern one posture. [`Readings`] compares the results of one layout under every
 //! reading.
 
+mod allocated_nodes;
+mod allocation;
 mod budget;
 mod corrections;
 mod distribution;
@@ -20,6 +22,10 @@ mod readings;
 mod remedies;
 mod sampled_spots;
 
+pub use allocated_nodes::AllocatedNodes;
+pub use allocation::{
+    AllocatedParameter, CellAllocation, CheapestTolerances, NoAllocation, NodeRequirement, SampledRequirement,
+};
 pub use budget::{BudgetReport, Tighter};
 pub use corrections::{CorrectedTarget, OperationCorrector, StatedTarget};
 pub use distribution::ErrorDistribution;

@@ -3,9 +3,10 @@
 //! No code outside this folder changes the fields of a cell, except the reader of cell files.
 
 use super::coordinate::Coordinate;
-use super::error_model::{ErrorSet, SignedErrors};
+use super::error_model::{ErrorSet, FrameErrors, Parameter, SignedErrors};
 use super::layout::Slot;
 use super::model::Cell;
+use super::tolerance_cost::ToleranceCost;
 
 impl Cell {
     /// Returns this cell with a controller that compensates the means of the measured errors of the robot.
@@ -18,6 +19,49 @@ impl Cell {
         let none = vec![0.0; measured.mean.values().len()];
         measured.mean = SignedErrors::of_values(measured.mean.name.clone(), axes, &none);
         Some(cell)
+    }
+
+    /// Returns this cell with every tolerance multiplied by its scale; correlated and measured errors stay.
+    ///
+    /// A signed sample becomes a tolerance whose half widths are the scaled magnitudes of its values.
+    pub fn with_scaled_tolerances(&self, scale: &dyn Fn(Parameter) -> f64) -> Cell {
+        let mut cell = self.clone();
+        let parameters = Parameter::of_robot(self.robot.axes());
+        let set = &mut cell.robot.errors[self.errors];
+        if !matches!(set, ErrorSet::Measured(_)) {
+            let mut tolerance = set.tolerance();
+            let correlated = tolerance.covariance.as_ref().map_or(&[][..], |c| &c.parameters);
+            let own = tolerance.spreads.iter_mut().zip(parameters).enumerate();
+            for (_, (spread, parameter)) in own.filter(|(k, _)| !correlated.contains(k)) {
+                spread.plus_minus *= scale(parameter);
+            }
+            *set = ErrorSet::Tolerance(tolerance);
+        }
+        for (e, equipment) in cell.equipment.iter_mut().enumerate() {
+            if let Some(errors) = &equipment.errors {
+                let mut spreads = errors.tolerance();
+                for (c, spread) in spreads.iter_mut().enumerate() {
+                    spread.plus_minus *= scale(Parameter::Equipment(e, c));
+                }
+                equipment.errors = Some(FrameErrors::Tolerance(spreads));
+            }
+        }
+        cell
+    }
+
+    /// Returns the cost model of a parameter of the chosen error set or of equipment.
+    pub fn tolerance_cost(&self, parameter: Parameter) -> ToleranceCost {
+        let stated = match parameter {
+            Parameter::Equipment(e, c) => self.equipment.get(e).and_then(|e| e.error_costs.get(c)),
+            _ => match self.error_set() {
+                ErrorSet::Tolerance(tolerance) => {
+                    let place = Parameter::of_robot(self.robot.axes()).position(|p| p == parameter);
+                    place.and_then(|place| tolerance.costs.get(place))
+                }
+                _ => None,
+            },
+        };
+        stated.cloned().unwrap_or_default()
     }
 
     /// Returns the coordinate in a slot of the layout; None if the cell has no such coordinate.

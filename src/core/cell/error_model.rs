@@ -1,5 +1,6 @@
 //! Error sets: signed samples and tolerances of the parameters of a robot or of a frame.
 
+use super::tolerance_cost::ToleranceCost;
 use nalgebra::DMatrix;
 
 /// Number of error parameters of one link: dq, dr, dl, dalpha and dbeta.
@@ -297,6 +298,8 @@ pub struct Tolerance {
     /// the spread follows from the diagonal of that matrix.
     pub spreads: Vec<Spread>,
     pub covariance: Option<Covariance>,
+    /// Cost models of all parameters in the order of `spreads`; empty if every parameter has the default.
+    pub costs: Vec<ToleranceCost>,
 }
 
 /// Errors of one robot as a calibration identified them: values, and how uncertain these are.
@@ -353,6 +356,7 @@ impl ErrorSet {
                 name: e.name.clone(),
                 spreads: e.values().into_iter().map(Spread::of_magnitude).collect(),
                 covariance: None,
+                costs: Vec::new(),
             },
         }
     }

@@ -8,6 +8,7 @@ use super::error_model::{ErrorSet, FrameErrors};
 use super::robot_model::Robot;
 use super::sense::{Sense, Unit};
 use super::shape::{Rectangle, Solid};
+use super::tolerance_cost::ToleranceCost;
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 
@@ -93,6 +94,8 @@ pub struct Equipment {
     pub placement: [Coordinate; 4],
     /// Errors of the placement or fixture, in the equipment's frame (m, rad).
     pub errors: Option<FrameErrors>,
+    /// Cost models of the six components of `errors`; empty if every component has the default.
+    pub error_costs: Vec<ToleranceCost>,
     /// Tolerance of the placement.
     pub tolerance: PlacementTolerance,
 }

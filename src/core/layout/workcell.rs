@@ -1,6 +1,6 @@
 //! A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
 
-use crate::cell::{Cell, Interpretation, Layout, QuestionFault};
+use crate::cell::{Cell, Interpretation, Layout, Parameter, QuestionFault};
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 use crate::clearance::{FloorPlan, Remember, Scene, SelfCollisionPair};
 use crate::error_map::{Demand, Mapper, PlacedLayout, PostureOrder};
@@ -62,6 +62,14 @@ impl Workcell {
                 .with_interpretation_per_operation(interpretation)
                 .map_err(|faults| first_of(&faults))?,
         )
+    }
+
+    /// Returns this workcell with every tolerance multiplied by its scale; the solids are shared.
+    ///
+    /// # Errors
+    /// Returns the reason if the robot cannot hold an attitude.
+    pub fn with_scaled_tolerances(&self, scale: &dyn Fn(Parameter) -> f64) -> Result<Self, String> {
+        self.sharing(self.cell.with_scaled_tolerances(scale))
     }
 
     /// Prepares a cell with the same solids and placements as this workcell; both workcells share them.

@@ -97,6 +97,16 @@ impl ErrorSources {
         Self { list, factors, parameters, at }
     }
 
+    /// Multiplies the tolerance of a source by `factor`, with its deviation and its part in every factor.
+    pub fn scale(&mut self, source: usize, factor: f64) {
+        let own = &mut self.list[source];
+        own.plus_minus *= factor;
+        own.deviation *= factor;
+        own.spread.iter_mut().for_each(|spread| spread.plus_minus *= factor);
+        let of_it = self.factors.iter_mut().flatten().filter(|(k, _)| *k == source);
+        of_it.for_each(|(_, value)| *value *= factor);
+    }
+
     /// Returns the signed sample, one value per source.
     pub fn signed(&self) -> Vec<f64> {
         self.list.iter().map(|s| s.signed).collect()

@@ -53,4 +53,4 @@ pub use registration::{BestFit, Taught};
 pub use sample_space::SampleSpace;
 pub use sense_rows::SenseRows;
 pub use work_context::{PickReference, WorkContext, WorkFrame};
-pub use worst_case::WorstCase;
+pub use worst_case::{WorstCase, farthest};

@@ -85,6 +85,19 @@ impl Histogram {
         Self { low, high, counts }
     }
 
+    /// Returns the error size below which the share `p` of the samples lies, interpolated within a bin.
+    pub fn quantile(&self, p: f64) -> f64 {
+        let wanted = p * self.counts.iter().map(|n| f64::from(*n)).sum::<f64>();
+        let mut below = 0.0;
+        for (k, count) in self.counts.iter().map(|n| f64::from(*n)).enumerate() {
+            if below + count >= wanted && count > 0.0 {
+                return self.low + self.width() * (k as f64 + (wanted - below) / count);
+            }
+            below += count;
+        }
+        self.high
+    }
+
     /// Returns the width of a bin.
     pub fn width(&self) -> f64 {
         (self.high - self.low) / self.counts.len().max(1) as f64

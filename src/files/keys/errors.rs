@@ -1,6 +1,7 @@
 //! Keys of the error sets of a robot, and of the errors of equipment.
 
 use super::constraints::POSTURE;
+use super::costs;
 use super::key::*;
 use super::parts::*;
 use crate::cell::{Distribution, MAX_JOINTS, PER_FRAME, Spread};
@@ -175,12 +176,13 @@ key_table! {
         DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table with words for rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
+        COST = costs::COST;
         RANGES = Key::new("measured_ranges", ValueKind::List(&ValueKind::List(&FINITE, (2, 2), "numbers"), (1, MAX_JOINTS), "ranges"), "Least and largest coordinate of every joint among the measured postures, degrees or mm. Map and search say which nodes lie outside.").example("[[-90, 90], [-120, -30]]");
     }
     rules [
-        Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance", "measured_ranges"] },
+        Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance", "cost", "measured_ranges"] },
         Rule::When { key: "kind", words: tolerance, needs: &[], never: &["measured_ranges", "periodic"] },
-        Rule::When { key: "kind", words: measured, needs: &[], never: &["distribution"] },
+        Rule::When { key: "kind", words: measured, needs: &[], never: &["distribution", "cost"] },
         Rule::NotNegativeWhen("kind", "tolerance"),
     ];
 }
@@ -190,10 +192,11 @@ key_table! {
         FORM = super::FORM;
         DISTRIBUTION = Key::new("distribution", BY_COMPONENT, "Distribution of the errors: one word, or six for x, y, z and the rotations about them.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
+        COST = costs::COST;
     }
     extends super::frame_error::TABLE;
     rules [
-        Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas"] },
+        Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "cost"] },
         Rule::NotNegativeWhen("kind", "tolerance"),
     ];
     refused [Refused {

@@ -4,6 +4,7 @@
 
 pub mod cell;
 pub mod constraints;
+pub mod costs;
 pub mod equipment;
 pub mod errors;
 pub mod key;

@@ -39,7 +39,7 @@ pub fn read(t: &mut Table, arm: ErrorRows<'_>, values: Option<&SignedErrors>) ->
 }
 
 /// Returns whether a file gives the parameter in mm.
-fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
+pub fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
     match parameter {
         Parameter::Dq(i) => arm.slides(i),
         Parameter::Dr(_) | Parameter::Dl(_) => true,
@@ -74,8 +74,9 @@ fn name_of(item: &Node) -> String {
     }
 }
 
-/// Reads the names of the parameters; returns their indices in the order of [`Parameter::of_robot`].
-fn read_parameters(items: &[Node], arm: ErrorRows<'_>, t: &mut Table) -> Option<Vec<usize>> {
+/// Returns the names of the parameters in the file, in the order of [`Parameter::of_robot`]. The name of a
+/// parameter that the file cannot set is empty.
+pub fn names_of(arm: ErrorRows<'_>) -> Vec<String> {
     let mut names: Vec<_> = Parameter::of_robot(arm.axes).map(Parameter::name).collect();
     arm.in_order(&mut names);
     arm.unused().into_iter().flatten().for_each(|place| names[place].clear());
@@ -84,6 +85,12 @@ fn read_parameters(items: &[Node], arm: ErrorRows<'_>, t: &mut Table) -> Option<
     };
     let nameless: Vec<_> = Parameter::of_robot(arm.axes).enumerate().filter(is_none).collect();
     nameless.into_iter().for_each(|(place, _)| names[place].clear());
+    names
+}
+
+/// Reads the names of the parameters; returns their indices in the order of [`Parameter::of_robot`].
+fn read_parameters(items: &[Node], arm: ErrorRows<'_>, t: &mut Table) -> Option<Vec<usize>> {
+    let names = names_of(arm);
     let mut places: Vec<Option<usize>> = Vec::new();
     for item in items {
         let place = read_parameter(item, &names, arm, t);

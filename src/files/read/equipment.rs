@@ -37,8 +37,20 @@ pub fn read(name: &str, t: &mut Table, role: Role) -> Option<Equipment> {
     let exact = PlacementTolerance::default();
     let tolerance = t.table_or(&equipment::TOLERANCE, exact, placement::read_tolerance);
     let (footprint, placement, tolerance) = (footprint?, placement?, tolerance?);
-    let (name, errors) = (name.to_string(), errors?);
-    Some(Equipment { name, role, surface, footprint, solids, on: None, placement, errors, tolerance })
+    let (name, (errors, error_costs)) = (name.to_string(), errors?.unzip());
+    let error_costs = error_costs.unwrap_or_default();
+    Some(Equipment {
+        name,
+        role,
+        surface,
+        footprint,
+        solids,
+        on: None,
+        placement,
+        errors,
+        error_costs,
+        tolerance,
+    })
 }
 
 /// Returns the extent of a work surface, m.

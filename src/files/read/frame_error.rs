@@ -1,5 +1,6 @@
 //! Readers of frame errors: of the robot's base, tool and joints, and of the placement or fixture of equipment.
 
+use super::cost::{self, CostedParameter, CostedUnit};
 use super::row_order::ErrorRows;
 use super::tolerance;
 use crate::cell::*;
@@ -66,12 +67,14 @@ pub fn read_joint(node: &Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<usiz
 }
 
 /// Reads `errors` of a piece of equipment.
-pub fn read_errors(t: &mut Table) -> Option<FrameErrors> {
+///
+/// Returns the errors and the cost of each component; no costs if the file states none.
+pub fn read_errors(t: &mut Table) -> Option<(FrameErrors, Vec<ToleranceCost>)> {
     let form = t.word(&errors_of_equipment::FORM);
     let values = read_values(t, tolerance::range_of(form));
     if form != Some(ErrorForm::Tolerance) {
         tolerance::refuse(t, form);
-        return values.map(FrameErrors::Signed);
+        return values.map(|values| (FrameErrors::Signed(values), Vec::new()));
     }
     let normal = Distribution::Normal;
     let distributions = tolerance::read_words(t, &errors_of_equipment::DISTRIBUTION, PER_FRAME, normal);
@@ -81,5 +84,11 @@ pub fn read_errors(t: &mut Table) -> Option<FrameErrors> {
     for (spread, distribution) in spreads.iter_mut().zip(distributions) {
         (spread.distribution, spread.sigmas) = (distribution, sigmas);
     }
-    Some(FrameErrors::Tolerance(spreads))
+    let costed = |c: usize| CostedParameter {
+        name: COMPONENTS[c].to_string(),
+        plus_minus: spreads[c].plus_minus,
+        unit: if c < PER_FRAME / 2 { CostedUnit::Length } else { CostedUnit::Angle },
+    };
+    let costs = cost::read_all(t, &[0, 1, 2, 3, 4, 5].map(costed))?;
+    Some((FrameErrors::Tolerance(spreads), costs))
 }

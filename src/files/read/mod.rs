@@ -5,6 +5,7 @@ pub mod attitude;
 pub mod cell;
 pub mod constraints;
 pub mod coordinate;
+mod cost;
 pub mod covariance;
 pub mod elastic;
 mod equipment;

@@ -1,5 +1,6 @@
 //! Reader of tolerances: the distribution of each plus-or-minus value, and the spread of measured errors.
 
+use super::cost::{self, CostedParameter, CostedUnit};
 use super::covariance;
 use super::measured_ranges;
 use super::row_order::ErrorRows;
@@ -30,8 +31,24 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
         plus_minus.map(|(plus_minus, distribution)| Spread { plus_minus, distribution, sigmas }).collect();
     // If the covariance was refused, the whole set counts as unreadable.
     let covariance = covariance?;
+    let costs = cost::read_all(t, &costed(arm, &spreads));
     set_variances(&mut spreads, covariance.as_ref(), sigmas);
-    Some(Tolerance { name: values.name, spreads, covariance })
+    Some(Tolerance { name: values.name, spreads, covariance, costs: costs? })
+}
+
+/// Returns the parameters of a robot whose tolerances may have costs. Those of a covariance have no tolerance of
+/// their own yet.
+fn costed(arm: ErrorRows<'_>, spreads: &[Spread]) -> Vec<CostedParameter> {
+    let names = covariance::names_of(arm);
+    let each = Parameter::of_robot(arm.axes).zip(spreads).zip(names).map(|((parameter, spread), name)| {
+        let unit = match parameter {
+            Parameter::Elastic(..) | Parameter::Compliance(_) => CostedUnit::Deflection,
+            _ if covariance::is_length(parameter, arm) => CostedUnit::Length,
+            _ => CostedUnit::Angle,
+        };
+        CostedParameter { name, plus_minus: spread.plus_minus, unit }
+    });
+    each.collect()
 }
 
 /// Reads sigmas and covariance of measured errors, whose values with their signs are `values`.
@@ -44,6 +61,10 @@ pub fn read_measured(
         let message = "measured errors have no `distribution`: their covariance is that of normal variables";
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
+    if let Some(node) = t.get(&error_set::COST) {
+        let message = "measured errors have no `cost`: they are known, and nobody orders them";
+        t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
+    }
     let sigmas = t.number(&error_set::SIGMAS);
     let covariance =
         t.if_given(&error_set::COVARIANCE, |t, key| t.table(key, |t| covariance::read(t, arm, None)));
@@ -52,7 +73,7 @@ pub fn read_measured(
     let none = Spread { plus_minus: 0.0, distribution: Distribution::Normal, sigmas };
     let mut spreads = vec![none; Parameter::count(arm.axes)];
     set_variances(&mut spreads, covariance.as_ref(), sigmas);
-    let spread = Tolerance { name: mean.name.clone(), spreads, covariance };
+    let spread = Tolerance { name: mean.name.clone(), spreads, covariance, costs: Vec::new() };
     Some(MeasuredErrors { mean, spread, ranges })
 }
 
@@ -67,7 +88,7 @@ fn set_variances(spreads: &mut [Spread], covariance: Option<&Covariance>, sigmas
 
 /// Refuses the keys of a tolerance in a signed set. A set of unknown kind gets no fault here.
 pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
-    for key in [error_set::DISTRIBUTION, error_set::SIGMAS, error_set::COVARIANCE] {
+    for key in [error_set::DISTRIBUTION, error_set::SIGMAS, error_set::COVARIANCE, error_set::COST] {
         if let Some(node) = t.get(&key)
             && form == Some(ErrorForm::Signed)
         {

@@ -5,6 +5,7 @@
 //! `fill-blue` or `line-grid`. The style sheet of a page can repaint all elements of a class, as
 //! [`dark_rules`] does.
 
+mod allocation;
 #[doc(hidden)] // open for tests/it
 pub mod axes;
 mod canvas;
@@ -38,6 +39,7 @@ mod tornado;
 #[doc(hidden)] // open for tests/it
 pub mod words;
 
+pub use allocation::allocation;
 pub use canvas::{Ink, dark_rules};
 pub use convergence::{ConvergenceHistory, convergence};
 pub use difference::difference;

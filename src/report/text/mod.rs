@@ -1,5 +1,6 @@
 //! Text for the terminal.
 
+mod allocation;
 mod answer;
 mod budget;
 mod buildability;
@@ -23,6 +24,7 @@ mod sweep;
 pub mod table;
 mod urdf;
 
+pub use allocation::allocation;
 pub use answer::answer;
 pub use budget::budget;
 pub use buildability::{assumptions, certificate};

@@ -252,6 +252,7 @@ fn help_of_every_command_begins_with_an_example() {
         &["search", "--help"],
         &["compare", "-h"],
         &["budget", "--help"],
+        &["allocate", "-h"],
         &["explain", "-h"],
         &["readings", "-h"],
         &["robots", "--help"],
@@ -277,7 +278,7 @@ fn the_examples_of_the_help_run() {
     let shop = Sandbox::new();
     for command in [
         "check", "map", "search", "compare", "report", "budget", "explain", "readings", "robots", "robot",
-        "envelope", "errors", "correct",
+        "envelope", "errors", "correct", "allocate",
     ] {
         let help = shop.done(&[command, "--help"]);
         let example = help.out.lines().next().unwrap().trim_start_matches("Example: sweetspot ");

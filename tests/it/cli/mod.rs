@@ -2,6 +2,7 @@
 //!
 //! Every test runs the real binary in a folder of its own.
 
+mod allocate;
 mod cache;
 mod calibrate;
 mod contract;

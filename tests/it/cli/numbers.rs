@@ -75,6 +75,7 @@ fn arguments(command: &str) -> Vec<&str> {
         "export" => &[PAPER, "--to", "csv", "-o", "out.csv"],
         "figures" => &[PAPER, "--out", "out"],
         "report" => &[PAPER, "-o", "out.html"],
+        "allocate" => &["cells/drilling_cell.toml"],
         "robot" | "envelope" => &["hitachi_pw10"],
         "robots" | "schema" | "init" => &[],
         _ => &[PAPER],

@@ -100,7 +100,7 @@ pub fn random_tolerance(
             spreads[place] = Spread { plus_minus, distribution, sigmas: 3.0 };
         }
     }
-    Tolerance { name: "random".into(), spreads, covariance: None }
+    Tolerance { name: "random".into(), spreads, covariance: None, costs: Vec::new() }
 }
 
 pub fn random_joints(rng: &mut ChaCha8Rng, robot: &Robot) -> JointVector {

@@ -121,8 +121,12 @@ fn shared_parameters_have_one_draw_and_others_are_independent() {
         spreads[3..].iter_mut().for_each(|s| s.plus_minus = 0.0);
     }
     let none = vec![Spread::of_magnitude(0.0); Parameter::count(cell.robot.axes())];
-    cell.robot.errors =
-        vec![ErrorSet::Tolerance(Tolerance { name: "none".into(), spreads: none, covariance: None })];
+    cell.robot.errors = vec![ErrorSet::Tolerance(Tolerance {
+        name: "none".into(),
+        spreads: none,
+        covariance: None,
+        costs: Vec::new(),
+    })];
     cell.errors = 0;
     let workcell = Workcell::new(cell).unwrap();
     let a = Assessment::new("start", &workcell, workcell.cell.start());

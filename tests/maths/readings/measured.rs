@@ -41,11 +41,12 @@ fn measured_cell(rng: &mut ChaCha8Rng) -> (Cell, DMatrix<f64>) {
     }
     let covariance = Some(Covariance { parameters: places.to_vec(), matrix: matrix.clone() });
     let mean = SignedErrors::of_values("measured".into(), axes, &values);
-    let spread = Tolerance { name: "measured".into(), spreads, covariance };
+    let spread = Tolerance { name: "measured".into(), spreads, covariance, costs: Vec::new() };
     let none = Tolerance {
         name: "none".into(),
         spreads: vec![Spread::of_magnitude(0.0); all.len()],
         covariance: None,
+        costs: Vec::new(),
     };
     let mut cell = cell_of(robot, none, Sense::plain("xyz").unwrap());
     cell.robot.errors = vec![ErrorSet::Measured(Box::new(MeasuredErrors { mean, spread, ranges: None }))];

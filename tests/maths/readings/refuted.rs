@@ -14,8 +14,12 @@ fn turned_by(deviation: f64) -> Workcell {
     let mut cell = shipped("hitachi_paper.toml");
     let mut spreads = vec![Spread::of_magnitude(0.0); Parameter::count(cell.robot.axes())];
     spreads[0] = Spread { plus_minus: 3.0 * deviation, distribution: Distribution::Normal, sigmas: 3.0 };
-    cell.robot.errors =
-        vec![ErrorSet::Tolerance(Tolerance { name: "turn".into(), spreads, covariance: None })];
+    cell.robot.errors = vec![ErrorSet::Tolerance(Tolerance {
+        name: "turn".into(),
+        spreads,
+        covariance: None,
+        costs: Vec::new(),
+    })];
     (cell.errors, cell.model, cell.operations[0].limit) = (0, Model::Nonlinear, Some(1.0));
     (cell.reading, cell.quantity) = (Reading::Statistical, Quantity::P99);
     Workcell::new(cell).unwrap()

@@ -36,7 +36,8 @@ fn a_covariance_is_propagated_to_the_tool() {
         let axes = 3 + k % 5;
         let robot = random_robot(&mut rng, axes);
         let none = vec![Spread::of_magnitude(0.0); Parameter::count(axes)];
-        let mut tolerance = Tolerance { name: "calibrated".into(), spreads: none, covariance: None };
+        let mut tolerance =
+            Tolerance { name: "calibrated".into(), spreads: none, covariance: None, costs: Vec::new() };
         let matrix = correlated(&mut rng, &robot, &mut tolerance);
         let q = random_joints(&mut rng, &robot);
         let all: Vec<Parameter> = Parameter::of_robot(axes).collect();

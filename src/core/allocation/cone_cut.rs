@@ -1,0 +1,100 @@
+//! One second-order cone (or linear row) that every set of tolerances which keeps a requirement must satisfy.
+
+use nalgebra::Vector6;
+
+/// Convex constraint on the scales `u`: the norm of an affine function is at most 1, the scaled limit.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ConeCut {
+    /// One sign pattern in one axis: `constant + sum_k columns_k u_k <= 1`.
+    Row { columns: Vec<f64>, constant: f64 },
+    /// One sign pattern of a zonotope: `|constant + sum_k columns_k u_k| <= 1`, of the first `rows` components.
+    Vertex { columns: Vec<Vector6<f64>>, constant: Vector6<f64>, rows: usize },
+    /// Root sum square: `|(constant, roots_k u_k, ...)| <= 1`.
+    Ellipsoid { roots: Vec<f64>, constant: f64 },
+}
+
+impl ConeCut {
+    /// Returns the constraint of one sign pattern; `u` are scales at which it is the worst.
+    pub fn vertex(columns: Vec<Vector6<f64>>, constant: Vector6<f64>, rows: usize, u: &[f64]) -> Self {
+        if rows > 1 {
+            return Self::Vertex { columns, constant, rows };
+        }
+        let sum = constant[0] + columns.iter().zip(u).map(|(c, u)| c[0] * u).sum::<f64>();
+        let sign = if sum < 0.0 { -1.0 } else { 1.0 };
+        Self::Row { columns: columns.iter().map(|c| sign * c[0]).collect(), constant: sign * constant[0] }
+    }
+
+    /// Returns whether two cuts state the same; a sign pattern and the opposite one do.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Vertex { columns: a, constant: f, .. }, Self::Vertex { columns: b, constant: g, .. }) => {
+                let same = |sign: f64| *f == g * sign && a.iter().zip(b).all(|(a, b)| *a == b * sign);
+                same(1.0) || same(-1.0)
+            }
+            _ => self == other,
+        }
+    }
+
+    /// Returns the number of rows of the constraint in a cone program.
+    pub fn height(&self) -> usize {
+        match self {
+            Self::Row { .. } => 1,
+            Self::Vertex { rows, .. } => 1 + rows,
+            Self::Ellipsoid { roots, .. } => 2 + roots.len(),
+        }
+    }
+
+    /// Calls `put` with row, parameter and coefficient of the affine function `s(u)` of a cone program, and
+    /// returns its constant part. The cut states that `s(u)` lies in the cone.
+    pub fn rows(&self, mut put: impl FnMut(usize, usize, f64)) -> Vec<f64> {
+        match self {
+            Self::Row { columns, constant } => {
+                columns.iter().enumerate().for_each(|(k, c)| put(0, k, -c));
+                vec![1.0 - constant]
+            }
+            Self::Vertex { columns, constant, rows } => {
+                for (k, column) in columns.iter().enumerate() {
+                    (0..*rows).for_each(|r| put(1 + r, k, column[r]));
+                }
+                std::iter::once(1.0).chain(constant.iter().take(*rows).copied()).collect()
+            }
+            Self::Ellipsoid { roots, constant } => {
+                roots.iter().enumerate().for_each(|(k, root)| put(2 + k, k, *root));
+                let zeros = std::iter::repeat_n(0.0, roots.len());
+                [1.0, *constant].into_iter().chain(zeros).collect()
+            }
+        }
+    }
+
+    /// Adds the linear inequality that a dual vector of the constraint proves: `prices . u <= limit`.
+    ///
+    /// For any vector y, `|s| <= 1` implies `y . s <= |y|`. The dual vector `z` of the cone holds `-y` after its
+    /// first component. So the inequality is exact, whatever the accuracy of `z`. Returns `|y|`, the shadow price
+    /// of the limit.
+    pub fn add_inequality(&self, z: &[f64], prices: &mut [f64], limit: &mut f64) -> f64 {
+        match self {
+            Self::Row { columns, constant } => {
+                let y = z.first().copied().unwrap_or(0.0).max(0.0);
+                prices.iter_mut().zip(columns).for_each(|(p, c)| *p += y * c);
+                *limit += y * (1.0 - constant);
+                y
+            }
+            Self::Vertex { columns, constant, .. } => {
+                let mut y = Vector6::zeros();
+                y.iter_mut().zip(z.iter().skip(1)).for_each(|(y, z)| *y = -z);
+                prices.iter_mut().zip(columns).for_each(|(p, c)| *p += y.dot(c));
+                *limit += y.norm() - y.dot(constant);
+                y.norm()
+            }
+            Self::Ellipsoid { roots, constant } => {
+                let tail = z.get(1..).unwrap_or_default();
+                let size = tail.iter().map(|z| z * z).sum::<f64>().sqrt();
+                for ((price, root), z) in prices.iter_mut().zip(roots).zip(tail.iter().skip(1)) {
+                    *price -= z * root;
+                }
+                *limit += size + tail.first().map_or(0.0, |z| z * constant);
+                size
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Cutting planes: the relaxed problem solved with the cuts that bind.
+
+use super::cone_cut::ConeCut;
+use super::cone_program::{COARSE, FINE, ScaleDomain, solve};
+use super::lagrangian::least_priced;
+use super::linear_figure::{FigureScratch, LinearFigure};
+use crate::cell::ToleranceCost;
+
+/// Largest number of cone programs for one relaxation.
+const MAX_ROUNDS: usize = 60;
+/// Relative violation of a limit above which a coarse solution adds a cut.
+const COARSE_VIOLATION: f64 = 1e-3;
+/// Relative violation of a limit below which a solution keeps it.
+const VIOLATION: f64 = 1e-9;
+/// Largest number of requirements that add a cut in one round.
+const MAX_NEW_CUTS: usize = 12;
+
+/// Cuts found so far. They hold for every set of tolerances that keeps the requirements.
+#[derive(Default)]
+pub struct CutPool {
+    /// Requirement and constraint of every cut.
+    pub cuts: Vec<(usize, ConeCut)>,
+    /// Number of cone programs solved.
+    pub programs: usize,
+}
+
+/// Solution of the relaxed problem.
+#[derive(Debug, Clone)]
+pub struct RelaxedSolution {
+    /// Scales that keep every requirement, up to rounding and the bounds of the domains.
+    pub scales: Vec<f64>,
+    /// Lower bound of the cost in the domains.
+    pub bound: f64,
+    /// Price of every scale in the Lagrangian.
+    pub prices: Vec<f64>,
+    /// Shadow price of the limit of every requirement: the cost saved per relative increase of the limit.
+    pub shadow: Vec<f64>,
+}
+
+impl CutPool {
+    /// Solves the relaxed problem; `figures` are scaled so that every limit is 1.
+    ///
+    /// Returns None if the solver fails. The tightest scales of the domains must keep every requirement.
+    pub fn relaxed(
+        &mut self,
+        costs: &[ToleranceCost],
+        domains: &[ScaleDomain],
+        figures: &[LinearFigure],
+        scratch: &mut FigureScratch,
+    ) -> Option<RelaxedSolution> {
+        let start: Vec<f64> = costs.iter().zip(domains).map(|(c, d)| d.ends(c).1).collect();
+        let largest = figures.iter().map(|f| f.value(&start, scratch)).fold(0.0, f64::max);
+        if largest <= 1.0 {
+            let bound = costs.iter().zip(domains).map(|(c, d)| least_priced(c, d, 0.0).1).sum();
+            let (prices, shadow) = (vec![0.0; costs.len()], vec![0.0; figures.len()]);
+            return Some(RelaxedSolution { scales: start, bound, prices, shadow });
+        }
+        if self.cuts.is_empty() {
+            let shrunk: Vec<f64> = start.iter().map(|u| u / largest).collect();
+            self.separate(figures, &shrunk, 0.9, scratch);
+        }
+        let mut best: Option<RelaxedSolution> = None;
+        // Coarse solutions find the cuts; the fine ones find those that are left.
+        let (mut tolerance, mut violation) = match figures.iter().any(LinearFigure::has_many_cuts) {
+            true => (COARSE, COARSE_VIOLATION),
+            false => (FINE, VIOLATION),
+        };
+        for _ in 0..MAX_ROUNDS {
+            let cuts: Vec<&ConeCut> = self.cuts.iter().map(|(_, cut)| cut).collect();
+            self.programs += 1;
+            let Some(solution) = solve(costs, domains, &cuts, tolerance) else { break };
+            let mut found = self.bounded(costs, domains, figures.len(), &solution.duals);
+            found.scales = solution.scales;
+            for ((u, cost), domain) in found.scales.iter_mut().zip(costs).zip(domains) {
+                let (low, high) = domain.ends(cost);
+                *u = u.clamp(low, high);
+            }
+            let is_closed = !self.separate(figures, &found.scales, 1.0 + violation, scratch);
+            best = Some(found);
+            match (is_closed, tolerance == FINE) {
+                (true, true) => break,
+                (true, false) => (tolerance, violation) = (FINE, VIOLATION),
+                (false, _) => {}
+            }
+        }
+        best
+    }
+
+    /// Adds a cut for the requirements that exceed `threshold` most; returns whether there was a new one.
+    fn separate(
+        &mut self,
+        figures: &[LinearFigure],
+        scales: &[f64],
+        threshold: f64,
+        scratch: &mut FigureScratch,
+    ) -> bool {
+        let mut found: Vec<(f64, usize, ConeCut)> = Vec::new();
+        for (i, figure) in figures.iter().enumerate() {
+            let (value, cut) = figure.cut(scales, scratch);
+            if value > threshold && !self.cuts.iter().any(|(own, known)| *own == i && known.is_same(&cut)) {
+                found.push((value, i, cut));
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let is_new = !found.is_empty();
+        self.cuts.extend(found.into_iter().take(MAX_NEW_CUTS).map(|(_, i, cut)| (i, cut)));
+        is_new
+    }
+
+    /// Returns the lower bound that the dual vectors of the cuts prove, with its prices.
+    fn bounded(
+        &self,
+        costs: &[ToleranceCost],
+        domains: &[ScaleDomain],
+        requirements: usize,
+        duals: &[Vec<f64>],
+    ) -> RelaxedSolution {
+        let (mut prices, mut limit) = (vec![0.0; costs.len()], 0.0);
+        let mut shadow = vec![0.0; requirements];
+        for ((requirement, cut), dual) in self.cuts.iter().zip(duals) {
+            shadow[*requirement] += cut.add_inequality(dual, &mut prices, &mut limit);
+        }
+        let parts =
+            costs.iter().zip(domains).zip(&prices).map(|((c, d), price)| least_priced(c, d, *price).1);
+        let bound = parts.sum::<f64>() - limit;
+        RelaxedSolution { scales: Vec::new(), bound, prices, shadow }
+    }
+}
+
+impl ScaleDomain {
+    /// Returns the domain that a cost model permits.
+    pub fn of(cost: &ToleranceCost) -> Self {
+        match cost.grades().len() {
+            0 => Self::Range(cost.range.0, cost.range.1),
+            grades => Self::Grades((0..grades).collect()),
+        }
+    }
+
+    /// Returns the least and the greatest scale of the domain.
+    pub fn ends(&self, cost: &ToleranceCost) -> (f64, f64) {
+        match self {
+            Self::Range(low, high) => (*low, *high),
+            Self::Grades(allowed) => {
+                let scale =
+                    |g: Option<&usize>| g.and_then(|&g| cost.grades().get(g)).map_or(1.0, |g| g.scale);
+                (scale(allowed.first()), scale(allowed.last()))
+            }
+        }
+    }
+}
+
+/// Reduces all scales by the relative violation of a limit that the accuracy of the solver leaves.
+pub fn keep_limits(
+    costs: &[ToleranceCost],
+    figures: &[LinearFigure],
+    scales: &mut [f64],
+    scratch: &mut FigureScratch,
+) {
+    let largest = figures.iter().map(|f| f.value(scales, scratch)).fold(0.0, f64::max);
+    if largest > 1.0 {
+        for (u, cost) in scales.iter_mut().zip(costs) {
+            *u = (*u / largest).max(cost.range.0);
+        }
+    }
+}

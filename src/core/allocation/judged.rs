@@ -1,0 +1,208 @@
+//! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged figures.
+//!
+//! In each round, the linear figure of a requirement is scaled so that it equals the judged figure at the scales of
+//! the last round. If the square of the judged figure is a convex function of the squared scales, as that of a high
+//! percentile, its linear figures bound it from below: they are cuts, and all are kept. Kelley's method then
+//! converges to the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving convex programs",
+//! J. SIAM 8, 1960). Otherwise each round replaces the linear figures of the last one.
+
+use super::linear_figure::{FigureScratch, LinearFigure};
+use super::problem::{ToleranceProblem, ToleranceRequirement};
+use super::solution::{AllocationFailure, ToleranceAllocation, allocate};
+use super::uniform::uniform_scale;
+use crate::cell::ToleranceCost;
+
+/// Largest number of rounds.
+const MAX_ROUNDS: usize = 40;
+/// Largest number of rounds that replace linear figures.
+const MAX_REPLACING_ROUNDS: usize = 10;
+/// Largest number of reductions of all tolerances after the last round.
+const MAX_REDUCTIONS: usize = 8;
+/// Relative excess of a judged figure over its limit up to which it counts as kept.
+pub const JUDGED_EXCESS: f64 = 1e-6;
+/// Share of the largest ratio of figure and limit above which a requirement gets a cut before the first solution.
+const NEAR_LARGEST: f64 = 0.8;
+/// Relative change of the common scale at which uniform tightening has converged.
+const SAME_SCALE: f64 = 1e-9;
+
+/// Judge of tolerances: the full error model at all requirements.
+pub trait ToleranceJudge {
+    /// Returns the figure of every requirement at these scales; None if it cannot be judged.
+    fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>>;
+
+    /// Returns the linear figures of some requirements at the scales that were judged last.
+    fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>>;
+
+    /// Returns whether linear figures bound the judged figures from below, so that they may be kept as cuts.
+    fn is_bounded_by_linear(&self) -> bool;
+}
+
+/// Allocation with the figures that the full model gives it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JudgedAllocation {
+    pub allocation: ToleranceAllocation,
+    /// Judged figure of every requirement.
+    pub judged: Vec<f64>,
+    /// Number of rounds after the first.
+    pub rounds: usize,
+    /// Largest relative excess of a judged figure over its limit after the first round; what the linear
+    /// programme missed.
+    pub missed: f64,
+    /// Largest relative excess of a judged figure over its limit at the end.
+    pub excess: f64,
+    /// Common scale of uniform tightening, and its cost; None if it cannot keep the limits.
+    pub uniform: Option<(f64, f64)>,
+}
+
+/// Linear figures that stand for the judged ones, each with the index of its requirement.
+struct LinearModel<'a> {
+    costs: &'a [ToleranceCost],
+    limits: &'a [f64],
+    figures: Vec<(usize, LinearFigure)>,
+    scratch: FigureScratch,
+}
+
+impl LinearModel<'_> {
+    /// Adds the linear figures of some requirements, scaled to their judged values at the scales `at`.
+    fn add(&mut self, which: &[usize], linear: Vec<LinearFigure>, values: &[f64], at: &[f64]) {
+        for (&requirement, figure) in which.iter().zip(linear) {
+            let value = figure.value(at, &mut self.scratch);
+            let is_positive = value > 0.0 && values[requirement] > 0.0;
+            let factor = if is_positive { values[requirement] / value } else { 1.0 };
+            self.figures.push((requirement, figure.scaled(factor)));
+        }
+    }
+
+    fn problem(&self) -> ToleranceProblem {
+        let requirements = self.figures.iter().map(|(requirement, figure)| ToleranceRequirement {
+            figure: figure.clone(),
+            limit: self.limits[*requirement],
+        });
+        ToleranceProblem { costs: self.costs.to_vec(), requirements: requirements.collect() }
+    }
+
+    /// Solves the linear problem. The shadow price of a requirement is the sum of those of its figures.
+    fn solved(&self) -> Result<ToleranceAllocation, AllocationFailure> {
+        let owner = |k: usize| self.figures.get(k).map_or(0, |(requirement, _)| *requirement);
+        let mut found = allocate(&self.problem()).map_err(|failure| match failure {
+            AllocationFailure::Infeasible(mut shortfalls) => {
+                shortfalls.iter_mut().for_each(|s| s.requirement = owner(s.requirement));
+                shortfalls.dedup_by_key(|s| s.requirement);
+                AllocationFailure::Infeasible(shortfalls)
+            }
+            other => other,
+        })?;
+        let mut prices = vec![0.0; self.limits.len()];
+        found.shadow_prices.iter().enumerate().for_each(|(k, price)| prices[owner(k)] += price);
+        found.shadow_prices = prices;
+        Ok(found)
+    }
+
+    /// Returns the largest relative excess of judged figures over their limits.
+    fn excess(&self, values: &[f64]) -> f64 {
+        let excesses = values.iter().zip(self.limits).map(|(value, limit)| value / limit - 1.0);
+        excesses.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn cost(&self, scales: &[f64]) -> f64 {
+        self.costs.iter().zip(scales).map(|(cost, u)| cost.cost(*u)).sum()
+    }
+}
+
+/// Finds the cheapest tolerances that keep the limits as `judge` judges them.
+///
+/// Limits are in the unit of the figures.
+///
+/// # Errors
+/// Returns by how much limits are exceeded if even the tightest tolerances exceed them.
+pub fn allocate_judged(
+    costs: &[ToleranceCost],
+    limits: &[f64],
+    judge: &mut dyn ToleranceJudge,
+) -> Result<JudgedAllocation, AllocationFailure> {
+    let keeps_cuts = judge.is_bounded_by_linear();
+    let mut model = LinearModel { costs, limits, figures: Vec::new(), scratch: FigureScratch::default() };
+    let mut at: Vec<f64> = costs.iter().map(|cost| cost.ordered(1.0)).collect();
+    let mut values = judge.values(&at).ok_or(AllocationFailure::NotSolved)?;
+    let largest = 1.0 + model.excess(&values);
+    let mut which: Vec<usize> = (0..limits.len())
+        .filter(|&k| !keeps_cuts || values[k] / limits[k] >= NEAR_LARGEST * largest)
+        .collect();
+    let (mut missed, mut best): (f64, Option<JudgedAllocation>) = (0.0, None);
+    for round in 0..if keeps_cuts { MAX_ROUNDS } else { MAX_REPLACING_ROUNDS } {
+        let linear = judge.linear(&which).ok_or(AllocationFailure::NotSolved)?;
+        if !keeps_cuts {
+            model.figures.clear();
+        }
+        model.add(&which, linear, &values, &at);
+        let allocation = model.solved()?;
+        at.clone_from(&allocation.scales);
+        values = judge.values(&at).ok_or(AllocationFailure::NotSolved)?;
+        let excess = model.excess(&values);
+        if round == 0 {
+            missed = excess;
+        }
+        let before = best.as_ref().map(|b| (b.excess, b.allocation.cost));
+        let is_same = before.is_some_and(|(_, cost)| (allocation.cost - cost).abs() <= JUDGED_EXCESS * cost);
+        let is_free = allocation.shadow_prices.iter().all(|price| *price == 0.0);
+        let is_settled =
+            excess <= JUDGED_EXCESS && (keeps_cuts || is_same || is_free || excess >= -JUDGED_EXCESS);
+        // A later round replaces an earlier one unless it exceeds the limits more.
+        if before.is_none_or(|(least, _)| excess <= least.max(JUDGED_EXCESS)) {
+            let judged = values.clone();
+            best =
+                Some(JudgedAllocation { allocation, judged, rounds: round, missed, excess, uniform: None });
+        }
+        if is_settled {
+            break;
+        }
+        if keeps_cuts {
+            which =
+                (0..limits.len()).filter(|&k| values[k] > limits[k] * (1.0 + 0.1 * JUDGED_EXCESS)).collect();
+        }
+    }
+    let mut found = best.ok_or(AllocationFailure::NotSolved)?;
+    reduce(&model, &mut found, judge);
+    found.uniform = uniform(&model, judge);
+    Ok(found)
+}
+
+/// Reduces all tolerances by the excess that the rounds have left, until the limits are kept.
+fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn ToleranceJudge) {
+    for _ in 0..MAX_REDUCTIONS {
+        if found.excess <= JUDGED_EXCESS {
+            return;
+        }
+        let factor = 1.0 / (1.0 + found.excess);
+        let pairs = model.costs.iter().zip(&found.allocation.scales);
+        let scales: Vec<f64> = pairs.map(|(cost, u)| cost.ordered(u * factor)).collect();
+        let Some(values) = judge.values(&scales) else { return };
+        found.excess = model.excess(&values);
+        found.judged = values;
+        found.allocation.cost = model.cost(&scales);
+        found.allocation.scales = scales;
+    }
+}
+
+/// Returns the loosest common scale that keeps the judged limits, with its cost; None if none was found.
+///
+/// The judged figures are nearly proportional to the common scale, so a few corrections by the largest ratio of
+/// figure and limit suffice.
+fn uniform(model: &LinearModel<'_>, judge: &mut dyn ToleranceJudge) -> Option<(f64, f64)> {
+    let (mut u, mut scales) = uniform_scale(&model.problem())?;
+    let mut best: Option<(f64, f64)> = None;
+    for _ in 0..MAX_REDUCTIONS {
+        let ratio = 1.0 + model.excess(&judge.values(&scales)?);
+        if ratio <= 1.0 + JUDGED_EXCESS && best.is_none_or(|(most, _)| u > most) {
+            best = Some((u, model.cost(&scales)));
+        }
+        let next = u / ratio;
+        let is_same = (next / u - 1.0).abs() <= SAME_SCALE;
+        let moved: Vec<f64> = model.costs.iter().map(|cost| cost.ordered(next)).collect();
+        if is_same || moved == scales {
+            break;
+        }
+        (u, scales) = (next, moved);
+    }
+    best
+}

@@ -1,0 +1,99 @@
+//! Figure of the linear error model as a function of the scales of the tolerances.
+
+use super::cone_cut::ConeCut;
+use crate::reading::farthest;
+use crate::reading::zonotope::{MAX_GENERATORS, ZonotopeScratch};
+use nalgebra::Vector6;
+
+/// Figure of one operation at one node, which grows with the scales `u`: a worst case or a root sum square.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LinearFigure {
+    /// Worst case: the largest `|sum_j s_j f_j + sum_k s_k g_k u_k|` over all signs.
+    WorstCase {
+        /// Number of components of the vectors that count.
+        rows: usize,
+        /// Error at the present tolerance of each parameter, `g_k`.
+        generators: Vec<Vector6<f64>>,
+        /// Errors that no tolerance changes, `f_j`.
+        fixed: Vec<Vector6<f64>>,
+    },
+    /// Root sum square: `sqrt(constant + sum_k squares_k u_k^2)`.
+    RootSumSquare { squares: Vec<f64>, constant: f64 },
+}
+
+/// Working memory for [`LinearFigure`].
+#[derive(Default)]
+pub struct FigureScratch {
+    zonotope: ZonotopeScratch,
+    columns: Vec<Vector6<f64>>,
+    signs: Vec<f64>,
+}
+
+impl LinearFigure {
+    /// Returns the figure at the scales `u`. A worst case with more than three components may be an upper bound.
+    pub fn value(&self, u: &[f64], scratch: &mut FigureScratch) -> f64 {
+        match self {
+            Self::WorstCase { rows, generators, fixed } => {
+                let columns = generators.iter().zip(u).map(|(g, u)| g * *u).chain(fixed.iter().copied());
+                scratch.columns.clear();
+                scratch.columns.extend(columns.take(MAX_GENERATORS));
+                scratch.signs.clear();
+                scratch.signs.resize(scratch.columns.len(), 1.0);
+                let found = farthest(&scratch.columns, *rows, &mut scratch.zonotope, &mut scratch.signs);
+                found.upper.max(found.value)
+            }
+            Self::RootSumSquare { squares, constant } => {
+                let sum: f64 = squares.iter().zip(u).map(|(w, u)| w * u * u).sum();
+                (constant + sum).max(0.0).sqrt()
+            }
+        }
+    }
+
+    /// Returns the figure at the scales `u`, and the cone that holds there with equality if the figure is at its
+    /// limit. For a worst case, this is the cone of the worst sign pattern.
+    pub(super) fn cut(&self, u: &[f64], scratch: &mut FigureScratch) -> (f64, ConeCut) {
+        let value = self.value(u, scratch);
+        let cut = match self {
+            Self::WorstCase { rows, generators, fixed } => {
+                let signed = |(g, s): (&Vector6<f64>, &f64)| g * *s;
+                let (own, others) = scratch.signs.split_at(generators.len().min(scratch.signs.len()));
+                let columns: Vec<Vector6<f64>> = generators.iter().zip(own).map(signed).collect();
+                let constant: Vector6<f64> = fixed.iter().zip(others).map(signed).sum();
+                ConeCut::vertex(columns, constant, *rows, u)
+            }
+            Self::RootSumSquare { squares, constant } => ConeCut::Ellipsoid {
+                roots: squares.iter().map(|w| w.max(0.0).sqrt()).collect(),
+                constant: constant.max(0.0).sqrt(),
+            },
+        };
+        (value, cut)
+    }
+
+    /// Returns the figure multiplied by a factor at all scales.
+    pub fn scaled(&self, factor: f64) -> Self {
+        match self {
+            Self::WorstCase { rows, generators, fixed } => Self::WorstCase {
+                rows: *rows,
+                generators: generators.iter().map(|g| g * factor).collect(),
+                fixed: fixed.iter().map(|f| f * factor).collect(),
+            },
+            Self::RootSumSquare { squares, constant } => Self::RootSumSquare {
+                squares: squares.iter().map(|w| w * factor * factor).collect(),
+                constant: constant * factor * factor,
+            },
+        }
+    }
+
+    /// Returns whether one cut does not state the whole figure: a worst case in more than one axis.
+    pub fn has_many_cuts(&self) -> bool {
+        matches!(self, Self::WorstCase { rows, .. } if *rows > 1)
+    }
+
+    /// Returns the number of parameters.
+    pub fn parameters(&self) -> usize {
+        match self {
+            Self::WorstCase { generators, .. } => generators.len(),
+            Self::RootSumSquare { squares, .. } => squares.len(),
+        }
+    }
+}

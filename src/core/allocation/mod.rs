@@ -1,0 +1,46 @@
+//! Tolerance allocation: the cheapest tolerances with which every requirement is kept.
+//!
+//! The tolerances are `t_k = u_k t0_k`, where `t0` are those of the error set and `u` the scales to be found:
+//!
+//! ```text
+//! minimize    sum_k c_k(u_k)
+//! such that   F_i(u) <= X_i   for every requirement i,   low_k <= u_k <= high_k
+//!
+//! worst case  F_i(u) = max over all signs s of |f + sum_k s_k g_ik u_k|   (zonotope, `farthest`)
+//! statistics  F_i(u) = sqrt(f^2 + sum_k w_ik u_k^2)                       (root sum square)
+//! ```
+//!
+//! The costs `c_k` decrease and are convex, so this is a convex program. Its costs are second-order, power and
+//! exponential cones. A root sum square is one second-order cone. A worst case is one second-order cone for
+//! each sign pattern, and in one axis one linear row; the patterns of a plane depend on the directions of the
+//! generators only, so there are at most n. Cutting planes (`ConeCut`) add the patterns that bind: the exact
+//! worst case finds the one that a solution violates. Every requirement is its own source of cuts, so many
+//! nodes cost little. The crate `clarabel` solves the cone programs.
+//!
+//! The dual vectors give a lower bound of the cost in closed form ([`ToleranceAllocation::lower_bound`]). It
+//! holds whatever the accuracy of the solver, so the duality gap is proven. Discrete grades are chosen by branch
+//! and bound over this relaxation (`grade_choice`).
+//!
+//! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution by the
+//! full model and adapts the requirements until the judged figures keep the limits.
+
+mod cone_cut;
+mod cone_program;
+mod cutting_planes;
+mod grade_choice;
+mod judged;
+mod lagrangian;
+mod linear_figure;
+mod node_figure;
+mod problem;
+mod shortfall;
+mod solution;
+mod uniform;
+
+pub use judged::{JUDGED_EXCESS, JudgedAllocation, ToleranceJudge, allocate_judged};
+pub use linear_figure::{FigureScratch, LinearFigure};
+pub use node_figure::NodeFigure;
+pub use problem::{ToleranceProblem, ToleranceRequirement};
+pub use shortfall::{BoundInTheWay, ToleranceShortfall};
+pub use solution::{AllocationFailure, ToleranceAllocation, allocate};
+pub use uniform::uniform_scale;

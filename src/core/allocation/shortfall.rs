@@ -1,0 +1,50 @@
+//! Infeasible requirements: by how much the tightest tolerances exceed a limit, and which bounds are in the way.
+
+use super::linear_figure::FigureScratch;
+use super::problem::ToleranceProblem;
+
+/// Relative excess up to which the tightest tolerances count as keeping a limit.
+const ROUNDING: f64 = 1e-12;
+
+/// Requirement that even the tightest tolerances exceed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToleranceShortfall {
+    pub requirement: usize,
+    pub limit: f64,
+    /// Least figure that the bounds permit.
+    pub least: f64,
+    /// Bounds in the way, the most effective first.
+    pub bounds: Vec<BoundInTheWay>,
+}
+
+/// Lower bound of a scale that keeps a figure above its limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundInTheWay {
+    pub parameter: usize,
+    /// Figure if this parameter had no error and all others were at their tightest.
+    pub without: f64,
+}
+
+/// Returns the requirements that the tightest tolerances exceed.
+pub fn shortfalls(problem: &ToleranceProblem, scratch: &mut FigureScratch) -> Vec<ToleranceShortfall> {
+    let mut tightest: Vec<f64> = problem.costs.iter().map(|cost| cost.range.0).collect();
+    let mut found = Vec::new();
+    for (requirement, r) in problem.requirements.iter().enumerate() {
+        let least = r.figure.value(&tightest, scratch);
+        if least <= r.limit * (1.0 + ROUNDING) {
+            continue;
+        }
+        let mut bounds = Vec::new();
+        for parameter in 0..tightest.len() {
+            let own = std::mem::take(&mut tightest[parameter]);
+            let without = r.figure.value(&tightest, scratch);
+            tightest[parameter] = own;
+            if without < least {
+                bounds.push(BoundInTheWay { parameter, without });
+            }
+        }
+        bounds.sort_by(|a, b| a.without.total_cmp(&b.without));
+        found.push(ToleranceShortfall { requirement, limit: r.limit, least, bounds });
+    }
+    found
+}

@@ -1,0 +1,81 @@
+//! Solution of the problem of tolerance allocation.
+
+use super::cone_program::ScaleDomain;
+use super::cutting_planes::{CutPool, RelaxedSolution, keep_limits};
+use super::grade_choice::choose_grades;
+use super::linear_figure::{FigureScratch, LinearFigure};
+use super::problem::ToleranceProblem;
+use super::shortfall::{ToleranceShortfall, shortfalls};
+
+/// Cheapest set of tolerances.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToleranceAllocation {
+    /// Scale of every tolerance.
+    pub scales: Vec<f64>,
+    pub cost: f64,
+    /// Cost that no set of tolerances which keeps the requirements can beat.
+    pub lower_bound: f64,
+    /// Figure of every requirement at these scales.
+    pub values: Vec<f64>,
+    /// Shadow price of every requirement: the decrease of the cost per unit of its limit. With grades, it is that of the relaxation.
+    pub shadow_prices: Vec<f64>,
+    /// Number of cone programs solved.
+    pub programs: usize,
+}
+
+impl ToleranceAllocation {
+    /// Returns the duality gap `cost / lower bound - 1`, at least 0.
+    pub fn gap(&self) -> f64 {
+        if self.lower_bound > 0.0 { (self.cost / self.lower_bound - 1.0).max(0.0) } else { 0.0 }
+    }
+}
+
+/// Reason why there is no allocation.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AllocationFailure {
+    /// Even the tightest tolerances exceed these limits.
+    Infeasible(Vec<ToleranceShortfall>),
+    /// The solver of the cone programs failed.
+    NotSolved,
+}
+
+/// Finds the cheapest tolerances that keep all requirements.
+///
+/// # Errors
+/// Returns by how much the limits are exceeded if even the tightest tolerances exceed them.
+pub fn allocate(problem: &ToleranceProblem) -> Result<ToleranceAllocation, AllocationFailure> {
+    let mut scratch = FigureScratch::default();
+    let ToleranceProblem { costs, requirements } = problem;
+    let exceeded = shortfalls(problem, &mut scratch);
+    if !exceeded.is_empty() {
+        return Err(AllocationFailure::Infeasible(exceeded));
+    }
+    let figures: Vec<LinearFigure> = requirements.iter().map(|r| r.figure.scaled(1.0 / r.limit)).collect();
+    let domains: Vec<ScaleDomain> = costs.iter().map(ScaleDomain::of).collect();
+    let mut pool = CutPool::default();
+    let relaxed = pool.relaxed(costs, &domains, &figures, &mut scratch);
+    let relaxed = relaxed.ok_or(AllocationFailure::NotSolved)?;
+    let has_grades = costs.iter().any(|cost| !cost.grades().is_empty());
+    let RelaxedSolution { mut scales, bound, shadow, .. } = match has_grades {
+        false => relaxed,
+        true => {
+            let chosen = choose_grades(costs, &figures, relaxed.clone(), &mut pool, &mut scratch);
+            let (scales, bound) = chosen.ok_or(AllocationFailure::NotSolved)?;
+            RelaxedSolution { scales, bound, ..relaxed }
+        }
+    };
+    if !has_grades {
+        keep_limits(costs, &figures, &mut scales, &mut scratch);
+    }
+    let cost: f64 = costs.iter().zip(&scales).map(|(cost, u)| cost.cost(*u)).sum();
+    let values = requirements.iter().map(|r| r.figure.value(&scales, &mut scratch)).collect();
+    let shadow_prices = shadow.iter().zip(requirements).map(|(s, r)| s / r.limit).collect();
+    Ok(ToleranceAllocation {
+        cost,
+        lower_bound: bound.min(cost),
+        values,
+        shadow_prices,
+        programs: pool.programs,
+        scales,
+    })
+}

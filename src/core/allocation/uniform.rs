@@ -1,0 +1,33 @@
+//! Uniform tightening: the loosest common scale of all tolerances that keeps every requirement.
+
+use super::linear_figure::FigureScratch;
+use super::problem::ToleranceProblem;
+
+/// Number of bisections, which reach the last digit of a scale.
+const BISECTIONS: usize = 60;
+
+/// Returns the scales of uniform tightening: one common scale, within the range or at the grades of each cost model.
+///
+/// Returns None if the tightest tolerances exceed a limit.
+pub fn uniform_scale(problem: &ToleranceProblem) -> Option<(f64, Vec<f64>)> {
+    let mut scratch = FigureScratch::default();
+    let scales = |u: f64| -> Vec<f64> { problem.costs.iter().map(|cost| cost.ordered(u)).collect() };
+    let mut keeps = |u: f64| {
+        let scales = scales(u);
+        problem.requirements.iter().all(|r| r.figure.value(&scales, &mut scratch) <= r.limit)
+    };
+    let ends = problem.costs.iter().map(|cost| cost.range);
+    let (mut low, mut high) =
+        ends.fold((f64::INFINITY, 0.0_f64), |(low, high), (a, b)| (low.min(a), high.max(b)));
+    if keeps(high) {
+        return Some((high, scales(high)));
+    }
+    if !keeps(low) {
+        return None;
+    }
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if keeps(middle) { low = middle } else { high = middle }
+    }
+    Some((low, scales(low)))
+}

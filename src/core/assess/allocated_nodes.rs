@@ -1,0 +1,54 @@
+//! Nodes at which a tolerance allocation keeps the limits.
+
+use super::posture_context::no_spot;
+use crate::error_map::OperationMap;
+use crate::layout::Workcell;
+
+/// Place of a node in the map of its operation, and its indices (i, j).
+pub type ChosenNode = (usize, (usize, usize));
+
+/// Choice of the nodes at which every operation must keep its limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AllocatedNodes {
+    /// The spot of an operation, or every node if the operation happens at all of them.
+    Spots,
+    /// Every usable node.
+    Usable,
+    /// The node of each operation at which its limit alone costs least.
+    Cheapest,
+    /// The node with these indices.
+    Node(usize, usize),
+}
+
+/// Returns the nodes of a map at which the operation must keep its limit, each with its place in the map.
+pub fn chosen(
+    workcell: &Workcell,
+    map: &OperationMap,
+    nodes: AllocatedNodes,
+) -> Result<Vec<ChosenNode>, String> {
+    let operation = &workcell.cell.operations[map.operation];
+    let usable: Vec<ChosenNode> = map
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, n)| n.usable_posture().is_some())
+        .map(|(k, n)| (k, (n.i, n.j)))
+        .collect();
+    let none = || no_spot(&workcell.cell, map);
+    match nodes {
+        AllocatedNodes::Spots if !operation.over.needs_every_node() => {
+            let spot = map.best.ok_or_else(none)?;
+            Ok(usable.into_iter().filter(|(k, _)| *k == spot).collect())
+        }
+        AllocatedNodes::Node(i, j) => {
+            let found: Vec<_> = usable.into_iter().filter(|(_, node)| *node == (i, j)).collect();
+            if found.is_empty() {
+                return Err(format!("node ({i}, {j}) cannot be used"));
+            }
+            Ok(found)
+        }
+        AllocatedNodes::Spots if map.best.is_none() => Err(none()),
+        _ if usable.is_empty() => Err(none()),
+        _ => Ok(usable),
+    }
+}

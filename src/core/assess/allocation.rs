@@ -1,0 +1,335 @@
+//! Tolerance allocation of a cell: the cheapest tolerances with which its operations keep their limits.
+
+use super::SAMPLES;
+use super::allocated_nodes::{AllocatedNodes, chosen};
+use crate::allocation::{
+    AllocationFailure, FigureScratch, JudgedAllocation, LinearFigure, NodeFigure, ToleranceJudge,
+    ToleranceProblem, ToleranceRequirement, ToleranceShortfall, allocate, allocate_judged,
+};
+use crate::cell::{Cell, Layout, Parameter, Quantity, Reading, ToleranceCost, Unit};
+use crate::error_map::OperationMap;
+use crate::layout::Workcell;
+use crate::reading::{Estimate, MonteCarlo, SampleSpace, SampledPosture};
+
+/// Largest number of requirements that Monte Carlo samples check: those nearest to their limits.
+const MAX_SAMPLED: usize = 4;
+/// Largest number of allocations that Monte Carlo samples may correct.
+const MAX_SAMPLED_ROUNDS: usize = 4;
+/// Relative distance from the limit at which a requirement counts as binding.
+const BINDING: f64 = 1e-4;
+
+/// Parameter whose tolerance is chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AllocatedParameter {
+    pub parameter: Parameter,
+    /// Tolerance of the error set, m or rad.
+    pub plus_minus: f64,
+    pub cost: ToleranceCost,
+}
+
+/// One operation at one node, which must keep the limit of the operation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodeRequirement {
+    pub operation: usize,
+    /// Indices (i, j) of the node.
+    pub node: (usize, usize),
+    /// Index of the node in the map of the operation.
+    place: usize,
+    /// Limit, m or rad.
+    pub limit: f64,
+    /// Figure at the tolerances of the error set, m or rad.
+    pub before: f64,
+}
+
+/// Problem of tolerance allocation of one layout.
+pub struct CellAllocation<'a> {
+    pub workcell: &'a Workcell,
+    layout: &'a Layout,
+    maps: &'a [OperationMap],
+    pub parameters: Vec<AllocatedParameter>,
+    /// Parameters whose errors stay, because they are measured or correlated.
+    pub fixed: Vec<Parameter>,
+    pub requirements: Vec<NodeRequirement>,
+    /// Yield that is demanded if the quantity is the yield, 0 to 1.
+    share: f64,
+}
+
+/// Monte Carlo check of one requirement at the tolerances found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampledRequirement {
+    pub requirement: usize,
+    /// Figure of the requirement by the samples of the nonlinear model, m or rad.
+    pub figure: Estimate,
+    /// Whether the samples confirm the first-order figure.
+    pub confirmed: bool,
+}
+
+/// Cheapest tolerances of a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheapestTolerances {
+    pub found: JudgedAllocation,
+    /// Monte Carlo checks; empty unless the reading is statistical.
+    pub sampled: Vec<SampledRequirement>,
+    /// Number of allocations after the first that the samples caused.
+    pub sampled_rounds: usize,
+}
+
+/// Reason why a cell has no cheapest tolerances.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoAllocation {
+    /// The question has no answer: no limit, no tolerance, no such node. The text tells why.
+    Question(String),
+    /// An operation has no usable node. The text tells why.
+    Unusable(String),
+    /// Even the tightest tolerances exceed these limits.
+    Infeasible(Vec<ToleranceShortfall>),
+    /// The solver of the cone programs failed.
+    NotSolved,
+}
+
+impl<'a> CellAllocation<'a> {
+    /// Prepares the problem of a layout with its maps, for all operations with a limit or for one of them.
+    ///
+    /// # Errors
+    /// Returns the reason if there is no requirement or no tolerance.
+    pub fn new(
+        workcell: &'a Workcell,
+        layout: &'a Layout,
+        maps: &'a [OperationMap],
+        (only, nodes): (Option<usize>, AllocatedNodes),
+        share: f64,
+    ) -> Result<Self, NoAllocation> {
+        let cell = &workcell.cell;
+        let mut parameters: Vec<AllocatedParameter> = Vec::new();
+        let (mut fixed, mut requirements) = (Vec::new(), Vec::new());
+        for (k, operation) in cell.operations.iter().enumerate() {
+            let Some(limit) = operation.limit.filter(|_| only.is_none_or(|only| only == k)) else { continue };
+            for (place, node) in chosen(workcell, &maps[k], nodes).map_err(NoAllocation::Unusable)? {
+                requirements.push(NodeRequirement { operation: k, node, place, limit, before: 0.0 });
+            }
+            for source in &workcell.evaluator(k).sources.list {
+                let is_free = source.spread.is_some() && source.plus_minus > 0.0;
+                if is_free && !parameters.iter().any(|p| p.parameter == source.parameter) {
+                    let (parameter, plus_minus) = (source.parameter, source.plus_minus);
+                    let cost = cell.tolerance_cost(parameter);
+                    parameters.push(AllocatedParameter { parameter, plus_minus, cost });
+                }
+                if !is_free && !fixed.contains(&source.parameter) {
+                    fixed.push(source.parameter);
+                }
+            }
+        }
+        if requirements.is_empty() {
+            let which =
+                if only.is_some() { "the operation has no limit" } else { "no operation has a limit" };
+            return Err(NoAllocation::Question(which.into()));
+        }
+        if parameters.is_empty() {
+            return Err(NoAllocation::Question("no parameter has a tolerance of its own".into()));
+        }
+        let cheapest = nodes == AllocatedNodes::Cheapest;
+        let mut problem = Self { workcell, layout, maps, parameters, fixed, requirements, share };
+        if cheapest {
+            problem.keep_cheapest_nodes()?;
+        }
+        let present = problem.figures(workcell)?;
+        for (requirement, value) in problem.requirements.iter_mut().zip(present) {
+            requirement.before = value;
+        }
+        Ok(problem)
+    }
+
+    /// Finds the cheapest tolerances.
+    ///
+    /// # Errors
+    /// Returns the reason if there are none.
+    pub fn solve(&self) -> Result<CheapestTolerances, NoAllocation> {
+        let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
+        let mut limits: Vec<f64> = self.requirements.iter().map(|r| r.limit).collect();
+        for round in 0..MAX_SAMPLED_ROUNDS {
+            let mut judge = CellJudge { problem: self, scales: Vec::new(), scaled: None, values: Vec::new() };
+            let found = allocate_judged(&costs, &limits, &mut judge);
+            let found = found.map_err(|why| match why {
+                AllocationFailure::Infeasible(shortfalls) => NoAllocation::Infeasible(shortfalls),
+                AllocationFailure::NotSolved => NoAllocation::NotSolved,
+            })?;
+            let sampled = self.sampled(&found)?;
+            let mut is_kept = true;
+            for check in sampled.iter().filter(|check| !check.confirmed) {
+                let (k, value) = (check.requirement, check.figure.value);
+                if value > self.requirements[k].limit {
+                    limits[k] *= self.requirements[k].limit / value;
+                    is_kept = false;
+                }
+            }
+            if is_kept || round + 1 == MAX_SAMPLED_ROUNDS {
+                return Ok(CheapestTolerances { found, sampled, sampled_rounds: round });
+            }
+        }
+        Err(NoAllocation::NotSolved)
+    }
+
+    /// Keeps for each operation only the node at which its limit alone costs least, by the linear model.
+    fn keep_cheapest_nodes(&mut self) -> Result<(), NoAllocation> {
+        let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
+        let free: Vec<Parameter> = self.parameters.iter().map(|p| p.parameter).collect();
+        let present = vec![1.0; free.len()];
+        let figures = self.visit(self.workcell, 0..self.requirements.len(), |_, figure| {
+            let mut memory = figure.evaluator.memory();
+            let value = figure.value(&mut memory);
+            let linear = figure.linear(&free, &present, value, &mut memory);
+            let at_present = linear.value(&present, &mut FigureScratch::default());
+            // The linear figure is scaled to the judged one at the present tolerances.
+            linear.scaled(if at_present > 0.0 && value > 0.0 { value / at_present } else { 1.0 })
+        })?;
+        let cost_of = |(figure, r): (LinearFigure, &NodeRequirement)| {
+            let requirements = vec![ToleranceRequirement { figure, limit: r.limit }];
+            match allocate(&ToleranceProblem { costs: costs.clone(), requirements }) {
+                Ok(found) => found.cost,
+                Err(_) => f64::INFINITY,
+            }
+        };
+        let node_costs: Vec<f64> = figures.into_iter().zip(&self.requirements).map(cost_of).collect();
+        let mut kept: Vec<usize> = Vec::new();
+        for (k, requirement) in self.requirements.iter().enumerate() {
+            let same = kept.iter().position(|&own| self.requirements[own].operation == requirement.operation);
+            match same {
+                None => kept.push(k),
+                Some(place) if node_costs[k] < node_costs[kept[place]] => kept[place] = k,
+                Some(_) => {}
+            }
+        }
+        self.requirements = kept.into_iter().map(|k| self.requirements[k].clone()).collect();
+        Ok(())
+    }
+
+    /// Returns whether a requirement is at its limit.
+    pub fn is_binding(&self, requirement: usize, found: &JudgedAllocation) -> bool {
+        found.judged[requirement] >= self.requirements[requirement].limit * (1.0 - BINDING)
+    }
+
+    /// Returns the unit of the figures and the limit of an operation.
+    pub fn unit(&self, operation: usize) -> Unit {
+        self.workcell.cell.operations[operation].sense.unit
+    }
+
+    /// Returns the yield that is demanded; None if the quantity is not the yield.
+    pub fn demanded_yield(&self) -> Option<f64> {
+        let cell = &self.workcell.cell;
+        ((cell.reading, cell.quantity) == (Reading::Statistical, Quantity::Yield)).then_some(self.share)
+    }
+
+    /// Returns the cell with the tolerances at some scales.
+    pub fn scaled_cell(&self, scales: &[f64]) -> Cell {
+        self.workcell.cell.with_scaled_tolerances(&|parameter| self.scale(parameter, scales))
+    }
+
+    /// Returns the workcell with the tolerances at some scales.
+    fn scaled(&self, scales: &[f64]) -> Result<Workcell, NoAllocation> {
+        let scaled = self.workcell.with_scaled_tolerances(&|parameter| self.scale(parameter, scales));
+        scaled.map_err(NoAllocation::Unusable)
+    }
+
+    fn scale(&self, parameter: Parameter, scales: &[f64]) -> f64 {
+        let place = self.parameters.iter().position(|p| p.parameter == parameter);
+        place.map_or(1.0, |place| scales[place])
+    }
+
+    /// Calls `each` for some requirements in a workcell.
+    fn visit<T>(
+        &self,
+        workcell: &Workcell,
+        which: impl Iterator<Item = usize>,
+        mut each: impl FnMut(usize, &NodeFigure<'_>) -> T,
+    ) -> Result<Vec<T>, NoAllocation> {
+        let figures = which.map(|k| {
+            let requirement = &self.requirements[k];
+            let map = &self.maps[requirement.operation];
+            let posture = map.nodes[requirement.place].posture.as_ref();
+            let posture = posture.ok_or_else(|| NoAllocation::Unusable("a node has no posture".into()))?;
+            let posed = workcell.posed(self.layout, self.maps, requirement.operation, posture);
+            let (context, frames) = posed.map_err(|why| NoAllocation::Unusable(why.in_words().into()))?;
+            let evaluator = workcell.evaluator(requirement.operation);
+            let figure = NodeFigure { evaluator, context: &context, frames: &frames, share: self.share };
+            Ok(each(k, &figure))
+        });
+        figures.collect()
+    }
+
+    /// Returns the figure of every requirement in a workcell.
+    fn figures(&self, workcell: &Workcell) -> Result<Vec<f64>, NoAllocation> {
+        let all = 0..self.requirements.len();
+        self.visit(workcell, all, |_, figure| figure.value(&mut figure.evaluator.memory()))
+    }
+
+    /// Checks the requirements nearest to their limits by Monte Carlo samples of the nonlinear model.
+    fn sampled(&self, found: &JudgedAllocation) -> Result<Vec<SampledRequirement>, NoAllocation> {
+        let cell = &self.workcell.cell;
+        if cell.reading != Reading::Statistical {
+            return Ok(Vec::new());
+        }
+        let used = |k: usize| found.judged[k] / self.requirements[k].limit;
+        let mut order: Vec<usize> = (0..self.requirements.len()).collect();
+        order.sort_by(|&a, &b| used(b).total_cmp(&used(a)).then(a.cmp(&b)));
+        order.truncate(MAX_SAMPLED);
+        let scaled = self.scaled(&found.allocation.scales)?;
+        let space = SampleSpace::of_cell(&scaled.cell);
+        self.visit(&scaled, order.into_iter(), |requirement, figure| {
+            let value = found.judged[requirement];
+            let NodeFigure { evaluator, context, frames, .. } = *figure;
+            let posture = SampledPosture { evaluator, context, frames, p95: value };
+            let samples = posture.monte_carlo(&space, SAMPLES, cell.search.seed);
+            self.check(requirement, value, &samples)
+        })
+    }
+
+    /// Compares a first-order figure with samples. For the yield, the share of samples within the limit counts.
+    fn check(&self, requirement: usize, value: f64, samples: &MonteCarlo) -> SampledRequirement {
+        let figure = match self.workcell.cell.quantity {
+            Quantity::Rms => samples.rms,
+            Quantity::Mean => samples.mean,
+            Quantity::P95 => samples.p95,
+            Quantity::P99 => samples.p99,
+            Quantity::Yield => {
+                let confirmed = samples.success.is_none_or(|success| success.high >= self.share);
+                let value = samples.histogram.quantile(self.share);
+                let figure = Estimate { value, low: value, high: value };
+                return SampledRequirement { requirement, figure, confirmed };
+            }
+        };
+        SampledRequirement { requirement, figure, confirmed: figure.agrees(value) }
+    }
+}
+
+/// Judge of the tolerances of a cell by its error model.
+struct CellJudge<'p, 'a> {
+    problem: &'p CellAllocation<'a>,
+    /// Scales that were judged last, with the workcell and the figures there.
+    scales: Vec<f64>,
+    scaled: Option<Workcell>,
+    values: Vec<f64>,
+}
+
+impl ToleranceJudge for CellJudge<'_, '_> {
+    fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>> {
+        let scaled = self.problem.scaled(scales).ok()?;
+        self.values = self.problem.figures(&scaled).ok()?;
+        self.scales = scales.to_vec();
+        self.scaled = Some(scaled);
+        Some(self.values.clone())
+    }
+
+    fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>> {
+        let free: Vec<Parameter> = self.problem.parameters.iter().map(|p| p.parameter).collect();
+        let linear = self.problem.visit(self.scaled.as_ref()?, which.iter().copied(), |k, figure| {
+            figure.linear(&free, &self.scales, self.values[k], &mut figure.evaluator.memory())
+        });
+        linear.ok()
+    }
+
+    fn is_bounded_by_linear(&self) -> bool {
+        let workcell = self.problem.workcell;
+        let first = self.problem.visit(workcell, std::iter::once(0), |_, figure| figure.is_convex());
+        first.is_ok_and(|convex| convex == [true])
+    }
+}

@@ -1,0 +1,323 @@
+//! The document of `allocate --json`.
+
+use super::numbers::{in_unit, nine_digits, percent, rounded_down};
+use super::parameter_names as names;
+use super::parameter_unit::ParameterUnit;
+use super::words::value_word;
+use crate::allocation::ToleranceShortfall;
+use crate::assess::{AllocatedParameter, CellAllocation, CheapestTolerances};
+use crate::cell::{Cell, CostLaw, Model, Reading, Registration, Unit};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the document of `allocate --json`.
+pub const ALLOCATION_SCHEMA: &str = "sweetspot/allocation/1";
+
+/// Tolerance allocation: the cheapest tolerances with which every operation keeps its limit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AllocationDocument {
+    #[schemars(extend("const" = ALLOCATION_SCHEMA))]
+    pub schema: String,
+    pub cell: String,
+    pub robot: String,
+    /// Name of the error set.
+    pub errors: String,
+    pub model: Model,
+    pub reading: Reading,
+    /// Name of the figure that is limited.
+    pub quantity: String,
+    pub registration: Registration,
+    /// Share of random arms that must keep each limit; null unless the quantity is the yield.
+    pub demanded_yield: Option<f64>,
+    pub status: AllocationStatus,
+    /// Cost of the tolerances of the error set.
+    pub cost_before: f64,
+    /// Least cost found; null if the limits cannot be kept.
+    pub cost: Option<f64>,
+    /// Cost that no tolerances can beat, by the linear model scaled to the judged figures; null if infeasible.
+    pub lower_bound: Option<f64>,
+    /// Duality gap: relative distance of the cost from its lower bound; null if infeasible.
+    pub duality_gap: Option<f64>,
+    /// Uniform tightening for comparison; null if no common scale keeps the limits.
+    pub uniform: Option<UniformEntry>,
+    pub parameters: Vec<AllocatedEntry>,
+    /// Names of the errors that stay as they are, because they are measured or correlated.
+    pub fixed: Vec<String>,
+    pub requirements: Vec<AllocationRequirement>,
+    /// Limits that even the tightest tolerances exceed.
+    pub shortfalls: Vec<ShortfallEntry>,
+    /// How the full error model judges the tolerances; null if infeasible.
+    pub judgement: Option<JudgementEntry>,
+}
+
+/// Result of a tolerance allocation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AllocationStatus {
+    /// The tolerances keep all limits at the least cost.
+    Cheapest,
+    /// The judged figures exceed a limit: the rounds of adaptation did not suffice.
+    Exceeded,
+    /// Even the tightest tolerances exceed a limit.
+    Infeasible,
+}
+
+/// One common scale of all tolerances that keeps the limits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UniformEntry {
+    pub scale: f64,
+    pub cost: f64,
+    /// How much less the cheapest tolerances cost, percent.
+    pub saving_percent: f64,
+}
+
+/// Law of the cost of a tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CostKind {
+    Reciprocal,
+    Exponential,
+    Grades,
+}
+
+/// End of the range of a tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToleranceEnd {
+    Tightest,
+    Loosest,
+}
+
+/// Tolerance of one parameter, before and after.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AllocatedEntry {
+    pub parameter: String,
+    pub unit: ParameterUnit,
+    pub cost_kind: CostKind,
+    /// Half width of the error set.
+    pub before: f64,
+    /// Cheapest half width; null if infeasible.
+    pub after: Option<f64>,
+    /// `after` divided by `before`.
+    pub scale: Option<f64>,
+    /// Least and greatest permitted scale.
+    pub scale_range: [f64; 2],
+    pub cost_before: f64,
+    pub cost: Option<f64>,
+    /// Name of the chosen grade; null for a continuous cost.
+    pub grade: Option<String>,
+    /// End of the permitted range at which the tolerance is; null between the ends.
+    pub at_end: Option<ToleranceEnd>,
+}
+
+/// One operation at one node with its limit. Figures are in `unit`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AllocationRequirement {
+    pub operation: String,
+    pub node: [usize; 2],
+    pub unit: Unit,
+    pub limit: f64,
+    /// Figure with the tolerances of the error set.
+    pub before: f64,
+    /// Figure with the cheapest tolerances, judged by the error model of the cell; null if infeasible.
+    pub after: Option<f64>,
+    /// Whether the figure is at its limit.
+    pub is_binding: bool,
+    /// Decrease of the cost per unit of a larger limit.
+    pub shadow_price: Option<f64>,
+    /// Figure by Monte Carlo samples of the nonlinear model; null if it was not sampled.
+    pub sampled: Option<f64>,
+}
+
+/// Limit that even the tightest tolerances exceed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShortfallEntry {
+    pub operation: String,
+    pub node: [usize; 2],
+    pub unit: Unit,
+    pub limit: f64,
+    /// Least figure that the permitted tolerances give.
+    pub least: f64,
+    /// `least` minus `limit`.
+    pub excess: f64,
+    /// Bounds in the way, the most effective first.
+    pub in_the_way: Vec<BoundEntry>,
+}
+
+/// Tightest permitted tolerance of a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoundEntry {
+    pub parameter: String,
+    pub unit: ParameterUnit,
+    pub tightest: f64,
+    /// Figure if this parameter had no error, in the unit of the limit.
+    pub without: f64,
+}
+
+/// Judgement of the tolerances by the full error model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JudgementEntry {
+    /// How much the first solution exceeds a limit by the full model, percent; negative if it keeps all.
+    pub missed_percent: f64,
+    /// Number of rounds that adapted the linear requirements to the full model.
+    pub rounds: usize,
+    /// Number of rounds that Monte Carlo samples caused.
+    pub sampled_rounds: usize,
+    /// Largest excess over a limit at the end, percent; negative if all limits are kept.
+    pub excess_percent: f64,
+    /// Number of cone programs of the last solution.
+    pub programs: usize,
+}
+
+impl AllocationDocument {
+    /// Makes the document of a solved problem, or of limits that cannot be kept.
+    pub fn new(
+        problem: &CellAllocation<'_>,
+        found: Result<&CheapestTolerances, &[ToleranceShortfall]>,
+    ) -> Self {
+        let cell = &problem.workcell.cell;
+        let cost_before = problem.parameters.iter().map(|p| p.cost.cost(1.0)).sum();
+        let (solved, shortfalls) = match found {
+            Ok(cheapest) => (Some(cheapest), &[][..]),
+            Err(shortfalls) => (None, shortfalls),
+        };
+        let allocation = solved.map(|s| &s.found.allocation);
+        let status = match solved {
+            None => AllocationStatus::Infeasible,
+            Some(s) if s.found.excess > crate::allocation::JUDGED_EXCESS => AllocationStatus::Exceeded,
+            Some(_) => AllocationStatus::Cheapest,
+        };
+        let uniform = solved.and_then(|s| {
+            let (scale, cost) = s.found.uniform?;
+            let saving_percent = percent(1.0 - s.found.allocation.cost / cost);
+            Some(UniformEntry { scale: nine_digits(scale), cost: nine_digits(cost), saving_percent })
+        });
+        Self {
+            schema: ALLOCATION_SCHEMA.into(),
+            cell: cell.name.clone(),
+            robot: cell.robot.name.clone(),
+            errors: cell.error_set().name().into(),
+            model: cell.model,
+            reading: cell.reading,
+            quantity: value_word(cell).into(),
+            registration: cell.registration,
+            demanded_yield: problem.demanded_yield(),
+            status,
+            cost_before: nine_digits(cost_before),
+            cost: allocation.map(|a| nine_digits(a.cost)),
+            lower_bound: allocation.map(|a| rounded_down(a.lower_bound)),
+            duality_gap: allocation.map(|a| rounded_up(a.gap())),
+            uniform,
+            parameters: (0..problem.parameters.len())
+                .map(|k| AllocatedEntry::new(cell, &problem.parameters[k], allocation.map(|a| a.scales[k])))
+                .collect(),
+            fixed: problem.fixed.iter().map(|p| names::parameter(cell, *p)).collect(),
+            requirements: (0..problem.requirements.len())
+                .map(|k| AllocationRequirement::new(problem, k, solved))
+                .collect(),
+            shortfalls: shortfalls.iter().map(|s| ShortfallEntry::new(problem, s)).collect(),
+            judgement: solved.map(|s| JudgementEntry {
+                missed_percent: percent(s.found.missed),
+                rounds: s.found.rounds,
+                sampled_rounds: s.sampled_rounds,
+                excess_percent: percent(s.found.excess),
+                programs: s.found.allocation.programs,
+            }),
+        }
+    }
+}
+
+impl AllocatedEntry {
+    fn new(cell: &Cell, allocated: &AllocatedParameter, scale: Option<f64>) -> Self {
+        let AllocatedParameter { parameter, plus_minus, cost } = allocated;
+        let unit = ParameterUnit::new(cell, *parameter);
+        let (low, high) = cost.range;
+        let grade = scale.and_then(|u| cost.grades().get(cost.grade(u)?));
+        Self {
+            parameter: names::parameter(cell, *parameter),
+            unit,
+            cost_kind: match cost.law {
+                CostLaw::Reciprocal { .. } => CostKind::Reciprocal,
+                CostLaw::Exponential { .. } => CostKind::Exponential,
+                CostLaw::Grades(_) => CostKind::Grades,
+            },
+            before: unit.shown(*plus_minus),
+            after: scale.map(|u| unit.shown(u * plus_minus)),
+            scale: scale.map(nine_digits),
+            scale_range: [low, high].map(nine_digits),
+            cost_before: nine_digits(cost.cost(1.0)),
+            cost: scale.map(|u| nine_digits(cost.cost(u))),
+            grade: grade.map(|g| g.name.clone()),
+            at_end: scale.and_then(|u| end_of(u, (low, high))),
+        }
+    }
+}
+
+/// Rounds a gap up to 1e-9, the digits of the costs.
+fn rounded_up(gap: f64) -> f64 {
+    nine_digits((gap * 1e9).ceil() / 1e9)
+}
+
+/// Returns the end of a range at which a scale is, up to a relative distance of 1e-6.
+fn end_of(u: f64, (low, high): (f64, f64)) -> Option<ToleranceEnd> {
+    let near = |end: f64| (u - end).abs() <= 1e-6 * end;
+    match (near(high), near(low)) {
+        (true, _) => Some(ToleranceEnd::Loosest),
+        (_, true) => Some(ToleranceEnd::Tightest),
+        _ => None,
+    }
+}
+
+impl AllocationRequirement {
+    fn new(problem: &CellAllocation<'_>, k: usize, solved: Option<&CheapestTolerances>) -> Self {
+        let requirement = &problem.requirements[k];
+        let unit = problem.unit(requirement.operation);
+        let sampled = solved.and_then(|s| s.sampled.iter().find(|check| check.requirement == k));
+        Self {
+            operation: problem.workcell.cell.operations[requirement.operation].name.clone(),
+            node: [requirement.node.0, requirement.node.1],
+            unit,
+            limit: in_unit(unit, requirement.limit),
+            before: in_unit(unit, requirement.before),
+            after: solved.map(|s| in_unit(unit, s.found.judged[k])),
+            is_binding: solved.is_some_and(|s| problem.is_binding(k, &s.found)),
+            shadow_price: solved
+                .map(|s| nine_digits(s.found.allocation.shadow_prices[k] / unit.from_si(1.0))),
+            sampled: sampled.map(|check| in_unit(unit, check.figure.value)),
+        }
+    }
+}
+
+impl ShortfallEntry {
+    fn new(problem: &CellAllocation<'_>, shortfall: &ToleranceShortfall) -> Self {
+        let cell = &problem.workcell.cell;
+        let requirement = &problem.requirements[shortfall.requirement];
+        let unit = problem.unit(requirement.operation);
+        let bounds = shortfall.bounds.iter().map(|bound| {
+            let AllocatedParameter { parameter, plus_minus, cost } = &problem.parameters[bound.parameter];
+            let own = ParameterUnit::new(cell, *parameter);
+            BoundEntry {
+                parameter: names::parameter(cell, *parameter),
+                unit: own,
+                tightest: own.shown(plus_minus * cost.range.0),
+                without: in_unit(unit, bound.without),
+            }
+        });
+        Self {
+            operation: cell.operations[requirement.operation].name.clone(),
+            node: [requirement.node.0, requirement.node.1],
+            unit,
+            limit: in_unit(unit, shortfall.limit),
+            least: in_unit(unit, shortfall.least),
+            excess: in_unit(unit, shortfall.least - shortfall.limit),
+            in_the_way: bounds.collect(),
+        }
+    }
+}
