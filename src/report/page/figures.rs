@@ -1,5 +1,6 @@
 //! Sections with pictures.
 
+use super::allocated;
 use super::content::{PageFigure, PageTable, Section};
 use super::places::titled;
 use super::quantities::{down, quantity};
@@ -26,6 +27,7 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
         map(subject, drawings),
         envelopes(subject, drawings),
         budget(subject),
+        allocated::section(subject),
         discrepancies(subject),
         distributions(subject),
         convergence(subject),

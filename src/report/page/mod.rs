@@ -5,6 +5,7 @@
 //! Content-Security-Policy allows only scripts and styles with known hashes. A script that is hidden in a
 //! name of a cell file therefore never runs.
 
+mod allocated;
 pub mod assets;
 mod assumptions;
 mod compare;

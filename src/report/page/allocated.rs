@@ -1,0 +1,38 @@
+//! Section with the cheapest tolerances that keep every limit.
+
+use super::content::{PageFigure, Section};
+use super::places::titled;
+use super::subject::Subject;
+use crate::assess::{AllocatedNodes, CellAllocation, NoAllocation};
+use crate::cell::Reading;
+use crate::record::AllocationDocument;
+use crate::report::chart;
+
+/// Share of random arms that must keep a limit of the yield, as by default in `sweetspot allocate`.
+const SHARE: f64 = 0.99;
+
+/// Returns the section of the shown layout; empty if no operation has a limit, or if the errors are read signed.
+pub fn section(subject: &Subject<'_>) -> Section {
+    let a = subject.shown();
+    let text = "The chart shows the cheapest tolerances with which every operation keeps its limit at its spot. A bar to the \
+                left is a tolerance to tighten, a bar to the right one that may be looser. Costs are those of the error set; \
+                without any, a tolerance costs 1 at present and twice as much at half its size.";
+    let mut section = Section::new("allocation", "Cheapest tolerances", vec![text.into()]);
+    if a.cell.reading == Reading::Signed {
+        return section;
+    }
+    let wanted = (None, AllocatedNodes::Spots);
+    let Ok(problem) = CellAllocation::new(a.workcell, &a.layout, &a.maps, wanted, SHARE) else {
+        return section;
+    };
+    let found = match problem.solve() {
+        Ok(found) => Ok(found),
+        Err(NoAllocation::Infeasible(shortfalls)) => Err(shortfalls),
+        Err(_) => return section,
+    };
+    let document = AllocationDocument::new(&problem, found.as_ref().map_err(Vec::as_slice));
+    let caption = "The command sweetspot allocate prints the figures, and with --toml the tables to paste.";
+    let title = titled(a, "tolerances before and after");
+    section.figures.push(PageFigure::new(title, caption, chart::allocation(&document)));
+    section
+}
