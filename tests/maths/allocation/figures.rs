@@ -49,7 +49,12 @@ fn limited(name: &str, asked: Asked) -> Result<Cell, String> {
     })?;
     for (k, operation) in cell.operations.iter_mut().enumerate() {
         let own = problem.requirements.iter().filter(|r| r.operation == k).map(|r| r.before);
-        operation.limit = Some(asked.share * own.fold(0.0, f64::max));
+        let largest = own.fold(0.0, f64::max);
+        // Some factory calibrations have rows of kilometres, whose errors compensate each other.
+        if operation.sense.unit == Unit::Length && largest > cell.robot.reach() {
+            return Err("a signed calibration, not tolerances: these errors would exceed the reach".into());
+        }
+        operation.limit = Some(asked.share * largest);
     }
     Ok(cell)
 }
