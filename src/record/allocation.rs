@@ -3,7 +3,7 @@
 use super::numbers::{in_unit, nine_digits, percent, rounded_down};
 use super::parameter_names as names;
 use super::parameter_unit::ParameterUnit;
-use super::words::value_word;
+use super::words::reading_word;
 use crate::allocation::ToleranceShortfall;
 use crate::assess::{AllocatedParameter, CellAllocation, CheapestTolerances};
 use crate::cell::{Cell, CostLaw, Model, Reading, Registration, Unit};
@@ -206,7 +206,7 @@ impl AllocationDocument {
             errors: cell.error_set().name().into(),
             model: cell.model,
             reading: cell.reading,
-            quantity: value_word(cell).into(),
+            quantity: reading_word(cell).into(),
             registration: cell.registration,
             demanded_yield: problem.demanded_yield(),
             status,

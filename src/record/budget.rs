@@ -4,7 +4,7 @@ use super::map::MonteCarloEntry;
 use super::numbers::{in_unit, joints, nine_digits, percent, position_mm};
 use super::parameter_names as names;
 use super::parameter_unit::ParameterUnit;
-use super::words::{VALUE_WORDS, value_word};
+use super::words::{VALUE_WORDS, reading_word};
 use crate::assess::{BudgetReport, PostureContext, Tighter};
 use crate::cell::{Cell, Model, Reading, Registration, Unit};
 use crate::reading::{Figures, PostureErrors, Share};
@@ -120,7 +120,7 @@ impl BudgetDocument {
             errors: cell.error_set().name().into(),
             model: cell.model,
             reading: cell.reading,
-            quantity: value_word(cell).into(),
+            quantity: reading_word(cell).into(),
             registration: cell.registration,
             operations: accounts.iter().map(OperationBudget::new).collect(),
         }

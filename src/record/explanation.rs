@@ -9,7 +9,7 @@ use super::numbers::{
 use super::parameter_names::{self as names, frame_name};
 use super::parameter_unit::ParameterUnit;
 use super::placement::{ByName, PlacementEntry};
-use super::words::{VALUE_WORDS, value_word};
+use super::words::{VALUE_WORDS, reading_word};
 use crate::assess::{DhRow, Explanation, MotionFrame, ParameterEffect, ParameterMotion, SenseRow};
 use crate::cell::{JointKind, Model, Reading, Registration, Unit};
 use crate::pose::{Displacement, Pose};
@@ -239,7 +239,7 @@ impl ExplanationDocument {
             errors: cell.error_set().name().into(),
             model: cell.model,
             reading: cell.reading,
-            quantity: value_word(cell).into(),
+            quantity: reading_word(cell).into(),
             registration: cell.registration,
             name: operation.name.clone(),
             equipment: cell.equipment[operation.equipment].name.clone(),

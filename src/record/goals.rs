@@ -22,6 +22,9 @@ pub struct GoalsEntry {
     pub singularity: f64,
     pub travel_deg: f64,
     pub footprint_m2: f64,
+    /// Cost of the cheapest tolerances that keep every limit; absent if the search does not price tolerances.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost: Option<f64>,
 }
 
 impl GoalsEntry {
@@ -39,6 +42,7 @@ impl GoalsEntry {
             singularity: of(Goal::Singularity),
             travel_deg: of(Goal::Travel),
             footprint_m2: of(Goal::Footprint),
+            cost: Some(of(Goal::Cost)).filter(|cost| cost.is_finite() && cell.search.prices_tolerances()),
         }
     }
 
@@ -51,6 +55,7 @@ impl GoalsEntry {
             Goal::Singularity => self.singularity,
             Goal::Travel => self.travel_deg,
             Goal::Footprint => self.footprint_m2,
+            Goal::Cost => self.cost.unwrap_or(f64::NAN),
         }
     }
 }
@@ -62,7 +67,7 @@ pub fn value(cell: &Cell, goal: Goal, si: f64) -> f64 {
         Goal::Clearance => mm_from_m(si),
         Goal::JointLimits => percent_from_share(si),
         Goal::Travel => deg_from_rad(si),
-        Goal::Singularity | Goal::Footprint => si,
+        Goal::Singularity | Goal::Footprint | Goal::Cost => si,
     }
 }
 
@@ -70,11 +75,11 @@ pub fn value(cell: &Cell, goal: Goal, si: f64) -> f64 {
 pub fn si(cell: &Cell, goal: Goal, value: f64) -> f64 {
     match goal {
         Goal::Error if cell.unit() == Unit::Angle => rad_from_deg(value),
-        Goal::Error if cell.unit() == Unit::Share => value,
+        Goal::Error if matches!(cell.unit(), Unit::Share | Unit::Cost) => value,
         Goal::Error | Goal::Clearance => m_from_mm(value),
         Goal::JointLimits => share_from_percent(value),
         Goal::Travel => rad_from_deg(value),
-        Goal::Singularity | Goal::Footprint => value,
+        Goal::Singularity | Goal::Footprint | Goal::Cost => value,
     }
 }
 
@@ -87,6 +92,7 @@ pub fn word(cell: &Cell, goal: Goal) -> &'static str {
         Goal::Singularity => "",
         Goal::Travel => "deg",
         Goal::Footprint => "m2",
+        Goal::Cost => "",
     }
 }
 
@@ -105,6 +111,7 @@ pub fn key(goal: Goal) -> &'static str {
         Goal::Singularity => "singularity",
         Goal::Travel => "travel_deg",
         Goal::Footprint => "footprint_m2",
+        Goal::Cost => "cost",
     }
 }
 

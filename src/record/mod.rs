@@ -110,4 +110,4 @@ pub use verdict::{
     FactEntry, FactMood, REPORT_SCHEMA, RequirementState, RunnerUpEntry, RunnerUpKind, VerdictAnswer,
     VerdictDocument, VerdictPlacement, VerdictSpot, VerdictSubject,
 };
-pub use words::{GUESS, caveats, is_guess, objective_word, value_word};
+pub use words::{GUESS, caveats, is_guess, objective_word, reading_word, value_word};

@@ -6,6 +6,14 @@ use crate::files::shown;
 /// Returns the name of the figure that a search of the cell minimizes: "error", "worst case", "p95" and so
 /// on.
 pub fn value_word(cell: &Cell) -> &'static str {
+    match cell.search.objective {
+        Objective::ToleranceCost => "tolerance cost",
+        _ => reading_word(cell),
+    }
+}
+
+/// Returns the name of the figure that the reading gives, whatever a search minimizes.
+pub fn reading_word(cell: &Cell) -> &'static str {
     match (cell.reading, cell.quantity) {
         (Reading::Signed, _) => "error",
         (Reading::WorstCase, _) => "worst case",
@@ -21,7 +29,8 @@ pub fn value_word(cell: &Cell) -> &'static str {
 /// operations may then belong to different arms. It is possible that no single arm has the combined value.
 pub fn objective_word(cell: &Cell) -> String {
     let word = value_word(cell);
-    if cell.operations.len() < 2 || cell.reading == Reading::Signed {
+    let is_alone = cell.search.objective == Objective::ToleranceCost || cell.reading == Reading::Signed;
+    if cell.operations.len() < 2 || is_alone {
         return word.to_string();
     }
     let each = match word {
@@ -34,11 +43,13 @@ pub fn objective_word(cell: &Cell) -> String {
         Objective::WeightedSum => format!("{weighted}sum of the operations' {each}"),
         Objective::WeightedMaximum => format!("{weighted}maximum of the operations' {each}"),
         Objective::Lexicographic => format!("combination by priority of the operations' {each}"),
+        Objective::ToleranceCost => word.to_string(),
     }
 }
 
 /// All words that [`value_word`] can return.
-pub const VALUE_WORDS: [&str; 7] = ["error", "worst case", "share of failures", "rms", "mean", "p95", "p99"];
+pub const VALUE_WORDS: [&str; 8] =
+    ["error", "worst case", "share of failures", "rms", "mean", "p95", "p99", "tolerance cost"];
 
 /// Returns whether the name of an error set states that its numbers are guessed: it begins with "guess".
 pub fn is_guess(error_set: &str) -> bool {

@@ -1,7 +1,7 @@
 //! Tables as CSV: map.csv has one row per node, readings.csv one per operation and reading, front.csv
 //! one per layout.
 
-use crate::cell::{Cell, Goal, Slot};
+use crate::cell::{Cell, Slot};
 use crate::record::{
     GoalsEntry, MapDocument, NodeTable, ReadingEntry, ReadingsDocument, TableValue, coordinate_name, goals,
 };
@@ -59,13 +59,13 @@ pub fn front(cell: &Cell, record: &SearchRecord) -> Result<Vec<u8>, String> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let free = cell.free();
     let mut header = vec!["layout".to_string()];
-    header.extend(Goal::ALL.map(|goal| goals::key(goal).to_string()));
+    header.extend(cell.measured_goals().map(|goal| goals::key(goal).to_string()));
     header.extend(free.iter().map(|(slot, _)| inert(&variable(cell, *slot))));
     put(&mut writer, &header)?;
     for (k, alternative) in record.alternatives.iter().enumerate() {
         let mut row = vec![(k + 1).to_string()];
         let values = GoalsEntry::new(cell, &alternative.goals);
-        row.extend(Goal::ALL.map(|goal| values.get(goal).to_string()));
+        row.extend(cell.measured_goals().map(|goal| values.get(goal).to_string()));
         row.extend(free.iter().map(|(slot, _)| {
             let value = alternative.candidate.layout.value(cell, *slot);
             let value = if slot.is_angle() { deg_from_rad(value) } else { mm_from_m(value) };

@@ -274,7 +274,8 @@ fn no_random_posture_is_below_the_bound_in_any_reading() {
 fn random_layouts_never_beat_the_bound() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for name in ["hitachi_cell", "palletizer_cell", "scara_cell", "five_axis_cell"] {
-        for objective in Objective::ALL {
+        // A cost of tolerances has no bound.
+        for objective in [Objective::WeightedSum, Objective::WeightedMaximum, Objective::Lexicographic] {
             let mut cell = shipped(&format!("{name}.toml"));
             cell.search.objective = objective;
             cell.operations[0].weight = 2.0;
@@ -284,7 +285,7 @@ fn random_layouts_never_beat_the_bound() {
             let whole = match objective {
                 Objective::WeightedSum => 2.0 * each[0] + each[1],
                 Objective::WeightedMaximum => (2.0 * each[0]).max(each[1]),
-                Objective::Lexicographic => sweetspot::layout::combined(&cell, &each),
+                _ => sweetspot::layout::combined(&cell, &each),
             };
             assert_eq!(proof.bound, Some(whole));
             let mut feasible = 0;

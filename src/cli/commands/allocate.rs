@@ -77,11 +77,9 @@ fn toleranced(cell: Cell, a: &AllocateArguments) -> Result<Cell, Exit> {
 /// Prints why there is no allocation.
 fn refused(why: NoAllocation) -> Exit {
     match why {
-        NoAllocation::Question(why) => {
+        NoAllocation::Question { why, help } => {
             output::error(&format!("nothing to allocate: {why}"));
-            output::talk(
-                "  help: add --limit, or write limit_mm into the operation; choose tolerances with --errors",
-            );
+            output::talk(&format!("  help: {help}"));
             Exit::BadInput
         }
         NoAllocation::Unusable(why) => {

@@ -2,6 +2,7 @@
 
 use super::cone_cut::ConeCut;
 use super::cone_program::{COARSE, FINE, ScaleDomain, solve};
+use super::dual_ascent::{PricedScales, priced_scales};
 use super::lagrangian::least_priced;
 use super::linear_figure::{FigureScratch, LinearFigure};
 use crate::cell::ToleranceCost;
@@ -12,6 +13,8 @@ const MAX_ROUNDS: usize = 60;
 const COARSE_VIOLATION: f64 = 1e-3;
 /// Relative violation of a limit below which a solution keeps it.
 const VIOLATION: f64 = 1e-9;
+/// Relative gap at which the solution of the dual ascent needs no cone program.
+const ASCENT_GAP: f64 = 1e-9;
 /// Largest number of requirements that add a cut in one round.
 const MAX_NEW_CUTS: usize = 12;
 
@@ -55,13 +58,27 @@ impl CutPool {
             let (prices, shadow) = (vec![0.0; costs.len()], vec![0.0; figures.len()]);
             return Some(RelaxedSolution { scales: start, bound, prices, shadow });
         }
-        if self.cuts.is_empty() {
+        let is_continuous = domains.iter().all(|domain| matches!(domain, ScaleDomain::Range(..)));
+        let ascended = match self.cuts.is_empty() && is_continuous {
+            true => priced_scales(costs, figures, ASCENT_GAP, scratch),
+            false => None,
+        };
+        let knows_cuts = ascended.is_some();
+        if let Some(found) = ascended {
+            if found.gap() <= ASCENT_GAP {
+                let PricedScales { scales, lower_bound: bound, prices, shadow_prices: shadow, .. } = found;
+                return Some(RelaxedSolution { scales, bound, prices, shadow });
+            }
+            self.cuts = found.cuts;
+        } else if self.cuts.is_empty() {
             let shrunk: Vec<f64> = start.iter().map(|u| u / largest).collect();
             self.separate(figures, &shrunk, 0.9, scratch);
         }
         let mut best: Option<RelaxedSolution> = None;
-        // Coarse solutions find the cuts; the fine ones find those that are left.
-        let (mut tolerance, mut violation) = match figures.iter().any(LinearFigure::has_many_cuts) {
+        // Dual ascent knows the cuts that bind. Otherwise coarse solutions find them, and the fine ones find those that
+        // are left.
+        let has_many_cuts = figures.iter().any(LinearFigure::has_many_cuts);
+        let (mut tolerance, mut violation) = match has_many_cuts && !knows_cuts {
             true => (COARSE, COARSE_VIOLATION),
             false => (FINE, VIOLATION),
         };

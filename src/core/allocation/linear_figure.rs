@@ -1,6 +1,7 @@
 //! Figure of the linear error model as a function of the scales of the tolerances.
 
 use super::cone_cut::ConeCut;
+use super::limit_row::LimitRow;
 use crate::reading::farthest;
 use crate::reading::zonotope::{MAX_GENERATORS, ZonotopeScratch};
 use nalgebra::Vector6;
@@ -54,11 +55,8 @@ impl LinearFigure {
     pub(super) fn cut(&self, u: &[f64], scratch: &mut FigureScratch) -> (f64, ConeCut) {
         let value = self.value(u, scratch);
         let cut = match self {
-            Self::WorstCase { rows, generators, fixed } => {
-                let signed = |(g, s): (&Vector6<f64>, &f64)| g * *s;
-                let (own, others) = scratch.signs.split_at(generators.len().min(scratch.signs.len()));
-                let columns: Vec<Vector6<f64>> = generators.iter().zip(own).map(signed).collect();
-                let constant: Vector6<f64> = fixed.iter().zip(others).map(signed).sum();
+            Self::WorstCase { rows, .. } => {
+                let (columns, constant) = self.signed(scratch);
                 ConeCut::vertex(columns, constant, *rows, u)
             }
             Self::RootSumSquare { squares, constant } => ConeCut::Ellipsoid {
@@ -67,6 +65,39 @@ impl LinearFigure {
             },
         };
         (value, cut)
+    }
+
+    /// Writes the worst case along the direction of its worst sign pattern at the scales `u`. It never exceeds the worst
+    /// case. A root sum square is written as it is.
+    pub(super) fn along_worst(&self, u: &[f64], row: &mut LimitRow, scratch: &mut FigureScratch) {
+        row.linear.clear();
+        row.squares.clear();
+        match self {
+            Self::RootSumSquare { squares, constant } => {
+                row.squares.extend_from_slice(squares);
+                row.constant = *constant;
+            }
+            Self::WorstCase { generators, fixed, .. } => {
+                self.value(u, scratch);
+                let (own, others) = scratch.signs.split_at(generators.len().min(scratch.signs.len()));
+                let constant: Vector6<f64> = fixed.iter().zip(others).map(|(f, s)| f * *s).sum();
+                let signed = generators.iter().zip(u).zip(own).map(|((g, u), s)| g * (*u * *s));
+                let vertex = signed.sum::<Vector6<f64>>() + constant;
+                let direction = vertex.try_normalize(0.0).unwrap_or_default();
+                // A generator that helps in this direction has the other sign in the row.
+                row.linear.extend(generators.iter().map(|g| g.dot(&direction).abs()));
+                row.constant = fixed.iter().map(|f| f.dot(&direction).abs()).sum();
+            }
+        }
+    }
+
+    /// Applies the signs of the last [`Self::value`].
+    fn signed(&self, scratch: &FigureScratch) -> (Vec<Vector6<f64>>, Vector6<f64>) {
+        let Self::WorstCase { generators, fixed, .. } = self else { return (Vec::new(), Vector6::zeros()) };
+        let signed = |(g, s): (&Vector6<f64>, &f64)| g * *s;
+        let (own, others) = scratch.signs.split_at(generators.len().min(scratch.signs.len()));
+        let columns = generators.iter().zip(own).map(signed).collect();
+        (columns, fixed.iter().zip(others).map(signed).sum())
     }
 
     /// Returns the figure multiplied by a factor at all scales.

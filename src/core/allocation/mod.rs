@@ -10,16 +10,17 @@
 //! statistics  F_i(u) = sqrt(f^2 + sum_k w_ik u_k^2)                       (root sum square)
 //! ```
 //!
-//! The costs `c_k` decrease and are convex, so this is a convex program. Its costs are second-order, power and
-//! exponential cones. A root sum square is one second-order cone. A worst case is one second-order cone for
-//! each sign pattern, and in one axis one linear row; the patterns of a plane depend on the directions of the
-//! generators only, so there are at most n. Cutting planes (`ConeCut`) add the patterns that bind: the exact
-//! worst case finds the one that a solution violates. Every requirement is its own source of cuts, so many
-//! nodes cost little. The crate `clarabel` solves the cone programs.
+//! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one second-order
+//! cone. A worst case is one second-order cone for each sign pattern, and in one axis one linear row; the patterns
+//! of a plane depend on the directions of the generators only, so there are at most n. Cutting planes (`ConeCut`)
+//! add the patterns that bind: the exact worst case finds the one that a solution violates. Every requirement is
+//! its own source of cuts, so many nodes cost little.
 //!
-//! The dual vectors give a lower bound of the cost in closed form ([`ToleranceAllocation::lower_bound`]). It
-//! holds whatever the accuracy of the solver, so the duality gap is proven. Discrete grades are chosen by branch
-//! and bound over this relaxation (`grade_choice`).
+//! Continuous costs are solved by Newton's method on the dual, which has a few variables ([`priced_scales`]).
+//! Discrete grades, and a gap that this leaves, are solved as cone programs by the crate `clarabel`, with second-order,
+//! power and exponential cones for the costs. Both give dual vectors, and these give a lower bound of the cost in
+//! closed form ([`ToleranceAllocation::lower_bound`]). It holds whatever the accuracy of the solver, so the duality
+//! gap is proven. Discrete grades are chosen by branch and bound over the relaxation (`grade_choice`).
 //!
 //! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution by the
 //! full model and adapts the requirements until the judged figures keep the limits.
@@ -27,19 +28,25 @@
 mod cone_cut;
 mod cone_program;
 mod cutting_planes;
+mod dual_ascent;
 mod grade_choice;
 mod judged;
 mod lagrangian;
+mod limit_row;
 mod linear_figure;
 mod node_figure;
+mod pricing;
 mod problem;
 mod shortfall;
 mod solution;
 mod uniform;
 
+pub use dual_ascent::{PricedScales, priced_scales};
 pub use judged::{JUDGED_EXCESS, JudgedAllocation, ToleranceJudge, allocate_judged};
+pub use limit_row::LimitRow;
 pub use linear_figure::{FigureScratch, LinearFigure};
 pub use node_figure::NodeFigure;
+pub use pricing::{DEFAULT_YIELD, OperationPricing, TolerancePricing};
 pub use problem::{ToleranceProblem, ToleranceRequirement};
 pub use shortfall::{BoundInTheWay, ToleranceShortfall};
 pub use solution::{AllocationFailure, ToleranceAllocation, allocate};

@@ -2,12 +2,16 @@
 
 use super::linear_figure::LinearFigure;
 use crate::cell::{Parameter, Quantity, Reading};
+use crate::reading::norm::NormDistribution;
 use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext};
 use crate::robot::Frames;
-use nalgebra::Vector6;
+use nalgebra::{Matrix6, Vector6};
 
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
+
+/// Share of the largest variance below which a smaller variance does not set the numerical step.
+const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
 ///
@@ -60,7 +64,7 @@ impl NodeFigure<'_> {
         match (self.evaluator.reading, self.evaluator.quantity) {
             (Reading::Statistical, Quantity::Rms) => self.root_mean_square(free, scales, memory),
             (Reading::Statistical, _) => self.percentile(free, scales, value, memory),
-            _ => self.worst_case(free, scales, memory),
+            _ => self.worst_case_at(free, scales, memory),
         }
     }
 
@@ -76,8 +80,18 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns the linear worst case.
-    fn worst_case(&self, free: &[Parameter], scales: &[f64], memory: &mut EvaluatorScratch) -> LinearFigure {
+    /// Returns the linear worst case at the present tolerances.
+    pub fn worst_case(&self, free: &[Parameter], memory: &mut EvaluatorScratch) -> LinearFigure {
+        self.worst_case_at(free, &vec![1.0; free.len()], memory)
+    }
+
+    /// Returns the linear worst case of an evaluator whose tolerances are at the scales `scales`.
+    fn worst_case_at(
+        &self,
+        free: &[Parameter],
+        scales: &[f64],
+        memory: &mut EvaluatorScratch,
+    ) -> LinearFigure {
         let Self { evaluator, context, frames, .. } = self;
         evaluator.prepare(context, frames, memory);
         let measure = evaluator.measure(&evaluator.sense, context, frames);
@@ -95,6 +109,39 @@ impl NodeFigure<'_> {
         LinearFigure::WorstCase { rows: measure.rows(), generators, fixed }
     }
 
+    /// Returns the root sum square whose square is the mean square of the error without its mean, times `ratio`.
+    pub fn mean_square(&self, free: &[Parameter], ratio: f64, memory: &mut EvaluatorScratch) -> LinearFigure {
+        let (mut squares, of_mean, constant) = self.squares(free, memory);
+        squares.iter_mut().for_each(|w| *w *= ratio);
+        LinearFigure::RootSumSquare { squares, constant: ratio * (constant - of_mean) }
+    }
+
+    /// Returns a lower bound of the squared figure divided by the mean square of the error; None for a worst case.
+    ///
+    /// Normal errors of one variance in all directions have the least high percentile, and those in one direction
+    /// the least low one. A bounded error has a lower percentile than a normal one, but a high one is still above
+    /// the root mean square.
+    pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
+        if evaluator.reading != Reading::Statistical {
+            return None;
+        }
+        let Some(probability) = Self::probability(evaluator, share) else {
+            // The mean size of a normal error in one direction is `sqrt(2 / pi)` times its deviation.
+            let of_mean = std::f64::consts::FRAC_2_PI;
+            return Some(if evaluator.quantity == Quantity::Rms { 1.0 } else { of_mean });
+        };
+        if evaluator.sources.has_bounded() {
+            return Some(if probability >= LEAST_CONVEX_SHARE { 1.0 } else { 0.0 });
+        }
+        let ratio = |rows: usize| {
+            let unit = |r: usize| Vector6::from_fn(|k, _| if k == r { 1.0 } else { 0.0 });
+            let columns: Vec<Vector6<f64>> = (0..rows).map(unit).collect();
+            let law = NormDistribution::new(rows, &columns, &[], &Vector6::zeros());
+            law.quantile(probability).powi(2) / rows as f64
+        };
+        Some((1..=evaluator.sense.rows().len()).map(ratio).fold(f64::INFINITY, f64::min) * (1.0 - 1e-9))
+    }
+
     /// Returns the root mean square, which is exact but for the mean of second-order terms.
     fn root_mean_square(
         &self,
@@ -102,16 +149,25 @@ impl NodeFigure<'_> {
         scales: &[f64],
         memory: &mut EvaluatorScratch,
     ) -> LinearFigure {
+        let (mut squares, _, constant) = self.squares(free, memory);
+        squares.iter_mut().zip(scales).for_each(|(w, u)| *w /= u * u);
+        LinearFigure::RootSumSquare { squares, constant }
+    }
+
+    /// Returns the mean square that each free parameter causes at its present tolerance, the square of the mean, and
+    /// the mean square of everything else with the square of the mean.
+    fn squares(&self, free: &[Parameter], memory: &mut EvaluatorScratch) -> (Vec<f64>, f64, f64) {
         let Self { evaluator, context, frames, .. } = self;
         evaluator.prepare(context, frames, memory);
         let measure = evaluator.measure(&evaluator.sense, context, frames);
         let effects = memory.effects();
         let mut squares = vec![0.0; free.len()];
-        let mut constant = measure.column(&effects.mean).norm_squared();
+        let of_mean = measure.column(&effects.mean).norm_squared();
+        let mut constant = of_mean;
         for (k, source) in evaluator.sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some()) {
             let square = measure.column(&(effects.columns[k] * source.deviation)).norm_squared();
             match place(free, source.parameter) {
-                Some(place) => squares[place] = square / (scales[place] * scales[place]),
+                Some(place) => squares[place] = square,
                 None => constant += square,
             }
         }
@@ -120,7 +176,53 @@ impl NodeFigure<'_> {
                 factor.iter().map(|&(k, v)| measure.column(&(effects.columns[k] * v))).sum();
             constant += sum.norm_squared();
         }
-        LinearFigure::RootSumSquare { squares, constant }
+        (squares, of_mean, constant)
+    }
+
+    /// Returns the root sum square with the value and the slopes of a percentile of normal errors without a mean; None
+    /// if the quantity is no percentile or an error is not normal.
+    ///
+    /// The squared percentile is a function of the eigenvalues of the covariance, so a few percentiles give all slopes.
+    pub fn normal_percentile(
+        &self,
+        free: &[Parameter],
+        memory: &mut EvaluatorScratch,
+    ) -> Option<LinearFigure> {
+        let Self { evaluator, context, frames, .. } = self;
+        let probability =
+            Self::probability(evaluator, self.share).filter(|_| !evaluator.sources.has_bounded())?;
+        evaluator.prepare(context, frames, memory);
+        let measure = evaluator.measure(&evaluator.sense, context, frames);
+        let effects = memory.effects();
+        let sources = evaluator.sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some());
+        let alone = sources.map(|(k, source)| {
+            (place(free, source.parameter), measure.column(&(effects.columns[k] * source.deviation)))
+        });
+        let factors = evaluator.sources.factors.iter().map(|factor| {
+            let sum = factor.iter().map(|&(k, v)| measure.column(&(effects.columns[k] * v)));
+            (None, sum.sum::<Vector6<f64>>())
+        });
+        let columns: Vec<(Option<usize>, Vector6<f64>)> = alone.chain(factors).collect();
+        let slopes = percentile_slopes(&columns, measure.rows(), probability)?;
+        let (mut squares, mut constant) = (vec![0.0; free.len()], 0.0);
+        for (place, column) in &columns {
+            let square = column.dot(&(slopes * column)).max(0.0);
+            match place {
+                Some(place) => squares[*place] = square,
+                None => constant += square,
+            }
+        }
+        Some(LinearFigure::RootSumSquare { squares, constant })
+    }
+
+    /// Returns the probability of a percentile; None for another quantity.
+    fn probability(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
+        match evaluator.quantity {
+            Quantity::P95 => Some(0.95),
+            Quantity::P99 => Some(0.99),
+            Quantity::Yield => Some(share),
+            Quantity::Rms | Quantity::Mean => None,
+        }
     }
 
     /// Returns the root sum square with the value and the slopes of a percentile or mean at the present scales.
@@ -147,6 +249,41 @@ impl NodeFigure<'_> {
         let sum: f64 = squares.iter().zip(scales).map(|(w, u)| w * u * u).sum();
         LinearFigure::RootSumSquare { squares, constant: (value * value - sum).max(0.0) }
     }
+}
+
+/// Returns the derivatives of the squared percentile of `|e|` by the covariance of `e`, the sum of the squares of
+/// `columns`; None if `e` is zero.
+fn percentile_slopes(
+    columns: &[(Option<usize>, Vector6<f64>)],
+    rows: usize,
+    probability: f64,
+) -> Option<Matrix6<f64>> {
+    let covariance: Matrix6<f64> = columns.iter().map(|(_, c)| c * c.transpose()).sum();
+    let eigen = covariance.symmetric_eigen();
+    let mut order: Vec<usize> = (0..6).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let variances: Vec<f64> = order.iter().take(rows).map(|&k| eigen.eigenvalues[k].max(0.0)).collect();
+    let largest = *variances.first().filter(|v| **v > 0.0)?;
+    let square = |variances: &[f64]| {
+        let axis = |(r, v): (usize, &f64)| Vector6::from_fn(|k, _| if k == r { v.sqrt() } else { 0.0 });
+        let axes: Vec<Vector6<f64>> = variances.iter().enumerate().map(axis).collect();
+        NormDistribution::new(rows, &axes, &[], &Vector6::zeros()).quantile(probability).powi(2)
+    };
+    let present = square(&variances);
+    let mut slopes = Matrix6::zeros();
+    // The squared percentile is homogeneous, so the slope by the largest variance follows from the others.
+    let mut of_largest = present / largest;
+    for (k, variance) in variances.iter().enumerate().skip(1) {
+        let step = STEP * variance.max(LEAST_VARIANCE * largest);
+        let mut moved = variances.clone();
+        moved[k] += step;
+        let slope = (square(&moved) - present) / step;
+        of_largest -= slope * variance / largest;
+        let axis = eigen.eigenvectors.column(order[k]);
+        slopes += axis * axis.transpose() * slope;
+    }
+    let axis = eigen.eigenvectors.column(order[0]);
+    Some(slopes + axis * axis.transpose() * of_largest)
 }
 
 /// Returns the index of a parameter among the free ones.

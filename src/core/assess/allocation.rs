@@ -10,6 +10,8 @@ use crate::cell::{Cell, Layout, Parameter, Quantity, Reading, ToleranceCost, Uni
 use crate::error_map::OperationMap;
 use crate::layout::Workcell;
 use crate::reading::{Estimate, MonteCarlo, SampleSpace, SampledPosture};
+use crate::safe_text::shown;
+use crate::units::mm_from_m;
 
 /// Largest number of requirements that Monte Carlo samples check: those nearest to their limits.
 const MAX_SAMPLED: usize = 4;
@@ -77,8 +79,8 @@ pub struct CheapestTolerances {
 /// Reason why a cell has no cheapest tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoAllocation {
-    /// The question has no answer: no limit, no tolerance, no such node. The text tells why.
-    Question(String),
+    /// The question has no answer: no limit, no tolerance. The texts tell why, and what to do.
+    Question { why: String, help: &'static str },
     /// An operation has no usable node. The text tells why.
     Unusable(String),
     /// Even the tightest tolerances exceed these limits.
@@ -108,7 +110,7 @@ impl<'a> CellAllocation<'a> {
                 requirements.push(NodeRequirement { operation: k, node, place, limit, before: 0.0 });
             }
             for source in &workcell.evaluator(k).sources.list {
-                let is_free = source.spread.is_some() && source.plus_minus > 0.0;
+                let is_free = source.is_own_tolerance();
                 if is_free && !parameters.iter().any(|p| p.parameter == source.parameter) {
                     let (parameter, plus_minus) = (source.parameter, source.plus_minus);
                     let cost = cell.tolerance_cost(parameter);
@@ -122,10 +124,13 @@ impl<'a> CellAllocation<'a> {
         if requirements.is_empty() {
             let which =
                 if only.is_some() { "the operation has no limit" } else { "no operation has a limit" };
-            return Err(NoAllocation::Question(which.into()));
+            let help = "add --limit, or write limit_mm into the operation";
+            return Err(NoAllocation::Question { why: which.into(), help });
         }
         if parameters.is_empty() {
-            return Err(NoAllocation::Question("no parameter has a tolerance of its own".into()));
+            let why = "no parameter has a tolerance of its own".into();
+            let help = "choose an error set of tolerances with --errors; measured and correlated errors cannot be ordered";
+            return Err(NoAllocation::Question { why, help });
         }
         let cheapest = nodes == AllocatedNodes::Cheapest;
         let mut problem = Self { workcell, layout, maps, parameters, fixed, requirements, share };
@@ -136,7 +141,25 @@ impl<'a> CellAllocation<'a> {
         for (requirement, value) in problem.requirements.iter_mut().zip(present) {
             requirement.before = value;
         }
+        problem.refuse_compensating_errors()?;
         Ok(problem)
+    }
+
+    /// Refuses errors that would displace the TCP by more than the reach of the arm.
+    ///
+    /// Some factory calibrations have rows of kilometres, whose errors compensate each other in one arm.
+    fn refuse_compensating_errors(&self) -> Result<(), NoAllocation> {
+        let cell = &self.workcell.cell;
+        let is_beyond =
+            |r: &&NodeRequirement| self.unit(r.operation) == Unit::Length && r.before > cell.robot.reach();
+        let Some(first) = self.requirements.iter().find(is_beyond) else { return Ok(()) };
+        let name = shown(&cell.operations[first.operation].name);
+        let why = format!(
+            "as tolerances, these errors would displace {name} by {:.0} mm, more than the arm reaches: they compensate each other in one calibrated arm",
+            mm_from_m(first.before)
+        );
+        let help = "choose an error set of tolerances with --errors; `sweetspot errors` makes one";
+        Err(NoAllocation::Question { why, help })
     }
 
     /// Finds the cheapest tolerances.

@@ -59,10 +59,9 @@ impl<'a> BudgetReport<'a> {
 
     /// Returns the unit of [`Self::figure`], which is in m, rad or a share.
     pub fn unit(&self) -> Unit {
-        let evaluator = &self.context.evaluator;
-        match (evaluator.reading, self.context.cell.unit()) {
-            (Reading::Statistical, Unit::Share) => Unit::Share,
-            _ => evaluator.sense.unit,
+        match self.context.cell.is_yield() {
+            true => Unit::Share,
+            false => self.context.evaluator.sense.unit,
         }
     }
 

@@ -156,9 +156,9 @@ impl<'a> Explanation<'a> {
 
     /// Returns the unit of the value that the reading gives: length, angle or share.
     pub fn unit(&self) -> Unit {
-        match (self.context.evaluator.reading, self.context.cell.unit()) {
-            (Reading::Statistical, Unit::Share) => Unit::Share,
-            _ => self.context.evaluator.sense.unit,
+        match self.context.cell.is_yield() {
+            true => Unit::Share,
+            false => self.context.evaluator.sense.unit,
         }
     }
 }

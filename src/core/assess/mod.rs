@@ -232,8 +232,14 @@ impl<'a> Assessment<'a> {
     ///
     /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
     /// yield, whose definition already contains the limit.
+    ///
+    /// If the value is the cost of tolerances, the limit is the cost of the tightest ones.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
-        let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit() != Unit::Share)?;
+        if self.cell.unit() == Unit::Cost {
+            let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
+            return Some(Requirement { limit, margin: limit - value, known: true });
+        }
+        let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit().is_error())?;
         let drawn = self.maps[operation].value?;
         let (value, known) = match &self.certificate {
             None => (drawn, true),

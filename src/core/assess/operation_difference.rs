@@ -124,6 +124,7 @@ fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String 
     };
     let what = match unit {
         Unit::Share => "share of failures".to_string(),
+        Unit::Cost => "the cost of its tolerances".to_string(),
         _ => shown(&operation.sense.name),
     };
     let (less, more) = (x.min(y), x.max(y));

@@ -1,7 +1,7 @@
 //! Context of one posture of an operation: all data that `budget` and `explain` need for its errors.
 
 use super::Requirement;
-use crate::cell::{Cell, JointVector, Layout, Placement, Registration, Unit};
+use crate::cell::{Cell, JointVector, Layout, Placement, Registration};
 use crate::error_map::{NodeSign, OperationMap, Status};
 use crate::layout::Workcell;
 use crate::reading::{ErrorEvaluator, WorkContext, WorkFrame};
@@ -149,7 +149,7 @@ impl PostureContext<'_> {
     /// Returns None without a limit. Also returns None if the quantity is the yield, whose definition
     /// already contains the limit.
     pub fn requirement(&self, value: f64) -> Option<Requirement> {
-        let limit = self.evaluator.limit.filter(|_| self.cell.unit() != Unit::Share)?;
+        let limit = self.evaluator.limit.filter(|_| !self.cell.is_yield())?;
         let (worst, known) = match self.worst {
             None => (value, true),
             Some(None) => (value, false),

@@ -1,7 +1,6 @@
 //! Remedies for the measured errors of a robot: calibrate it, move the equipment, or both.
 
 use super::{Assessment, Requirement};
-use crate::cell::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +68,7 @@ impl<'a> Remedies<'a> {
     /// Returns whether an operation has a limit that the objective does not contain already.
     pub fn has_limits(&self) -> bool {
         let [drawn, ..] = &self.columns;
-        drawn.cell.unit() != Unit::Share && drawn.cell.operations.iter().any(|o| o.limit.is_some())
+        drawn.cell.unit().is_error() && drawn.cell.operations.iter().any(|o| o.limit.is_some())
     }
 
     /// Returns whether a remedy gives a feasible layout within every limit.

@@ -1,6 +1,6 @@
 //! Choices that a cell file names by a word: error model, reading, registration and search.
 
-use super::goal::Goals;
+use super::goal::{Goal, Goals};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -164,17 +164,24 @@ pub enum Objective {
     /// The values are compared in the order of the operations in the file. A later operation decides only
     /// between layouts that are equally good for all earlier operations.
     Lexicographic,
+    /// Cost of the cheapest tolerances with which every operation keeps its limit.
+    ToleranceCost,
 }
 
 impl Objective {
-    pub const ALL: [Objective; 3] =
-        [Objective::WeightedSum, Objective::WeightedMaximum, Objective::Lexicographic];
+    pub const ALL: [Objective; 4] = [
+        Objective::WeightedSum,
+        Objective::WeightedMaximum,
+        Objective::Lexicographic,
+        Objective::ToleranceCost,
+    ];
 
     pub const fn name(self) -> &'static str {
         match self {
             Objective::WeightedSum => "sum",
             Objective::WeightedMaximum => "max",
             Objective::Lexicographic => "lexicographic",
+            Objective::ToleranceCost => "tolerance-cost",
         }
     }
 }
@@ -271,6 +278,14 @@ impl SearchSettings {
         pareto: Goals::NONE,
         keep: 0,
     };
+}
+
+impl SearchSettings {
+    /// Returns whether the search takes the cost of tolerances into account. Limits then bound the tolerances, not the
+    /// error at the present ones.
+    pub fn prices_tolerances(&self) -> bool {
+        self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
+    }
 }
 
 impl Default for SearchSettings {

@@ -23,11 +23,20 @@ pub enum Goal {
     Travel,
     /// Area of the convex hull of all floor spaces (robot base and equipment), m^2, minimized.
     Footprint,
+    /// Cost of the cheapest tolerances with which every operation keeps its limit, minimized.
+    Cost,
 }
 
 impl Goal {
-    pub const ALL: [Goal; 6] =
-        [Goal::Error, Goal::Clearance, Goal::JointLimits, Goal::Singularity, Goal::Travel, Goal::Footprint];
+    pub const ALL: [Goal; 7] = [
+        Goal::Error,
+        Goal::Clearance,
+        Goal::JointLimits,
+        Goal::Singularity,
+        Goal::Travel,
+        Goal::Footprint,
+        Goal::Cost,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -37,6 +46,7 @@ impl Goal {
             Goal::Singularity => "singularity",
             Goal::Travel => "travel",
             Goal::Footprint => "footprint",
+            Goal::Cost => "cost",
         }
     }
 
@@ -71,6 +81,7 @@ impl Goals {
         Some(goals)
     }
 
+    /// Every goal.
     pub fn all() -> Self {
         Self(Goal::ALL.map(Some))
     }

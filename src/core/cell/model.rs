@@ -5,6 +5,7 @@ use super::choices::*;
 use super::constraints::{Fence, Margins, TransferRules};
 use super::coordinate::Coordinate;
 use super::error_model::{ErrorSet, FrameErrors};
+use super::goal::Goal;
 use super::robot_model::Robot;
 use super::sense::{Sense, Unit};
 use super::shape::{Rectangle, Solid};
@@ -264,9 +265,21 @@ impl Cell {
 
     /// Returns the unit of the values that the objective combines.
     pub fn unit(&self) -> Unit {
-        match (self.reading, self.quantity) {
-            (Reading::Statistical, Quantity::Yield) => Unit::Share,
+        match self.search.objective {
+            Objective::ToleranceCost => Unit::Cost,
+            _ if self.is_yield() => Unit::Share,
             _ => self.operations.first().map_or(Unit::Length, |o| o.sense.unit),
         }
+    }
+
+    /// Returns the goals that layouts of this cell have: all, but the cost of tolerances only if the search prices these.
+    pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
+        let has_cost = self.search.prices_tolerances();
+        Goal::ALL.into_iter().filter(move |goal| has_cost || *goal != Goal::Cost)
+    }
+
+    /// Returns whether errors are read as the share of arms that exceed a limit.
+    pub fn is_yield(&self) -> bool {
+        (self.reading, self.quantity) == (Reading::Statistical, Quantity::Yield)
     }
 }

@@ -3,7 +3,7 @@
 //! Every interpretation, whether from a cell file, a flag or the page of `view`, is checked by
 //! [`Cell::faults_of`]. So the rules are stated only in this file.
 
-use super::choices::{Model, Quantity, Reading, Registration};
+use super::choices::{Model, NodeAggregation, Objective, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
 use super::model::*;
 use super::sense::Sense;
@@ -24,6 +24,8 @@ pub struct Interpretation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
     Reading,
+    /// Objective or goals of the search.
+    Objective,
     /// Limit of the operation with this index.
     Operation(usize),
     Sense(usize),
@@ -134,6 +136,9 @@ impl Cell {
                 |what| fault(About::Reading, format!("{what} a tolerance, which has no signed sample"), help);
             faults.extend(self.tolerances(interpretation.registration).into_iter().map(told));
         }
+        if self.search.prices_tolerances() {
+            faults.extend(self.pricing_faults(interpretation));
+        }
         if interpretation.is_yield() {
             let unlimited = |o: &Operation| interpretation.limit_of(o).is_none();
             for (k, operation) in self.operations.iter().enumerate().filter(|(_, o)| unlimited(o)) {
@@ -147,12 +152,54 @@ impl Cell {
             }
             return faults;
         }
+        if self.search.objective == Objective::ToleranceCost {
+            return faults;
+        }
         let Some(first) = self.operations.first() else { return faults };
         let unit = |o: &Operation| interpretation.sense_of(o).unit;
         for (k, other) in self.operations.iter().enumerate().filter(|(_, o)| unit(o) != unit(first)) {
             let [a, b] = [first, other].map(|o| format!("`{}` is measured in {}", o.name, unit(o).word()));
             let help = "choose senses of one unit, or the statistical reading and the quantity yield";
             faults.push(fault(About::Sense(k), format!("{b}, {a}: they cannot be added"), help));
+        }
+        faults
+    }
+
+    /// Returns every reason why the tolerances of the cell have no cost with which the limits are kept.
+    fn pricing_faults(&self, interpretation: &Interpretation) -> Vec<QuestionFault> {
+        let mut faults = Vec::new();
+        let mut refuse = |about, message: String, help: &str| {
+            faults.push(QuestionFault { about, message, help: help.to_string() });
+        };
+        let priced = self.search.objective == Objective::ToleranceCost;
+        if interpretation.reading == Reading::Signed {
+            let help = "choose the reading worst-case or statistical";
+            refuse(About::Reading, "a signed sample has no tolerances, so it has no cost".into(), help);
+        }
+        if priced && self.search.robust {
+            let help = "remove `robust`, or search for the least error";
+            refuse(About::Objective, "a robust search cannot minimize the cost of tolerances".into(), help);
+        }
+        if priced && !self.search.pareto.is_empty() {
+            let help = "use the goals error, cost with the objective sum";
+            refuse(About::Objective, "the objective tolerance-cost is a goal of its own".into(), help);
+        }
+        for (k, operation) in self.operations.iter().enumerate() {
+            if interpretation.limit_of(operation).is_none() {
+                let word = interpretation.sense_of(operation).unit.word();
+                let message = format!("`{}` has no limit, which the tolerances must keep", operation.name);
+                refuse(About::Operation(k), message, &format!("add limit_{word}, the largest allowed error"));
+            }
+            if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {
+                let message =
+                    format!("`{}` takes the {} of its nodes", operation.name, operation.over.name());
+                let help = "use over = \"max\", so that every node keeps the limit, or \"best\"";
+                refuse(
+                    About::Operation(k),
+                    format!("{message}, but a tolerance keeps a limit at a node"),
+                    help,
+                );
+            }
         }
         faults
     }

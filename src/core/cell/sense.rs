@@ -56,10 +56,17 @@ pub enum Unit {
     Angle,
     /// Share of failures among all trials, 0 to 1.
     Share,
+    /// Cost of tolerances, in the unit of the cost models.
+    Cost,
 }
 
 impl Unit {
-    pub const ALL: [Unit; 3] = [Unit::Length, Unit::Angle, Unit::Share];
+    pub const ALL: [Unit; 4] = [Unit::Length, Unit::Angle, Unit::Share, Unit::Cost];
+
+    /// Returns whether values in this unit are errors, which can be compared with the limit of an operation.
+    pub fn is_error(self) -> bool {
+        matches!(self, Unit::Length | Unit::Angle)
+    }
 
     /// Returns the name of the unit in files and reports.
     pub fn word(self) -> &'static str {
@@ -67,6 +74,7 @@ impl Unit {
             Unit::Length => "mm",
             Unit::Angle => "deg",
             Unit::Share => "share",
+            Unit::Cost => "cost",
         }
     }
 
@@ -75,7 +83,7 @@ impl Unit {
         match self {
             Unit::Length => units::mm_from_m(value),
             Unit::Angle => units::deg_from_rad(value),
-            Unit::Share => value,
+            Unit::Share | Unit::Cost => value,
         }
     }
 }

@@ -67,6 +67,7 @@ impl ToleranceCost {
     /// if all are looser, that of the tightest.
     pub fn cost(&self, u: f64) -> f64 {
         match &self.law {
+            CostLaw::Reciprocal { at, power: 1.0 } => at / u,
             CostLaw::Reciprocal { at, power } => at * u.powf(-power),
             CostLaw::Exponential { at, rate } => at * (-rate * (u - 1.0)).exp(),
             CostLaw::Grades(grades) => grades.get(self.grade(u).unwrap_or(0)).map_or(0.0, |g| g.cost),

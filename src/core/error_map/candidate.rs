@@ -16,6 +16,8 @@ pub struct PostureCandidate {
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
     pub contact: ArmContact,
+    /// Whether the value of the spot is a lower bound.
+    pub is_bound: bool,
 }
 
 /// Known contacts of a posture.
@@ -42,6 +44,8 @@ impl PartialOrd for PostureCandidate {
 impl Ord for PostureCandidate {
     fn cmp(&self, other: &Self) -> Ordering {
         let key = |c: &Self| (c.spot.node, c.spot.branch);
-        other.spot.value.total_cmp(&self.spot.value).then_with(|| key(other).cmp(&key(self)))
+        let by_value = other.spot.value.total_cmp(&self.spot.value);
+        // A bound may become any value above it, so it comes first.
+        by_value.then(self.is_bound.cmp(&other.is_bound)).then_with(|| key(other).cmp(&key(self)))
     }
 }

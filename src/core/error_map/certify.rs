@@ -54,7 +54,7 @@ impl OperationQuery<'_> {
         self.certify_lines(&nominal, demand)?;
         let (Some(Ok(value)), Ok(context)) = (demand.value, &self.context) else { return Ok(None) };
         let boxed = BoxedPosture { context, posture, frames, target: reach, joints: &joints };
-        Ok(Some(value.most(&self.setup.evaluator, chain, &boxed, &mut memory.scratch)))
+        Ok(Some(value.most(&self.setup.evaluator, chain, &boxed, &mut memory.scratch.evaluator)))
     }
 
     /// Returns why a posture that can be used in the layout as drawn is not certified; None if it is, or if no

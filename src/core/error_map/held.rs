@@ -79,7 +79,7 @@ impl OperationQuery<'_> {
         let PostureMemory { frames, scratch, .. } = memory;
         let context = self.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
         self.placed.mapper.arm.chain.place(posture, frames);
-        Ok(self.setup.evaluator.value(context, frames, scratch))
+        Ok(self.setup.value(context, frames, scratch))
     }
 }
 

@@ -19,6 +19,8 @@ struct AllCandidates<'c> {
 }
 
 impl PostureVisitor for AllCandidates<'_> {
+    const TAKES_BOUNDS: bool = true;
+
     fn candidate(&mut self, candidate: PostureCandidate) {
         self.candidates.push(candidate);
     }
@@ -89,7 +91,16 @@ impl OperationQuery<'_> {
             Ok(_) => {}
         }
         let mut heap = BinaryHeap::from(std::mem::take(*candidates));
-        let found = self.first_free(postures, |_| heap.pop());
+        let found = self.first_free(postures, |memory| {
+            while let Some(candidate) = heap.pop() {
+                // A posture that cannot be used needs no value.
+                if !candidate.is_bound || !self.is_usable(&candidate, memory) {
+                    return Some(candidate);
+                }
+                heap.extend(self.valued(&candidate, memory));
+            }
+            None
+        });
         **candidates = heap.into_vec();
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }

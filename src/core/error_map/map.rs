@@ -65,7 +65,8 @@ impl PlacedLayout<'_> {
             let node = &mut map.nodes[spot.node];
             if node.posture.as_ref().is_some_and(|posture| posture.branch != spot.branch) {
                 let target = query.setup.grid.target(&query.at, spot.node);
-                let candidate = PostureCandidate { spot: *spot, target, contact: ArmContact::Unknown };
+                let candidate =
+                    PostureCandidate { spot: *spot, target, contact: ArmContact::Unknown, is_bound: false };
                 node.posture = query.record(context, &candidate, &mut memory);
             }
         }
@@ -122,7 +123,7 @@ impl OperationQuery<'_> {
         let (arm, PostureMemory { scratch, frames, .. }) = (&self.placed.mapper.arm, memory);
         let branch = arm.inverse.branch_at(&candidate.target, &self.attitudes, candidate.spot.branch)?;
         arm.chain.place(&branch.posture, frames);
-        let judged = self.setup.evaluator.judge(context, frames, scratch);
+        let judged = self.setup.evaluator.judge(context, frames, &mut scratch.evaluator);
         let to_world = context.site.world.transpose();
         let world = |d: &Displacement| d.turned(&to_world);
         let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);
@@ -137,7 +138,7 @@ impl OperationQuery<'_> {
             linear_off: off(&judged.linear),
             second_order_off: off(&judged.second_order),
             touched: context.touches(&candidate.target),
-            value: judged.value,
+            value: if self.setup.pricing.is_some() { candidate.spot.value } else { judged.value },
             figures: judged.figures,
             success: judged.success,
         })

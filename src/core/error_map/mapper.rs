@@ -4,7 +4,8 @@ use super::grid::Grid;
 use super::held_posture::HeldPosture;
 use super::operation_setup::OperationSetup;
 use super::simd::Ranker;
-use crate::cell::{Cell, Coordinate, JointVector, Operation};
+use crate::allocation::TolerancePricing;
+use crate::cell::{Cell, Coordinate, JointVector, Operation, Unit};
 use crate::clearance::Scene;
 use crate::motion::Guard;
 use crate::reach::{Branch, CONTINUED, Cost, Inverse, Shell, ToolAttitudes};
@@ -27,6 +28,8 @@ pub struct Mapper {
     pub(super) ranks: bool,
     /// Spherical shell that bounds the reach of the arm in each operation; None if the shell saves no time.
     pub(super) shells: Vec<Option<Shell>>,
+    /// Tolerances with their cost models, if the search minimizes their cost or has it as a goal.
+    pub(super) tolerances: Option<Arc<TolerancePricing>>,
 }
 
 /// Forward and inverse kinematics of one arm, with the joint limits reduced by the margins of the cell.
@@ -49,10 +52,24 @@ impl Mapper {
             }
         }
         let arm = ArmKinematics { chain, inverse };
-        let setups: Vec<_> = cell.operations.iter().map(|o| OperationSetup::new(cell, o)).collect();
+        let mut setups: Vec<_> = cell.operations.iter().map(|o| OperationSetup::new(cell, o)).collect();
+        let tolerances = tolerances(cell, &setups)?;
+        if let Some(tolerances) = tolerances.as_ref().filter(|_| cell.unit() == Unit::Cost) {
+            setups.iter_mut().zip(&cell.operations).for_each(|(setup, o)| setup.price(tolerances, o));
+        }
         let shells = cell.operations.iter().map(|operation| shell(&arm.inverse, operation)).collect();
-        let rankers = setups.iter().map(|s| Ranker::new(&arm.inverse, &s.evaluator, &s.grid)).collect();
-        Ok(Self { arm, scene, setups, guard: Guard::new(cell), rankers, ranks: true, shells })
+        let ranker = |s: &OperationSetup| match &s.pricing {
+            None => Ranker::new(&arm.inverse, &s.evaluator, &s.grid),
+            Some(_) => None,
+        };
+        let rankers = setups.iter().map(ranker).collect();
+        let guard = Guard::new(cell);
+        Ok(Self { arm, scene, setups, guard, rankers, ranks: true, shells, tolerances })
+    }
+
+    /// Returns the cost of the tightest tolerances; 0 if the cell does not price tolerances.
+    pub fn most_cost(&self) -> f64 {
+        self.tolerances.as_ref().map_or(0.0, |tolerances| tolerances.most())
     }
 
     /// Returns the solids of the cell.
@@ -119,6 +136,21 @@ impl Mapper {
     /// Returns whether the moves between operations are checked.
     pub fn asks_transfers(&self) -> bool {
         self.guard.as_ref().is_some_and(Guard::asks_transfers)
+    }
+}
+
+/// Collects the tolerances of a cell if a search takes their cost into account.
+///
+/// # Errors
+/// Returns the reason if the cell has no tolerance.
+fn tolerances(cell: &Cell, setups: &[OperationSetup]) -> Result<Option<Arc<TolerancePricing>>, String> {
+    if !cell.search.prices_tolerances() {
+        return Ok(None);
+    }
+    let evaluators: Vec<&ErrorEvaluator> = setups.iter().map(|setup| &setup.evaluator).collect();
+    match TolerancePricing::new(cell, &evaluators) {
+        Some(tolerances) => Ok(Some(Arc::new(tolerances))),
+        None => Err("no error has a tolerance of its own, so there is no cost of tolerances".into()),
     }
 }
 

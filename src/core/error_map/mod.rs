@@ -24,6 +24,7 @@ mod free_spots;
 mod grid;
 mod held;
 mod held_posture;
+mod joint_price;
 mod least_error;
 mod map;
 mod mapper;

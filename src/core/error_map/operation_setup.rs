@@ -2,8 +2,11 @@
 //! frame.
 
 use super::grid::Grid;
+use crate::allocation::{DEFAULT_YIELD, FigureScratch, NodeFigure, OperationPricing, TolerancePricing};
 use crate::cell::{Cell, NodeAggregation, Operation, Registration};
-use crate::reading::ErrorEvaluator;
+use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext};
+use crate::robot::Frames;
+use std::sync::Arc;
 
 /// Everything about one operation that does not depend on the layout.
 pub struct OperationSetup {
@@ -13,6 +16,8 @@ pub struct OperationSetup {
     /// Rule that combines the values of the nodes.
     pub over: NodeAggregation,
     pub evaluator: ErrorEvaluator,
+    /// Prices of the nodes, if the search minimizes the cost of the tolerances instead of the error.
+    pub pricing: Option<OperationPricing>,
     /// Index of the operation that picks the part; None if this operation places no picked part.
     pub relative_to: Option<usize>,
     pub teach: TeachPoints,
@@ -41,10 +46,46 @@ impl OperationSetup {
             equipment: operation.equipment,
             over: operation.over,
             evaluator: ErrorEvaluator::new(cell, operation),
+            pricing: None,
             relative_to: operation.relative_to,
             grid,
             teach,
         }
+    }
+}
+
+/// Working memory for the value of a posture.
+pub struct ValueScratch {
+    pub evaluator: EvaluatorScratch,
+    pub figure: FigureScratch,
+}
+
+impl OperationSetup {
+    /// Lets the operation minimize the cost of the tolerances with which it keeps its limit.
+    pub fn price(&mut self, tolerances: &Arc<TolerancePricing>, operation: &Operation) {
+        self.pricing = OperationPricing::new(tolerances.clone(), operation, &self.evaluator);
+    }
+
+    /// Returns what the search minimizes: an error (m or rad), a share of failures, or a cost of tolerances.
+    pub fn value(&self, context: &WorkContext, frames: &Frames, memory: &mut ValueScratch) -> f64 {
+        match &self.pricing {
+            None => self.evaluator.value(context, frames, &mut memory.evaluator),
+            Some(pricing) => {
+                let node = self.figure(context, frames);
+                pricing.price(&node, &mut memory.evaluator, &mut memory.figure)
+            }
+        }
+    }
+
+    /// Returns a lower bound of [`Self::value`] if it costs much less than the value.
+    pub fn bound(&self, context: &WorkContext, frames: &Frames, memory: &mut ValueScratch) -> Option<f64> {
+        let pricing = self.pricing.as_ref()?;
+        Some(pricing.bound(&self.figure(context, frames), &mut memory.evaluator, &mut memory.figure))
+    }
+
+    /// Returns the figure of the operation at a posture.
+    pub fn figure<'a>(&'a self, context: &'a WorkContext, frames: &'a Frames) -> NodeFigure<'a> {
+        NodeFigure { evaluator: &self.evaluator, context, frames, share: DEFAULT_YIELD }
     }
 }
 

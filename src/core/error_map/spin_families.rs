@@ -64,7 +64,7 @@ impl OperationQuery<'_> {
         let spins = self.attitudes.spin_rotations();
         let is_reached = arm.inverse.visit_families(&target, &self.attitudes, posture, |first, posture| {
             arm.chain.place(posture, frames);
-            let bound = evaluator.least_over_spins(context, frames, spins, scratch);
+            let bound = evaluator.least_over_spins(context, frames, spins, &mut scratch.evaluator);
             families.push(SpinFamily { bound, node, first, member: None, target });
         });
         if !is_reached {
@@ -90,9 +90,9 @@ impl OperationQuery<'_> {
             }
             if let Some(posture) = inverse.posture(&target, &self.attitudes, first) {
                 chain.place(&posture, frames);
-                let value = evaluator.value(context, frames, scratch);
+                let value = evaluator.value(context, frames, &mut scratch.evaluator);
                 let spot = Spot { node, branch: first, value };
-                queue.judged.push(PostureCandidate { spot, target, contact });
+                queue.judged.push(PostureCandidate { spot, target, contact, is_bound: false });
             }
             return;
         }
@@ -113,10 +113,12 @@ impl OperationQuery<'_> {
                 return;
             }
             if evaluator.has_dear_spin_bound() {
-                let spot = Spot { node, branch, value: evaluator.value(context, frames, scratch) };
-                queue.judged.push(PostureCandidate { spot, target, contact });
+                let spot =
+                    Spot { node, branch, value: evaluator.value(context, frames, &mut scratch.evaluator) };
+                queue.judged.push(PostureCandidate { spot, target, contact, is_bound: false });
             } else {
-                let bound = evaluator.least_over_spins(context, frames, &[(1.0, 0.0)], scratch);
+                let bound =
+                    evaluator.least_over_spins(context, frames, &[(1.0, 0.0)], &mut scratch.evaluator);
                 let member = Some(contact);
                 queue.families.push(SpinFamily { bound, node, first: branch, member, target });
             }

@@ -54,6 +54,9 @@ pub trait PostureVisitor {
     /// spot.
     const JUDGES_TOUCHED: bool = false;
 
+    /// Whether candidates may carry a lower bound of their value, if the value costs much more.
+    const TAKES_BOUNDS: bool = false;
+
     /// Receives a posture within the joint limits.
     fn candidate(&mut self, candidate: PostureCandidate);
 
@@ -149,6 +152,7 @@ impl<'a> OperationQuery<'a> {
         let context = self.context.as_ref().ok();
         let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
         let mut reached = false;
+        let takes_bounds = V::TAKES_BOUNDS && self.setup.pricing.is_some();
         let mut before = None;
         let gap = arm.inverse.visit(&target, &self.attitudes, posture, |branch, posture| {
             reached = true;
@@ -156,15 +160,32 @@ impl<'a> OperationQuery<'a> {
                 arm.chain.place(posture, frames);
                 let value = match before {
                     Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,
-                    _ => self.setup.evaluator.value(context, frames, scratch),
+                    _ if takes_bounds => {
+                        self.setup.bound(context, frames, scratch).unwrap_or(f64::NEG_INFINITY)
+                    }
+                    _ => self.setup.value(context, frames, scratch),
                 };
                 before = self.setup.evaluator.ignores_spin().then_some((*frames, value));
                 let (spot, contact) = (Spot { node, branch, value }, ArmContact::Unknown);
-                visitor.candidate(PostureCandidate { spot, target, contact });
+                visitor.candidate(PostureCandidate { spot, target, contact, is_bound: takes_bounds });
             }
         });
         let missed = (!reached).then_some(gap);
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
+    }
+
+    /// Replaces the lower bound of a candidate by its value.
+    pub fn valued(
+        &self,
+        candidate: &PostureCandidate,
+        memory: &mut PostureMemory,
+    ) -> Option<PostureCandidate> {
+        let PostureMemory { frames, scratch, .. } = memory;
+        let (arm, context) = (&self.placed.mapper.arm, self.context.as_ref().ok()?);
+        let posture = arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch)?;
+        arm.chain.place(&posture, frames);
+        let value = self.setup.value(context, frames, scratch);
+        Some(PostureCandidate { spot: Spot { value, ..candidate.spot }, is_bound: false, ..*candidate })
     }
 
     /// Returns whether two postures have the same frames, bit by bit, except for the rotation of the tool.
@@ -208,6 +229,14 @@ impl<'a> OperationQuery<'a> {
             }
         }
         found
+    }
+
+    /// Returns whether [`Self::first_free`] would take a candidate.
+    pub fn is_usable(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
+        let PostureCandidate { spot, target, .. } = candidate;
+        self.is_free(candidate, memory)
+            && self.refusal(target, spot.branch).is_none()
+            && self.uncertainty(target, spot.branch, memory).is_none()
     }
 
     /// Returns whether the posture of a candidate is free of collisions.

@@ -3,10 +3,11 @@
 use super::candidate::PostureCandidate;
 use super::family_queue::SpinFamily;
 use super::mapper::Mapper;
+use super::operation_setup::ValueScratch;
 use super::simd::Ranking;
+use crate::allocation::FigureScratch;
 use crate::clearance::ContactMemory;
 use crate::reach::ToolAttitudes;
-use crate::reading::EvaluatorScratch;
 use crate::robot::{Frames, Posture};
 
 /// Memory of the search for spots, kept from layout to layout.
@@ -22,7 +23,7 @@ pub struct MapperWorkspace {
 
 /// Memory for judging the postures of one operation.
 pub struct PostureMemory {
-    pub scratch: EvaluatorScratch,
+    pub scratch: ValueScratch,
     pub frames: Frames,
     pub contacts: ContactMemory,
     /// Posture to which the inverse kinematics writes.
@@ -33,7 +34,10 @@ impl PostureMemory {
     /// Creates the memory of one operation.
     pub fn new(mapper: &Mapper, operation: usize) -> Self {
         Self {
-            scratch: mapper.evaluator(operation).memory(),
+            scratch: ValueScratch {
+                evaluator: mapper.evaluator(operation).memory(),
+                figure: FigureScratch::default(),
+            },
             frames: Frames::default(),
             contacts: ContactMemory::default(),
             posture: mapper.inverse().scratch(),

@@ -1,7 +1,6 @@
 //! Evaluation of one layout: overlaps, reach, limits, errors, collisions and the resulting cost.
 
 use super::certify::is_between_solids;
-use super::objective::combined;
 use super::spot_choice::{SpotMemory, SpotQuery, SpotValue, penalty};
 use super::workcell::Workcell;
 use crate::cell::{Cell, Layout, Misfit};
@@ -119,13 +118,13 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
     let operations = Operations::evaluate(workcell, &placed, memory);
     let overlaps = found.clone();
     let (transfers, blocked) = transfers(&placed, &overlaps, &operations.spots);
-    *solids = placed.into_solids();
     let depth = overlaps.iter().map(|o| o.depth).sum::<f64>().max(near.iter().map(|o| o.depth).sum());
-    let Operations { outcomes, values, most, lost, .. } = operations;
+    let Operations { outcomes, spots, values, most, lost } = operations;
     let is_apart = depth == 0.0;
     let is_blocked = blocked.is_some();
     let is_feasible = is_apart && !is_blocked && values.len() == outcomes.len();
-    let objective = is_feasible.then(|| combined(&workcell.cell, &values));
+    let objective = is_feasible.then(|| workcell.objective(&placed, &spots, &values, memory.mapper()));
+    *solids = placed.into_solids();
     let cost = match objective {
         Some(objective) => workcell.priced(objective, &most),
         None => {

@@ -2,7 +2,7 @@
 
 use super::evaluation::Evaluation;
 use super::workcell::Workcell;
-use crate::cell::{Goal, Goals, JointVector, Layout};
+use crate::cell::{Goal, Goals, JointVector, Layout, Unit};
 use crate::clearance::footprint;
 use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot};
 use crate::motion::{Measures, direct_travel, measures};
@@ -16,6 +16,7 @@ struct WorkingPostures<'a> {
     workcell: &'a Workcell,
     placed: PlacedLayout<'a>,
     evaluation: &'a Evaluation,
+    found: Vec<Option<Spot>>,
     /// Joint coordinates at the spot of every operation.
     spots: Vec<JointVector>,
     /// Index of the operation and joint coordinates, for every node where an operation happens.
@@ -38,6 +39,8 @@ impl Workcell {
     /// - travel: the joint travel (rad) of the transfers or, if they are not checked, of direct moves from
     ///   spot to spot.
     /// - footprint: area (m^2) of the convex hull of the floor spaces of robot base and equipment.
+    /// - cost: cost of the cheapest tolerances with which every operation keeps its limit at its spot; not a number if
+    ///   the search does not price tolerances.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
         let objective = evaluation.objective.filter(|_| self.cell.misfit(layout).is_none())?;
         let worked = WorkingPostures::new(self, layout, evaluation)?;
@@ -48,6 +51,7 @@ impl Workcell {
             Goal::Singularity => worked.least(|m| m.singularity),
             Goal::Travel => worked.travel(),
             Goal::Footprint => footprint(&self.cell, layout),
+            Goal::Cost => worked.cost(),
         };
         Some(goals.iter().map(value).collect())
     }
@@ -69,7 +73,7 @@ impl<'a> WorkingPostures<'a> {
                 postures.extend(spots.last().map(|joints| (k, *joints)));
             }
         }
-        Some(Self { workcell, placed, evaluation, spots, postures })
+        Some(Self { workcell, placed, evaluation, found: all, spots, postures })
     }
 
     fn clearance(&self) -> f64 {
@@ -85,6 +89,15 @@ impl<'a> WorkingPostures<'a> {
         let chain = Chain::new(robot);
         let of = |(_, joints): &(usize, JointVector)| measure(&measures(&chain, joints, robot.reach()));
         self.postures.iter().map(of).fold(f64::INFINITY, f64::min)
+    }
+
+    fn cost(&self) -> f64 {
+        let Workcell { cell, .. } = self.workcell;
+        if cell.unit() == Unit::Cost {
+            return self.evaluation.objective.unwrap_or(f64::NAN);
+        }
+        let mut memory = MapperWorkspace::default();
+        self.placed.joint_price(cell, &self.found, &mut memory).unwrap_or(f64::NAN)
     }
 
     fn travel(&self) -> f64 {

@@ -144,7 +144,7 @@ impl<'a> HeldLayout<'a> {
     /// # Errors
     /// Returns the first reason why the layout does not work, misses a limit, or has an objective above `most`.
     pub fn judge(&self, layout: &Layout, most: f64, memory: &mut HeldMemory) -> Result<f64, Ending> {
-        self.objective(&self.values(layout, most, None, memory)?, most)
+        self.kept_objective(&self.values(layout, most, None, memory)?, most)
     }
 
     /// Judges another layout like [`Self::judge`], but takes the values of the operations that the moved body does
@@ -159,22 +159,29 @@ impl<'a> HeldLayout<'a> {
         known: &Uncarried,
         memory: &mut HeldMemory,
     ) -> Result<f64, Ending> {
-        self.objective(&self.values(layout, most, Some(known), memory)?, most)
+        self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
     /// Returns the values of the operations that do not depend on a piece of equipment; None if the layout does not
     /// hold as found.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
-        let values = self.values(self.layout, f64::INFINITY, None, memory).ok()?;
+        let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;
         let depends = |k: usize| cell.rides_on(cell.operations[k].equipment, equipment);
         let carried = |k: usize| depends(k) || cell.operations[k].relative_to.is_some_and(depends);
         Some(Uncarried(values.into_iter().enumerate().map(|(k, v)| (!carried(k)).then_some(v)).collect()))
     }
 
-    /// Combines the values of the operations, and checks their limits.
-    fn objective(&self, values: &[OperationValue], most: f64) -> Result<f64, Ending> {
-        let objective = self.within(values, most)?;
+    /// Checks the limits of the operations and the largest objective that is allowed; returns the objective.
+    fn kept_objective(
+        &self,
+        (values, objective): &(Vec<OperationValue>, f64),
+        most: f64,
+    ) -> Result<f64, Ending> {
+        let objective = *objective;
+        if objective > most {
+            return Err(Ending::Objective);
+        }
         let worst: Vec<f64> = values.iter().map(|v| v.worst).collect();
         if self.workcell.priced(objective, &worst) != objective {
             let limits = self.workcell.cell.operations.iter().map(|o| o.limit);
@@ -184,21 +191,21 @@ impl<'a> HeldLayout<'a> {
         Ok(objective)
     }
 
-    /// Returns the objective if it is at most `most`.
-    fn within(&self, values: &[OperationValue], most: f64) -> Result<f64, Ending> {
+    /// Checks that a lower bound of the objective is at most `most`.
+    fn within(&self, values: &[OperationValue], most: f64) -> Result<(), Ending> {
         let values: Vec<f64> = values.iter().map(|v| v.value).collect();
-        let objective = combined(&self.workcell.cell, &values);
-        if objective > most { Err(Ending::Objective) } else { Ok(objective) }
+        let bound = combined(&self.workcell.cell, &values);
+        if bound > most { Err(Ending::Objective) } else { Ok(()) }
     }
 
-    /// Returns spot and values of every operation in another layout. Limits are not checked.
+    /// Returns spot and values of every operation in another layout, and the objective. Limits are not checked.
     fn values(
         &self,
         layout: &Layout,
         most: f64,
         known: Option<&Uncarried>,
         memory: &mut HeldMemory,
-    ) -> Result<Vec<OperationValue>, Ending> {
+    ) -> Result<(Vec<OperationValue>, f64), Ending> {
         let HeldMemory { overlaps, solids, misplacements, .. } = memory;
         let workcell = self.workcell;
         if let Some(overlap) = first_overlap(workcell, layout, overlaps) {
@@ -213,6 +220,12 @@ impl<'a> HeldLayout<'a> {
         let placed = placed.keeping(&self.kept);
         let judgement = Judgement { held: self, placed: &placed, most, known };
         let found = judgement.values(&mut memory.choice, &mut memory.bounds);
+        let found = found.map(|values| {
+            let spots: Vec<Option<Spot>> = values.iter().map(|v| Some(v.spot)).collect();
+            let each: Vec<f64> = values.iter().map(|v| v.value).collect();
+            let objective = workcell.objective(&placed, &spots, &each, &mut memory.bounds);
+            (values, objective)
+        });
         memory.solids = placed.into_solids();
         found
     }

@@ -2,6 +2,7 @@
 
 use super::workcell::Workcell;
 use crate::cell::{Cell, Objective, Unit};
+use crate::error_map::{MapperWorkspace, PlacedLayout, Spot};
 
 /// Penalty of a feasible layout that misses a limit, as a multiple of [`Workcell::weight`].
 ///
@@ -30,6 +31,31 @@ impl Workcell {
             Objective::WeightedSum => weights.sum(),
             Objective::WeightedMaximum => weights.fold(0.0, f64::max),
             Objective::Lexicographic => 1.0,
+            Objective::ToleranceCost => self.mapper.most_cost(),
+        }
+    }
+
+    /// Returns the cost of the tightest tolerances; 0 if the search does not price tolerances.
+    pub fn tightest_cost(&self) -> f64 {
+        self.mapper.most_cost()
+    }
+
+    /// Returns the objective of a feasible layout (m, rad, share of failures, or cost) from the spots and the values
+    /// of its operations.
+    pub(super) fn objective(
+        &self,
+        placed: &PlacedLayout<'_>,
+        spots: &[Option<Spot>],
+        values: &[f64],
+        memory: &mut MapperWorkspace,
+    ) -> f64 {
+        let bound = combined(&self.cell, values);
+        let is_joint = self.cell.search.objective == Objective::ToleranceCost
+            && (values.len() > 1 || self.cell.operations.iter().any(|o| o.over.needs_every_node()));
+        match is_joint {
+            // One set of tolerances must serve all operations.
+            true => placed.joint_price(&self.cell, spots, memory).map_or(bound, |joint| joint.max(bound)),
+            false => bound,
         }
     }
 
@@ -39,9 +65,20 @@ impl Workcell {
     /// An infinite value counts as [`UNKNOWN_EXCESS`] above the limit.
     ///
     /// A share of failures is not compared with the limit, because it already counts the arms that exceed the
-    /// limit.
+    /// limit. If the search prices tolerances, the limit bounds these, and a penalty applies only if the tightest
+    /// ones exceed it.
     pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
-        let limited = self.cell.operations.iter().zip(values).filter(|_| self.cell.unit() != Unit::Share);
+        if self.cell.unit() == Unit::Cost {
+            let excess = objective / self.mapper.most_cost() - 1.0;
+            let is_kept = excess <= 0.0;
+            return if is_kept {
+                objective
+            } else {
+                self.weight() * (LIMIT_PENALTY + excess.min(UNKNOWN_EXCESS))
+            };
+        }
+        let is_compared = self.cell.unit().is_error() && !self.cell.search.prices_tolerances();
+        let limited = self.cell.operations.iter().zip(values).filter(|_| is_compared);
         let excess =
             limited.filter_map(|(o, value)| o.limit.map(|limit| (value - limit).clamp(0.0, UNKNOWN_EXCESS)));
         match excess.sum::<f64>() {
@@ -53,6 +90,8 @@ impl Workcell {
 
 /// Combines the values of all operations (m, rad, or share of failures) into the objective of the cell.
 ///
+/// The greatest of several costs of tolerances is a lower bound of the cost of tolerances that serve all operations.
+///
 /// The objective never rises when a value falls. Lower bounds of the values therefore give a lower bound of
 /// the objective.
 pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
@@ -60,6 +99,7 @@ pub fn combined(cell: &Cell, values: &[f64]) -> f64 {
     match cell.search.objective {
         Objective::WeightedSum => weighted.sum(),
         Objective::WeightedMaximum => weighted.fold(0.0, |a, b| b.max(a)),
+        Objective::ToleranceCost => values.iter().fold(0.0, |a: f64, b| a.max(*b)),
         Objective::Lexicographic => lexicographic(values, cell.search.indifference),
     }
 }

@@ -24,7 +24,7 @@
 use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
-use crate::cell::{Layout, Slot, Unit};
+use crate::cell::{Layout, Slot};
 use crate::error_map::{HeldPosture, OperationMap, Probe, Spot, Status};
 use crate::units::rad_from_deg;
 use rayon::prelude::*;
@@ -174,7 +174,7 @@ impl Workcell {
         map: &OperationMap,
         spots: &[Option<Spot>],
     ) -> HeldOperation<'a> {
-        let limit = self.cell.operations[map.operation].limit.filter(|_| self.cell.unit() != Unit::Share);
+        let limit = self.cell.operations[map.operation].limit.filter(|_| self.cell.unit().is_error());
         let (held, spots) = (self.held_nodes(layout, map), spots.to_vec());
         HeldOperation { workcell: self, layout, operation: map.operation, held, spots, limit }
     }

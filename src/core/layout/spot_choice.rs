@@ -45,6 +45,11 @@ pub struct SpotMemory {
 }
 
 impl SpotMemory {
+    /// Returns the memory of the search for spots.
+    pub fn mapper(&mut self) -> &mut MapperWorkspace {
+        &mut self.mapper
+    }
+
     /// Returns the usable spot of every node of an operation; None if a node has none.
     pub fn every_free(
         &mut self,
@@ -128,7 +133,8 @@ impl SpotQuery<'_> {
     /// Returns whether the objective or a limit depends on the value at the misplacements.
     pub fn needs_bound(&self) -> bool {
         let cell = &self.workcell.cell;
-        cell.search.robust || cell.operations[self.operation].limit.is_some()
+        let is_limited = cell.operations[self.operation].limit.is_some();
+        cell.search.robust || is_limited && !cell.search.prices_tolerances()
     }
 }
 

@@ -93,6 +93,8 @@ pub enum WhyNot {
     ManyRows,
     /// The value is a share of failures, which has no lower bound above 0.
     Share,
+    /// The value is a cost of tolerances.
+    Cost,
     /// The lower bound did not rise above 0 within the allowed number of boxes of joint coordinates.
     Boxes,
     /// The errors vary about means that are not 0, and the model of their worst case is not linear.
@@ -116,6 +118,7 @@ impl WhyNot {
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",
+            Self::Cost => "the cost of its tolerances has no bound yet",
             Self::Boxes => "no bound above 0 was found within the boxes allowed",
             Self::Mean => "a nonlinear worst case about measured means has no bound",
             Self::Refuted => "a bound would be of its first-order figure, which the samples refute",

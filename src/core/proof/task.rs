@@ -7,7 +7,7 @@ use super::nonlinear_error::ChainDifference;
 use super::region::{ConstrainedQuantity, Constraint, OperationRegion};
 use super::taylor_model::{ChainGeometry, RigidPieces, Taylor, along, radius, rates};
 use super::value_bound::EffectSum;
-use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row};
+use crate::cell::{Cell, Frame, JointKind, JointVector, MAX_JOINTS, Model, Reading, Registration, Row, Unit};
 use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws, largest_deflection, motions};
 use crate::layout::Workcell;
 use crate::pose::Pose;
@@ -60,6 +60,9 @@ impl<'a> Task<'a> {
             (&cell.operations[region.operation], workcell.evaluator(region.operation));
         let chain = workcell.inverse().chain();
         refuse(cell, region.operation)?;
+        if cell.unit() == Unit::Cost {
+            return Err(WhyNot::Cost);
+        }
         let rows = rows(cell, evaluator, region.operation)?;
         let sample = evaluator.reading == Reading::Signed && evaluator.model != Model::Linear;
         let is_corner = evaluator.reading == Reading::WorstCase && evaluator.model != Model::Linear;

@@ -32,6 +32,13 @@ pub struct ErrorSource {
     robot: Option<usize>,
 }
 
+impl ErrorSource {
+    /// Returns whether the source has a tolerance that can be chosen: it is neither measured nor correlated.
+    pub fn is_own_tolerance(&self) -> bool {
+        self.spread.is_some() && self.plus_minus > 0.0
+    }
+}
+
 /// Error sources of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorSources {

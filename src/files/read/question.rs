@@ -12,6 +12,11 @@ pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
             About::Reading => {
                 ["reading", "errors"].into_iter().find_map(|key| root.value.get(key)).map(|n| n.at)
             }
+            About::Objective => {
+                let search = root.value.get("search");
+                let keys = ["robust", "objective", "pareto"].into_iter();
+                search.and_then(|s| keys.filter_map(|key| s.value.get(key)).next()).map(|n| n.at)
+            }
             About::Operation(k) => {
                 let flag = root.value.get("quantity").map(|node| node.at).filter(|at| lib.is_flag(*at));
                 flag.or_else(|| operation(cell, root, k).map(|node| node.at))

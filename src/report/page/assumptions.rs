@@ -5,7 +5,7 @@ use super::subject::{Manifest, Subject};
 use super::verdict::reading_in_words;
 use crate::cell::{Cell, Distribution, ErrorSet, Registration, Tolerance};
 use crate::files::shown;
-use crate::record::{caveats, is_guess, value_word};
+use crate::record::{caveats, is_guess, reading_word};
 use crate::report::text::{distrust, extrapolation};
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
@@ -13,7 +13,7 @@ use crate::units::{mm_from_m, percent_from_share, rounded};
 pub fn section(subject: &Subject<'_>) -> Section {
     let cell = subject.cell();
     let mut rows = vec![
-        said("Reading", format!("{}: {}", value_word(cell), reading_in_words(cell))),
+        said("Reading", format!("{}: {}", reading_word(cell), reading_in_words(cell))),
         said("Registration", registration(cell).into()),
         said("Errors", [errors(cell), extrapolated(subject)].concat()),
         said("Model", format!("{} model of the error; {}", cell.model.name(), trust(subject))),

@@ -223,11 +223,12 @@ fn pareto(subject: &Subject<'_>) -> Section {
             "These are the best layouts that clearly differ. Each one is a cell file in the folder of the search.".into()
         }
     });
-    let heads: Vec<String> = Goal::ALL.into_iter().map(|goal| goals::head(subject.cell(), goal)).collect();
+    let heads: Vec<String> =
+        subject.cell().measured_goals().map(|goal| goals::head(subject.cell(), goal)).collect();
     let head: Vec<&str> = ["file"].into_iter().chain(heads.iter().map(String::as_str)).collect();
     let row = |a: &&AlternativeEntry| {
         let told = |goal| format!("{:.4}", rounded(a.goals.get(goal), 4));
-        std::iter::once(shown(&a.file)).chain(Goal::ALL.map(told)).collect()
+        std::iter::once(shown(&a.file)).chain(subject.cell().measured_goals().map(told)).collect()
     };
     section.tables.push(PageTable::new("", &head, all.iter().map(row).collect()));
     let picture = chart::pareto(subject.cell(), &record(subject, found));

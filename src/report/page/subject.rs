@@ -11,7 +11,7 @@ pub fn si(unit: Unit, value: f64) -> f64 {
     match unit {
         Unit::Length => m_from_mm(value),
         Unit::Angle => rad_from_deg(value),
-        Unit::Share => value,
+        Unit::Share | Unit::Cost => value,
     }
 }
 

@@ -11,7 +11,7 @@ use crate::proof::Covers;
 use crate::record::{
     CellYieldEntry, FactEntry, FactMood, PlacementEntry, ProvenOperation, REPORT_SCHEMA, RegionEntry,
     RequirementState, RunnerUpEntry, SearchResult, TurnEntry, VerdictAnswer, VerdictDocument,
-    VerdictPlacement, VerdictSpot, VerdictSubject, value_word,
+    VerdictPlacement, VerdictSpot, VerdictSubject, reading_word, value_word,
 };
 use crate::region::MovableBody;
 use crate::report::text::yield_in_words;
@@ -169,12 +169,13 @@ fn summed(cell: &Cell) -> String {
     let names: Vec<String> = senses.collect();
     let weighted = cell.operations.iter().any(|o| o.weight != 1.0);
     let how = match (names.len(), cell.search.objective) {
-        (1, _) => "",
+        (1, objective) if objective != Objective::ToleranceCost => "",
         (_, Objective::WeightedSum) if weighted => "weighted sum of ",
         (_, Objective::WeightedSum) => "sum of ",
         (_, Objective::WeightedMaximum) if weighted => "weighted maximum of ",
         (_, Objective::WeightedMaximum) => "maximum of ",
         (_, Objective::Lexicographic) => "in order of priority: ",
+        (_, Objective::ToleranceCost) => "cost of the tolerances that keep the limits in ",
     };
     let misplaced = if cell.search.robust { ", at the worst misplacement" } else { "" };
     format!("{how}{}{misplaced}", names.join(" and "))
@@ -192,7 +193,12 @@ pub fn reading_in_words(cell: &Cell) -> String {
         0 | 1 => "",
         _ => "in each operation alone, ",
     };
-    match value_word(cell) {
+    let priced = match cell.search.objective {
+        Objective::ToleranceCost => "cost of the cheapest tolerances that keep the limit, as judged by: ",
+        _ => "",
+    };
+    let alone = format!("{priced}{alone}");
+    match reading_word(cell) {
         "error" => format!("for the one arm with the errors {set}"),
         "worst case" => format!("{alone}largest value for any arm within the tolerances {set}"),
         "p95" => format!("{alone}95 of 100 arms built to the tolerances {set} have a smaller error"),

@@ -6,7 +6,7 @@ use crate::assess::{Assessment, Comparison, Requirement};
 use crate::cell::{Cell, Coordinate, JointKind, Objective, Slot, Unit};
 use crate::error_map::NodeSign;
 use crate::layout::Refined;
-use crate::record::{joints as joint_coordinates, near_limits, value_word};
+use crate::record::{joints as joint_coordinates, near_limits, reading_word};
 use crate::units::{deg_from_rad, rounded};
 use std::fmt::Write;
 
@@ -62,6 +62,7 @@ fn objective_label(cell: &Cell) -> String {
         (_, Objective::WeightedSum) => ", weighted sum",
         (_, Objective::WeightedMaximum) => ", weighted maximum",
         (_, Objective::Lexicographic) => ", in order of priority",
+        (_, Objective::ToleranceCost) => ", tolerances that serve all operations,",
     };
     let misplaced = if cell.search.robust { " if misplaced" } else { "" };
     format!("objective{misplaced}{how} {}", cell.unit().word()).trim_end().to_string()
@@ -127,7 +128,7 @@ fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
         let value = |a: &Assessment<'_>| a.maps[k].value.map_or("-".into(), |v| fixed(unit.from_si(v), 4));
         table.labelled("", &word, columns.iter().map(value));
     }
-    if let Some(limit) = operation.limit.filter(|_| unit != Unit::Share) {
+    if let Some(limit) = operation.limit.filter(|_| unit.is_error()) {
         let word = format!("limit {} {}", fixed(unit.from_si(limit), 4), unit.word());
         let told = |a: &Assessment<'_>| a.requirement(k).map_or("-".into(), |r| margin(a.cell.unit(), r));
         table.labelled("", &word, columns.iter().map(told));
@@ -188,7 +189,7 @@ fn operation_rows(table: &mut TextTable, k: usize, comparison: &Comparison<'_>) 
     table.labelled("", &format!("{units}{note}"), columns.iter().map(joints));
     attitude_rows(table, k, columns);
     let cell = columns[0].cell;
-    let word = if cell.unit() == Unit::Share { "p95" } else { value_word(cell) };
+    let word = if cell.is_yield() { "p95" } else { reading_word(cell) };
     for sense in &columns[0].maps[k].senses {
         let asked = if *sense == operation.sense { " <- own sense" } else { "" };
         let error = |a: &Assessment<'_>| a.error_at(k, &sense.name);

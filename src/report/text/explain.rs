@@ -7,7 +7,7 @@ use crate::assess::{Explanation, MotionFrame, ParameterEffect, ParameterMotion};
 use crate::cell::{Convention, Frame, JointKind, Reading, Registration};
 use crate::pose::Displacement;
 use crate::record::parameter_names::{self as names, frame_name};
-use crate::record::{ParameterUnit, value_word};
+use crate::record::{ParameterUnit, reading_word};
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 use std::fmt::Write;
@@ -262,7 +262,7 @@ fn risk(e: &Explanation<'_>) -> String {
         out,
         "\n{} reading: {} {value} {}",
         evaluator.reading.name(),
-        value_word(e.context.cell),
+        reading_word(e.context.cell),
         e.unit().word()
     );
     out

@@ -3,7 +3,7 @@
 use super::fixed;
 use super::table::TextTable;
 use crate::assess::Assessment;
-use crate::cell::{Cell, Goal};
+use crate::cell::Cell;
 use crate::record::goals;
 use crate::search::SearchRecord;
 
@@ -11,13 +11,13 @@ use crate::search::SearchRecord;
 const MAX_ROWS_SHOWN: usize = 40;
 
 fn cells<'a>(cell: &'a Cell, values: &'a [f64]) -> impl Iterator<Item = String> + 'a {
-    Goal::ALL.into_iter().zip(values).map(|(goal, si)| fixed(goals::value(cell, goal, *si), 4))
+    cell.measured_goals().zip(values).map(|(goal, si)| fixed(goals::value(cell, goal, *si), 4))
 }
 
 /// Returns the goals of a layout other than the error, in one line; empty if the layout is not feasible.
 pub fn goals_line(a: &Assessment<'_>) -> String {
     let Some(values) = a.goals() else { return String::new() };
-    let others = Goal::ALL.into_iter().zip(cells(a.cell, &values)).skip(1);
+    let others = a.cell.measured_goals().zip(cells(a.cell, &values)).skip(1);
     let said = others.map(|(goal, value)| format!("{} {value} {}", goal.name(), goals::word(a.cell, goal)));
     let said: Vec<_> = said.map(|s| s.trim_end().to_string()).collect();
     format!("{} layout: {}\n", a.label, said.join(", "))
@@ -30,7 +30,9 @@ pub fn front(cell: &Cell, record: &SearchRecord) -> String {
         return String::new();
     }
     let mut table = TextTable::new(1);
-    table.row(["layout".to_string()].into_iter().chain(Goal::ALL.map(|goal| goals::head(cell, goal))));
+    table.row(
+        ["layout".to_string()].into_iter().chain(cell.measured_goals().map(|goal| goals::head(cell, goal))),
+    );
     for (k, alternative) in record.alternatives.iter().take(MAX_ROWS_SHOWN).enumerate() {
         table.row([(k + 1).to_string()].into_iter().chain(cells(cell, &alternative.goals)));
     }

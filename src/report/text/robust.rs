@@ -2,7 +2,7 @@
 
 use super::{amount, fixed, percent1};
 use crate::assess::Assessment;
-use crate::cell::{Cell, Slot, Unit};
+use crate::cell::{Cell, Slot};
 use crate::files::shown;
 use crate::layout::{Corner, Largest, Lost, MisplacementEnd, Robustness};
 use crate::record::value_word;
@@ -58,7 +58,7 @@ pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
         lines.push(format!("LOST at {} of {} corners in all", r.lost.len(), r.corners));
     }
     lines.push(format!("gradient: {}", slopes(cell, r)));
-    let has_limit = cell.operations[k].limit.is_some() && cell.unit() != Unit::Share;
+    let has_limit = cell.operations[k].limit.is_some() && cell.unit().is_error();
     let keeps = if has_limit { "its limit, reach and clearance" } else { "reach and clearance" };
     if let Some(scale) = &r.scale {
         let at_most = most(scale, |s| format!("{} times the tolerances", fixed(s, 2)));

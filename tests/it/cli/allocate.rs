@@ -103,6 +103,10 @@ fn questions_without_an_answer_exit_2() {
         (&["allocate", CELL, "--limit", "9", "--at", "1,1", "--nodes"], "--nodes"),
         (&["allocate", CELL, "--limit", "9", "--yield", "1"], "below 1"),
         (&["allocate", CELL, "--limit", "-1"], "greater than 0"),
+        (
+            &["allocate", "cells/ur_cell.toml", "--limit", "9"],
+            "they compensate each other in one calibrated arm",
+        ),
     ] {
         let ran = shop.run(args);
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?}: {}", ran.err);

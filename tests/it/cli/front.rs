@@ -98,3 +98,47 @@ fn invalid_pareto_goals_are_refused() {
     }
     assert!(!shop.path("results").exists(), "a refused search left a folder");
 }
+
+/// Error and cost of tolerances together: the front states both, and `allocate` agrees on the cost.
+#[test]
+fn a_front_of_error_and_cost_states_what_allocate_finds() {
+    let shop = Sandbox::new();
+    shop.write("cost.toml", &format!("from = \"{CELL}\"\n{PRICED}model = \"linear\"\n{LIMITS}"));
+    let asked = ["search", "cost.toml", "--pareto", "error,cost", "--budget", "800", "--out", "found"];
+    let document = shop.json(&asked);
+    let front = items(&document["front"]);
+    assert!(!front.is_empty() && shop.text("found/front.csv").contains(",footprint_m2,cost,"), "{document}");
+    let layout = &front[front.len() - 1];
+    let found = shop.json(&["allocate", &format!("found/{}", text(&layout["file"]))]);
+    let (want, cost) = (number(&found["cost"]), number(&layout["goals"]["cost"]));
+    assert!((cost / want - 1.0).abs() < 1e-5, "{cost} instead of {want}");
+    // Without limits there is nothing to buy.
+    let refused = shop.run(&["search", CELL, "--pareto", "error,cost"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("no limit, which the tolerances must keep"), "{}", refused.err);
+}
+
+const PRICED: &str = "reading = \"worst-case\"\n";
+const LIMITS: &str = "[operation.assembly]\nlimit_mm = 12\n[operation.picking]\nlimit_mm = 12\n";
+
+/// A search by cost states the cost, its unit, and that a limit beyond the tightest tolerances is missed.
+#[test]
+fn a_search_by_cost_states_the_cost_of_the_tolerances() {
+    let shop = Sandbox::new();
+    let cell = |limits: &str| {
+        format!("from = \"{CELL}\"\n{PRICED}{limits}[search]\nobjective = \"tolerance-cost\"\nbudget = 800\n")
+    };
+    shop.write("cost.toml", &cell(LIMITS));
+    let document = shop.json(&["search", "cost.toml", "--out", "found"]);
+    assert_eq!((&document["unit"], &document["quantity"]), (&"cost".into(), &"tolerance cost".into()));
+    let cost = number(&document["objective_value"]);
+    let found = shop.json(&["allocate", "found"]);
+    // The search takes the linear model; `allocate` judges by that of the cell.
+    let judged = number(&found["cost"]);
+    assert!(cost < 11.0 && (judged / cost - 1.0).abs() < 0.05, "{cost} and {judged}");
+    let map = shop.json(&["map", "found/best.toml"]);
+    assert_eq!(map["maps"][0]["unit"].as_str().or(map["unit"].as_str()), Some("cost"), "{map}");
+    shop.write("strict.toml", &cell(&LIMITS.replace("12", "0.1")));
+    let missed = shop.run(&["search", "strict.toml"]);
+    assert_eq!(missed.code, Some(1), "{}", missed.err);
+}

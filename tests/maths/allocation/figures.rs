@@ -44,16 +44,12 @@ fn limited(name: &str, asked: Asked) -> Result<Cell, String> {
     let maps = workcell.maps(&layout);
     let problem = CellAllocation::new(&workcell, &layout, &maps, (None, asked.nodes), 0.99);
     let problem = problem.map_err(|why| match why {
-        NoAllocation::Question(why) | NoAllocation::Unusable(why) => why,
+        NoAllocation::Question { why, .. } | NoAllocation::Unusable(why) => why,
         other => format!("{other:?}"),
     })?;
     for (k, operation) in cell.operations.iter_mut().enumerate() {
         let own = problem.requirements.iter().filter(|r| r.operation == k).map(|r| r.before);
         let largest = own.fold(0.0, f64::max);
-        // Some factory calibrations have rows of kilometres, whose errors compensate each other.
-        if operation.sense.unit == Unit::Length && largest > cell.robot.reach() {
-            return Err("a signed calibration, not tolerances: these errors would exceed the reach".into());
-        }
         operation.limit = Some(asked.share * largest);
     }
     Ok(cell)

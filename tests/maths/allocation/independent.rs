@@ -48,7 +48,7 @@ fn derivatives(cost: &ToleranceCost, u: f64) -> [f64; 3] {
 }
 
 /// Minimizes the cost by Newton's method on a logarithmic barrier of all constraints.
-fn barrier(problem: &ToleranceProblem) -> f64 {
+pub fn barrier(problem: &ToleranceProblem) -> f64 {
     let n = problem.costs.len();
     let balls: Vec<Ball> = problem.requirements.iter().flat_map(balls).collect();
     let ellipsoids: Vec<(Vec<f64>, f64)> = problem
@@ -165,7 +165,7 @@ pub fn random_cost(rng: &mut ChaCha8Rng) -> ToleranceCost {
     ToleranceCost { law, range: (low, rng.random_range(1.0..3.0)) }
 }
 
-fn random_problem(rng: &mut ChaCha8Rng) -> ToleranceProblem {
+pub fn random_problem(rng: &mut ChaCha8Rng) -> ToleranceProblem {
     let (n, nodes) = (rng.random_range(2..8), rng.random_range(1..4));
     let rows = [1, 2, 3, 6][rng.random_range(0..4)];
     let costs: Vec<ToleranceCost> = (0..n).map(|_| random_cost(rng)).collect();

@@ -1,0 +1,337 @@
+//! Dual ascent: Newton's method for the Lagrangian dual of a small allocation, without a cone program.
+//!
+//! A search prices thousands of nodes in every second, and a few requirements bind at each. The dual then has a
+//! handful of variables, while the minimum over each scale at given prices has a closed form or nearly so
+//! ([`charged`]):
+//!
+//! ```text
+//! maximize  sum_k min_u (c_k(u) + p_k u + q_k u^2)  -  sum_i (|y_i| - y_i . f_i)  -  sum_j mu_j (1 - f_j^2)
+//!           p_k = sum_i y_i . g_ik,   q_k = sum_j mu_j w_jk
+//! ```
+//!
+//! A vector `y_i` belongs to one sign pattern of a worst case, a number `mu_j` to a root sum square. Patterns are
+//! added when the scales violate them. The value of the dual is a lower bound of the cost whatever the multipliers
+//! are, and the scales are reduced until they keep every limit, so the gap between both is known.
+
+use super::cone_cut::ConeCut;
+use super::lagrangian::{Charged, charged};
+use super::limit_row::LimitRow;
+use super::linear_figure::{FigureScratch, LinearFigure};
+use crate::cell::ToleranceCost;
+use nalgebra::{DMatrix, DVector, Vector6};
+use std::rc::Rc;
+
+/// Largest number of rounds that add sign patterns.
+const MAX_ROUNDS: usize = 40;
+/// Largest number of Newton steps in one round.
+const MAX_STEPS: usize = 60;
+/// Largest number of halvings of one step.
+const MAX_HALVINGS: i32 = 40;
+/// Relative gain of a step below which the dual has converged.
+const CONVERGED: f64 = 1e-12;
+/// Relative violation of a limit below which no sign pattern is added, as a share of the gap that is asked for.
+const VIOLATION: f64 = 0.01;
+
+/// Cheapest scales by dual ascent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PricedScales {
+    /// Scale of every tolerance; they keep every limit.
+    pub scales: Vec<f64>,
+    pub cost: f64,
+    /// Cost that no scales which keep the limits can beat.
+    pub lower_bound: f64,
+    /// Shadow price of the limit of every figure: the cost saved per relative increase of the limit.
+    pub shadow_prices: Vec<f64>,
+    /// Price of every scale in the Lagrangian.
+    pub(super) prices: Vec<f64>,
+    /// Constraints that bind, each with the index of its figure.
+    pub(super) cuts: Vec<(usize, ConeCut)>,
+}
+
+impl PricedScales {
+    /// Returns the relative gap between cost and lower bound.
+    pub fn gap(&self) -> f64 {
+        (self.cost - self.lower_bound) / self.cost.abs().max(f64::MIN_POSITIVE)
+    }
+}
+
+/// One constraint with its multipliers.
+#[derive(Debug, Clone)]
+struct Term {
+    figure: usize,
+    cut: Rc<ConeCut>,
+    /// Vector of a sign pattern in several axes; otherwise the multiplier is the first component.
+    y: Vector6<f64>,
+}
+
+/// Dual at one set of multipliers.
+struct DualPoint {
+    value: f64,
+    scales: Vec<Charged>,
+}
+
+/// Returns the cheapest scales for figures whose limits are 1, with a relative gap of `gap` if that can be reached.
+///
+/// The costs must be continuous, and the tightest scales must keep every limit. Returns None if the ascent fails.
+pub fn priced_scales(
+    costs: &[ToleranceCost],
+    figures: &[LinearFigure],
+    gap: f64,
+    scratch: &mut FigureScratch,
+) -> Option<PricedScales> {
+    let mut terms: Vec<Term> = Vec::new();
+    for round in 0..MAX_ROUNDS {
+        let point = ascend(costs, &mut terms)?;
+        let scales: Vec<f64> = point.scales.iter().map(|c| c.scale).collect();
+        let (mut largest, mut is_new): (f64, bool) = (0.0, false);
+        for (i, figure) in figures.iter().enumerate() {
+            let (value, cut) = figure.cut(&scales, scratch);
+            largest = largest.max(value);
+            if value > 1.0 + VIOLATION * gap
+                && !terms.iter().any(|own| own.figure == i && own.cut.is_same(&cut))
+            {
+                // The terms that this round has added may already keep this limit.
+                let y = first_multipliers(costs, &terms, &cut, &scales);
+                is_new |= y.is_some();
+                terms.extend(y.map(|y| Term { figure: i, cut: cut.into(), y }));
+            }
+        }
+        let is_last = !is_new || round + 1 == MAX_ROUNDS;
+        let shrink = |(u, cost): (&f64, &ToleranceCost)| (u / largest.max(1.0)).max(cost.range.0);
+        let kept: Vec<f64> = scales.iter().zip(costs).map(shrink).collect();
+        let cost: f64 = costs.iter().zip(&kept).map(|(cost, u)| cost.cost(*u)).sum();
+        if cost - point.value <= gap * cost.abs() || is_last {
+            let (mut prices, q) = charges(costs.len(), &terms);
+            prices.iter_mut().zip(q.iter().zip(&scales)).for_each(|(p, (q, u))| *p += 2.0 * q * u);
+            let mut shadow_prices = vec![0.0; figures.len()];
+            terms.iter().for_each(|term| shadow_prices[term.figure] += term.shadow_price());
+            let (lower_bound, scales) = (point.value.min(cost), kept);
+            let cuts = terms.into_iter().map(|term| (term.figure, Rc::unwrap_or_clone(term.cut))).collect();
+            return Some(PricedScales { scales, cost, lower_bound, shadow_prices, prices, cuts });
+        }
+    }
+    None
+}
+
+/// Returns the multipliers with which a violated constraint alone reaches its limit along its direction at the scales
+/// `u`, while the other terms stay; None if these keep it.
+fn first_multipliers(
+    costs: &[ToleranceCost],
+    others: &[Term],
+    cut: &ConeCut,
+    u: &[f64],
+) -> Option<Vector6<f64>> {
+    let (p, q) = charges(costs.len(), others);
+    let direction = match cut {
+        ConeCut::Vertex { columns, constant, .. } => {
+            let vertex = constant + columns.iter().zip(u).map(|(c, u)| c * *u).sum::<Vector6<f64>>();
+            vertex.try_normalize(0.0)?
+        }
+        _ => Vector6::x(),
+    };
+    let size = LimitRow::along(cut, &direction).multiplier(costs, &p, &q);
+    (size > 0.0).then(|| direction * size)
+}
+
+impl Term {
+    /// Returns the cost saved per relative increase of the limit.
+    fn shadow_price(&self) -> f64 {
+        match *self.cut {
+            ConeCut::Ellipsoid { .. } => 2.0 * self.y[0],
+            _ => self.y.norm(),
+        }
+    }
+
+    /// Returns the number of multipliers.
+    fn count(&self) -> usize {
+        match *self.cut {
+            ConeCut::Vertex { rows, .. } => rows,
+            _ => 1,
+        }
+    }
+}
+
+/// Returns the linear and the quadratic price of every scale.
+fn charges(count: usize, terms: &[Term]) -> (Vec<f64>, Vec<f64>) {
+    let (mut p, mut q) = (vec![0.0; count], vec![0.0; count]);
+    for Term { cut, y, .. } in terms {
+        match &**cut {
+            ConeCut::Row { columns, .. } => p.iter_mut().zip(columns).for_each(|(p, c)| *p += y[0] * c),
+            ConeCut::Vertex { columns, .. } => {
+                p.iter_mut().zip(columns).for_each(|(p, c)| *p += y.dot(c));
+            }
+            ConeCut::Ellipsoid { roots, .. } => {
+                q.iter_mut().zip(roots).for_each(|(q, r)| *q += y[0] * r * r);
+            }
+        }
+    }
+    (p, q)
+}
+
+/// Returns the value of the dual and the scales that attain it.
+fn dual(costs: &[ToleranceCost], terms: &[Term]) -> DualPoint {
+    let (p, q) = charges(costs.len(), terms);
+    let scales: Vec<Charged> =
+        costs.iter().zip(p.iter().zip(&q)).map(|(cost, (p, q))| charged(cost, *p, *q)).collect();
+    let limits = terms.iter().map(|Term { cut, y, .. }| match &**cut {
+        ConeCut::Row { constant, .. } => y[0] * (1.0 - constant),
+        ConeCut::Vertex { constant, .. } => y.norm() - y.dot(constant),
+        ConeCut::Ellipsoid { constant, .. } => y[0] * (1.0 - constant * constant),
+    });
+    DualPoint { value: scales.iter().map(|c| c.least).sum::<f64>() - limits.sum::<f64>(), scales }
+}
+
+/// Maximizes the dual over the multipliers of the terms; drops terms that do not bind. Returns None if a step cannot be
+/// computed.
+fn ascend(costs: &[ToleranceCost], terms: &mut Vec<Term>) -> Option<DualPoint> {
+    let mut point = dual(costs, terms);
+    for _ in 0..MAX_STEPS {
+        if terms.is_empty() {
+            return Some(point);
+        }
+        let (gradient, hessian) = derivatives(terms, &point);
+        let step = newton_step(hessian, &gradient)?;
+        let gain = gradient.dot(&step);
+        let is_near = gain <= CONVERGED * point.value.abs();
+        let next = match is_near {
+            // Rounding hides the gain, so the derivatives tell whether the step is good.
+            true => polished(costs, terms, &step, gradient.amax()),
+            false => line_search(costs, terms, &step, (&point, gain)),
+        };
+        let Some((next, moved)) = next else { return Some(point) };
+        (point, *terms) = (next, moved);
+    }
+    Some(point)
+}
+
+/// Returns the terms after a whole step if it at least halves the largest derivative.
+fn polished(
+    costs: &[ToleranceCost],
+    terms: &[Term],
+    step: &DVector<f64>,
+    largest: f64,
+) -> Option<(DualPoint, Vec<Term>)> {
+    let moved = stepped(terms, step, 1.0);
+    let next = dual(costs, &moved);
+    let is_better = moved.len() == terms.len() && derivatives(&moved, &next).0.amax() <= 0.5 * largest;
+    is_better.then_some((next, moved))
+}
+
+/// Returns the first and the negative second derivatives of the dual by the multipliers.
+fn derivatives(terms: &[Term], point: &DualPoint) -> (DVector<f64>, DMatrix<f64>) {
+    let size: usize = terms.iter().map(Term::count).sum();
+    let mut gradient = DVector::zeros(size);
+    let mut hessian = DMatrix::zeros(size, size);
+    // Slopes of the constraints by each scale.
+    let mut slopes = DMatrix::zeros(size, point.scales.len());
+    let mut at = 0;
+    for term in terms {
+        let scales = point.scales.iter().map(|u| u.scale);
+        match &*term.cut {
+            ConeCut::Row { columns, constant } => {
+                gradient[at] = constant - 1.0;
+                for (k, (c, u)) in columns.iter().zip(scales).enumerate() {
+                    gradient[at] += c * u;
+                    slopes[(at, k)] = *c;
+                }
+            }
+            ConeCut::Vertex { columns, constant, rows } => {
+                let length = term.y.norm();
+                let unit = term.y / length;
+                let vertex = constant + columns.iter().zip(scales).map(|(c, u)| c * u).sum::<Vector6<f64>>();
+                for r in 0..*rows {
+                    gradient[at + r] = vertex[r] - unit[r];
+                    columns.iter().enumerate().for_each(|(k, c)| slopes[(at + r, k)] = c[r]);
+                    for s in 0..*rows {
+                        let same = if r == s { 1.0 } else { 0.0 };
+                        hessian[(at + r, at + s)] += (same - unit[r] * unit[s]) / length;
+                    }
+                }
+            }
+            ConeCut::Ellipsoid { roots, constant } => {
+                gradient[at] = constant * constant - 1.0;
+                for (k, (root, u)) in roots.iter().zip(scales).enumerate() {
+                    gradient[at] += (root * u).powi(2);
+                    slopes[(at, k)] = 2.0 * root * root * u;
+                }
+            }
+        }
+        at += term.count();
+    }
+    for (k, u) in point.scales.iter().enumerate().filter(|(_, u)| u.curvature.is_finite()) {
+        let column = slopes.column(k);
+        hessian.ger(1.0 / u.curvature, &column, &column, 1.0);
+    }
+    (gradient, hessian)
+}
+
+/// Solves for the Newton step, with a ridge if the second derivatives are singular.
+fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector<f64>> {
+    let size = hessian.trace() / hessian.nrows() as f64;
+    let mut ridge = 1e-14 * size;
+    while ridge <= size {
+        let mut damped = hessian.clone();
+        (0..damped.nrows()).for_each(|i| damped[(i, i)] += ridge);
+        if let Some(cholesky) = damped.cholesky() {
+            let step = cholesky.solve(gradient);
+            if step.iter().all(|v| v.is_finite()) {
+                return Some(step);
+            }
+        }
+        ridge *= 1e3;
+    }
+    None
+}
+
+/// Returns the terms after the longest step of a sequence that raises the dual enough; None without such a step.
+///
+/// The sequence has the lengths at which a multiplier reaches 0; its term is then dropped.
+fn line_search(
+    costs: &[ToleranceCost],
+    terms: &[Term],
+    step: &DVector<f64>,
+    (point, gain): (&DualPoint, f64),
+) -> Option<(DualPoint, Vec<Term>)> {
+    let ends = crossings(terms, step);
+    let shortest = ends.last().copied().unwrap_or(1.0);
+    let halved = (1..=MAX_HALVINGS).map(|k| shortest * 0.5_f64.powi(k));
+    for length in std::iter::once(1.0).chain(ends).chain(halved) {
+        let moved = stepped(terms, step, length);
+        let next = dual(costs, &moved);
+        if next.value >= point.value + 1e-4 * length * gain {
+            return Some((next, moved));
+        }
+    }
+    None
+}
+
+/// Returns the lengths below 1 at which a multiplier passes 0, the longest first.
+fn crossings(terms: &[Term], step: &DVector<f64>) -> Vec<f64> {
+    let (mut at, mut found) = (0, Vec::new());
+    for term in terms {
+        let along: f64 = (0..term.count()).map(|r| term.y[r] * step[at + r]).sum();
+        let size = term.y.norm_squared();
+        at += term.count();
+        if size + along < 0.0 {
+            // A little beyond, so that rounding does not keep the term.
+            found.push(-size / along * (1.0 + 1e-9));
+        }
+    }
+    found.sort_by(|a, b| b.total_cmp(a));
+    found
+}
+
+/// Returns the terms with their multipliers moved by a step; those that would pass 0 are left out.
+fn stepped(terms: &[Term], step: &DVector<f64>, length: f64) -> Vec<Term> {
+    let mut at = 0;
+    let mut moved = Vec::with_capacity(terms.len());
+    for term in terms {
+        let mut y = term.y;
+        (0..term.count()).for_each(|r| y[r] += length * step[at + r]);
+        at += term.count();
+        if y.dot(&term.y) > 0.0 {
+            moved.push(Term { y, ..term.clone() });
+        }
+    }
+    moved
+}

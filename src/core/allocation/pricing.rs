@@ -1,0 +1,194 @@
+//! Prices of nodes: what the cheapest tolerances cost with which an operation keeps its limit at a node.
+//!
+//! A search compares thousands of nodes, so a price takes the linear error model. [`super::allocate_judged`] judges
+//! the layout that is found by the full model. Errors are linear in the tolerances but for some 0.1 %.
+
+use super::dual_ascent::priced_scales;
+use super::limit_row::LimitRow;
+use super::linear_figure::{FigureScratch, LinearFigure};
+use super::node_figure::NodeFigure;
+use super::problem::{ToleranceProblem, ToleranceRequirement};
+use super::solution::allocate;
+use crate::cell::{Cell, Operation, Parameter, ToleranceCost};
+use crate::reading::{ErrorEvaluator, EvaluatorScratch};
+use std::sync::Arc;
+
+/// Share of arms that must keep a limit if the quantity is the yield and nothing else is stated.
+pub const DEFAULT_YIELD: f64 = 0.99;
+
+/// Relative gap between a price and its lower bound.
+const GAP: f64 = 1e-6;
+
+/// Largest number of directions of an error from which a bound is computed, and the relative gain that ends it.
+const MAX_DIRECTIONS: usize = 4;
+const SETTLED: f64 = 1e-4;
+/// Relative amount by which rounding may raise a bound.
+const ROUNDING: f64 = 1e-9;
+
+/// Tolerances of a cell with their cost models.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TolerancePricing {
+    pub parameters: Vec<Parameter>,
+    costs: Vec<ToleranceCost>,
+    /// Cost of the tightest tolerances.
+    most: f64,
+    /// Cost of the loosest tolerances.
+    least: f64,
+    /// Cost of the present tolerances.
+    present: f64,
+}
+
+/// Tolerances of a cell with the limit of one operation.
+#[derive(Debug, Clone)]
+pub struct OperationPricing {
+    pub tolerances: Arc<TolerancePricing>,
+    /// Limit, m or rad, greater than 0.
+    pub limit: f64,
+    /// Lower bound of the squared figure divided by the mean square; None for a worst case.
+    least_ratio: Option<f64>,
+}
+
+impl TolerancePricing {
+    /// Collects the tolerances that act on the operations of a cell; None if there is none.
+    ///
+    /// Measured and correlated errors are no tolerances of their own.
+    pub fn new(cell: &Cell, evaluators: &[&ErrorEvaluator]) -> Option<Self> {
+        let mut parameters: Vec<Parameter> = Vec::new();
+        for source in evaluators.iter().flat_map(|evaluator| &evaluator.sources.list) {
+            if source.is_own_tolerance() && !parameters.contains(&source.parameter) {
+                parameters.push(source.parameter);
+            }
+        }
+        let costs: Vec<ToleranceCost> = parameters.iter().map(|p| cell.tolerance_cost(*p)).collect();
+        let total = |end: fn(&ToleranceCost) -> f64| costs.iter().map(|c| c.cost(end(c))).sum();
+        let (most, least, present) = (total(|c| c.range.0), total(|c| c.range.1), total(|_| 1.0));
+        (!parameters.is_empty()).then_some(Self { parameters, costs, most, least, present })
+    }
+
+    /// Returns the cost of the tightest tolerances. A greater price means that no tolerances keep the limits.
+    pub fn most(&self) -> f64 {
+        self.most
+    }
+
+    /// Returns the cost of the cheapest tolerances that keep every limit, which is 1 for each figure.
+    ///
+    /// If even the tightest exceed a limit, the result is their cost, multiplied by the largest figure.
+    pub fn price(&self, figures: &[LinearFigure], scratch: &mut FigureScratch) -> f64 {
+        let mut largest = |end: fn(&ToleranceCost) -> f64| {
+            let scales: Vec<f64> = self.costs.iter().map(end).collect();
+            figures.iter().map(|figure| figure.value(&scales, scratch)).fold(0.0, f64::max)
+        };
+        let tightest = largest(|c| c.range.0);
+        if tightest > 1.0 {
+            return self.most * tightest;
+        }
+        if largest(|c| c.range.1) <= 1.0 {
+            return self.least;
+        }
+        let is_continuous = self.costs.iter().all(|cost| cost.grades().is_empty());
+        let priced = match figures {
+            _ if !is_continuous => None,
+            [LinearFigure::RootSumSquare { squares, constant }] => {
+                let (squares, constant) = (squares.clone(), *constant);
+                Some(LimitRow { squares, constant, ..LimitRow::default() }.least_cost(&self.costs))
+            }
+            several => {
+                let found = priced_scales(&self.costs, several, GAP, scratch);
+                found.filter(|found| found.gap() <= GAP).map(|found| found.cost)
+            }
+        };
+        priced.unwrap_or_else(|| self.solved(figures))
+    }
+
+    /// Returns the cost that the cone programs find.
+    fn solved(&self, figures: &[LinearFigure]) -> f64 {
+        let requirement = |figure: &LinearFigure| ToleranceRequirement { figure: figure.clone(), limit: 1.0 };
+        let requirements = figures.iter().map(requirement).collect();
+        match allocate(&ToleranceProblem { costs: self.costs.clone(), requirements }) {
+            Ok(found) => found.cost,
+            Err(_) => self.most,
+        }
+    }
+
+    /// Returns a lower bound of the price of one figure, from a few directions of the error.
+    ///
+    /// The direction of the worst case at the scales that a direction gives is a better one, and often the best.
+    fn bound(&self, figure: &LinearFigure, scratch: &mut FigureScratch) -> f64 {
+        let mut row = LimitRow::default();
+        let mut scales: Vec<f64> = self.costs.iter().map(|c| c.range.1.min(1.0)).collect();
+        let (mut best, mut x) = (f64::NEG_INFINITY, self.most.min(self.present).max(f64::MIN_POSITIVE).ln());
+        for _ in 0..MAX_DIRECTIONS {
+            figure.along_worst(&scales, &mut row, scratch);
+            let tightest = row.sum(&self.costs, |c| c.range.0);
+            if tightest > 1.0 {
+                return self.most * if row.linear.is_empty() { tightest.sqrt() } else { tightest };
+            }
+            if row.sum(&self.costs, |c| c.range.1) <= 1.0 {
+                return best.max(self.least);
+            }
+            let bound = row.quick_bound(&self.costs, &mut x, &mut scales);
+            let is_settled = bound - best <= SETTLED * bound.abs();
+            best = best.max(bound);
+            if is_settled || row.linear.is_empty() {
+                break;
+            }
+        }
+        best
+    }
+}
+
+impl OperationPricing {
+    /// Prepares an operation with a limit; `evaluator` must be its own.
+    pub fn new(
+        tolerances: Arc<TolerancePricing>,
+        operation: &Operation,
+        evaluator: &ErrorEvaluator,
+    ) -> Option<Self> {
+        let least_ratio = NodeFigure::least_square_ratio(evaluator, DEFAULT_YIELD);
+        operation.limit.map(|limit| Self { tolerances, limit, least_ratio })
+    }
+
+    /// Returns the figure of a node, divided by the limit.
+    pub fn figure(&self, node: &NodeFigure<'_>, memory: &mut EvaluatorScratch) -> LinearFigure {
+        let parameters = &self.tolerances.parameters;
+        let figure = match self.least_ratio {
+            None => node.worst_case(parameters, memory),
+            Some(_) => node.normal_percentile(parameters, memory).unwrap_or_else(|| {
+                let value = node.value(memory);
+                node.linear(parameters, &vec![1.0; parameters.len()], value, memory)
+            }),
+        };
+        figure.scaled(1.0 / self.limit)
+    }
+
+    /// Returns the price of a node: the cost of the cheapest tolerances with which it keeps the limit.
+    pub fn price(
+        &self,
+        node: &NodeFigure<'_>,
+        memory: &mut EvaluatorScratch,
+        scratch: &mut FigureScratch,
+    ) -> f64 {
+        let figure = self.figure(node, memory);
+        let price = self.tolerances.price(&[figure], scratch);
+        match self.least_ratio {
+            // The linear figure of a percentile may be below the bound, as both are below the percentile.
+            Some(ratio) if ratio != 1.0 => price.max(self.bound(node, memory, scratch)),
+            _ => price,
+        }
+    }
+
+    /// Returns a lower bound of [`Self::price`] at little cost.
+    pub fn bound(
+        &self,
+        node: &NodeFigure<'_>,
+        memory: &mut EvaluatorScratch,
+        scratch: &mut FigureScratch,
+    ) -> f64 {
+        let parameters = &self.tolerances.parameters;
+        let figure = match self.least_ratio {
+            None => node.worst_case(parameters, memory).scaled(1.0 / self.limit),
+            Some(ratio) => node.mean_square(parameters, ratio, memory).scaled(1.0 / self.limit),
+        };
+        self.tolerances.bound(&figure, scratch) * (1.0 - ROUNDING)
+    }
+}
