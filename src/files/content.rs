@@ -35,7 +35,7 @@ impl FileContent {
         } else if head.contains(&0) || text.starts_with("%PDF-") {
             return Some(Self::Binary);
         } else if text.starts_with('<') {
-            return Some(of_xml(text));
+            return Some(of_xml(text, bytes));
         } else if text.starts_with("ISO-10303-21") {
             return Some(Self::Step);
         } else if text.starts_with('{') {
@@ -125,7 +125,7 @@ pub fn not_needed(path: &str, kind: FileContent, needed: &str) -> String {
     format!("`{}` is {}, not {needed}", shown(path), kind.in_words())
 }
 
-fn of_xml(text: &str) -> FileContent {
+fn of_xml(text: &str, bytes: &[u8]) -> FileContent {
     let mut rest = text;
     // Declarations and comments precede the root element.
     while let Some(start) = rest.find('<') {
@@ -141,11 +141,16 @@ fn of_xml(text: &str) -> FileContent {
     let name: String =
         rest.chars().skip(1).take_while(|c| !c.is_whitespace() && !"/>".contains(*c)).collect();
     match name.as_str() {
-        "robot" if text.contains("xmlns:xacro") || text.contains("<xacro:") => FileContent::Xacro,
+        "robot" if has_macros(&String::from_utf8_lossy(bytes)) => FileContent::Xacro,
         "robot" => FileContent::Urdf,
         "COLLADA" => FileContent::Collada,
         _ => FileContent::OtherXml,
     }
+}
+
+/// Returns whether a robot description has parts that only xacro expands.
+fn has_macros(text: &str) -> bool {
+    ["<xacro:", "\"${", "\"$("].iter().any(|word| text.contains(word))
 }
 
 /// Returns whether the size of a file is that of a binary STL with the number of triangles that it states.

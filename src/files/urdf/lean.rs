@@ -10,12 +10,12 @@ use std::fmt::Write;
 
 /// Copies the parts of a URDF that are used.
 ///
-/// `meshes` gives a new path for each mesh; None leaves out the shape. Angles that plainly mean right angles get all
+/// `meshes` gives new paths; the shape of a mesh without one is left out. Angles that plainly mean right angles get all
 /// digits, and continuous joints the limits with which they are read. `about` becomes a comment.
 pub fn lean(
     text: &str,
     outline: &UrdfOutline,
-    meshes: &HashMap<String, Option<String>>,
+    meshes: &HashMap<String, String>,
     about: &str,
 ) -> Option<String> {
     let document = Document::parse(text).ok()?;
@@ -39,7 +39,7 @@ pub fn lean(
     Some(out)
 }
 
-fn link(e: &Node<'_, '_>, meshes: &HashMap<String, Option<String>>, out: &mut String) {
+fn link(e: &Node<'_, '_>, meshes: &HashMap<String, String>, out: &mut String) {
     let mut shapes = String::new();
     for collision in e.children().filter(|c| c.has_tag_name("collision")) {
         let Some(shape) = child(&collision, "geometry").and_then(|g| g.first_element_child()) else {
@@ -49,7 +49,7 @@ fn link(e: &Node<'_, '_>, meshes: &HashMap<String, Option<String>>, out: &mut St
         for a in shape.attributes() {
             let value = match a.name() {
                 "filename" => match meshes.get(a.value()) {
-                    Some(Some(path)) => path,
+                    Some(path) => path,
                     _ => continue,
                 },
                 _ => a.value(),
