@@ -10,6 +10,7 @@ mod errors;
 mod export;
 mod figures;
 mod init;
+mod init_own;
 mod layouts;
 mod map;
 mod measured;
