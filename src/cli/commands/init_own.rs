@@ -13,6 +13,7 @@ use crate::files::{FileContent, shown};
 use crate::layout::Workcell;
 use crate::reach::{Cost, Inverse};
 use crate::robot::Chain;
+use crate::units::rad_from_deg;
 use std::path::{Path, PathBuf};
 
 const CELL: &str = "cell.toml";
@@ -20,8 +21,8 @@ const CELL: &str = "cell.toml";
 /// Share of usable nodes from which a place of the table is good.
 const GOOD: f64 = 0.95;
 
-/// Elevations of the tool axis that are tried, degrees.
-const BENDS: [f64; 2] = [-90.0, 0.0];
+/// Elevations of the tool axis that are tried, degrees, each with heights of the TCP above the table, mm.
+const ATTITUDES: [(f64, i32); 4] = [(-90.0, 100), (-90.0, 200), (0.0, 100), (0.0, 200)];
 
 /// Deepest folder below a package in which robots are looked for.
 const MAX_DEPTH: usize = 4;
@@ -104,9 +105,9 @@ struct FoundCell {
 fn placed(imported: &ImportedRobot, command: &str) -> Option<FoundCell> {
     let robot = &imported.loaded.robot;
     let inverse = Inverse::new(&Chain::new(robot));
-    let bends = match inverse.fixed_elevation() {
-        Some(bend) => vec![bend],
-        None => BENDS.map(f64::to_radians).to_vec(),
+    let attitudes = match inverse.fixed_elevation() {
+        Some(bend) => vec![(bend, 100), (bend, 200)],
+        None => ATTITUDES.map(|(bend, standoff)| (rad_from_deg(bend), standoff)).to_vec(),
     };
     let about = format!(
         "# GUESS: the preset {} of `sweetspot errors --presets`, not measured. Until you state your own tolerances under\n\
@@ -114,8 +115,8 @@ fn placed(imported: &ImportedRobot, command: &str) -> Option<FoundCell> {
         imported.preset
     );
     let mut best: Option<FoundCell> = None;
-    for bend in bends {
-        for place in table_places(robot, &inverse, bend) {
+    for (bend, standoff) in attitudes {
+        for place in table_places(robot, &inverse, bend, standoff) {
             let own = OwnCell {
                 command,
                 name: &format!("First cell: {}", robot.name),
@@ -134,7 +135,8 @@ fn placed(imported: &ImportedRobot, command: &str) -> Option<FoundCell> {
                 return best;
             }
         }
-        if best.as_ref().is_some_and(|best| best.usable > 0) {
+        // A tool that points down is worth more than a few nodes.
+        if best.as_ref().is_some_and(|best| 2 * best.usable > best.nodes) {
             break;
         }
     }

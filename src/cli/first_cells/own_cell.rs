@@ -2,6 +2,7 @@
 
 use super::text::SEARCH;
 use crate::files::toml_string;
+use crate::units::rad_from_deg;
 
 /// Place of the table in a first cell: whole mm and degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +45,7 @@ impl OwnCell<'_> {
     pub fn text(&self) -> String {
         let Self { command, robot, errors, about_errors, place, .. } = self;
         let TablePlace { pedestal, top, radius, azimuth, size, standoff, bend } = *place;
-        let (sin, cos) = f64::from(azimuth).to_radians().sin_cos();
+        let (sin, cos) = rad_from_deg(f64::from(azimuth)).sin_cos();
         let at = |share: f64| (f64::from(radius) * share).round() as i32;
         let (x, y) = (at(cos), at(sin));
         let range = |v: i32, by: i32| format!("{{ min = {}, max = {}, start = {v} }}", v - by, v + by);

@@ -31,8 +31,9 @@ struct ReachableStretch {
     to: f64,
 }
 
-/// Returns places for a table, the most promising first. `bend` is the elevation of the tool axis, rad.
-pub fn table_places(robot: &Robot, inverse: &Inverse, bend: f64) -> Vec<TablePlace> {
+/// Returns places for a table, the most promising first. `bend` is the elevation of the tool axis, rad, and `standoff`
+/// the height of the TCP above the table, mm.
+pub fn table_places(robot: &Robot, inverse: &Inverse, bend: f64, standoff: i32) -> Vec<TablePlace> {
     let attitude = Attitude::elevation(bend);
     if inverse.refusal(&attitude).is_some() {
         return Vec::new();
@@ -48,9 +49,9 @@ pub fn table_places(robot: &Robot, inverse: &Inverse, bend: f64) -> Vec<TablePla
         })
         .collect();
     stretches.sort_by(|a, b| (b.to - b.from).total_cmp(&(a.to - a.from)));
-    let places = stretches
-        .iter()
-        .flat_map(|stretch| [0.7, 0.5, 0.35].map(|share| place(stretch, share, reach, azimuth, bend)));
+    let places = stretches.iter().flat_map(|stretch| {
+        [0.7, 0.5, 0.35].map(|share| place(stretch, share, reach, (azimuth, bend, standoff)))
+    });
     places.take(MAX_PLACES).collect()
 }
 
@@ -78,7 +79,12 @@ fn longest_stretch(
 }
 
 /// Returns the place of a table that is as deep as this share of a stretch.
-fn place(stretch: &ReachableStretch, share: f64, reach: f64, azimuth: f64, bend: f64) -> TablePlace {
+fn place(
+    stretch: &ReachableStretch,
+    share: f64,
+    reach: f64,
+    (azimuth, bend, standoff): (f64, f64, i32),
+) -> TablePlace {
     let ten = |m: f64| (mm_from_m(m) / 10.0).round() as i32 * 10;
     let fifty = |mm: f64| (mm / 50.0).round() as i32 * 50;
     let depth = (share * (stretch.to - stretch.from)).min(0.4 * reach);
@@ -87,7 +93,6 @@ fn place(stretch: &ReachableStretch, share: f64, reach: f64, azimuth: f64, bend:
     let far = middle + depth / 2.0;
     let across = (0.9 * stretch.to).powi(2) - far.powi(2);
     let width = (2.0 * across.max(0.0).sqrt()).clamp(depth.min(m_from_mm(100.0)), 1.5 * depth);
-    let standoff = if reach > 1.0 { 100 } else { 50 };
     let below = mm_from_m(stretch.height) - f64::from(standoff);
     let wanted = if reach < BENCH_ARM { BENCH } else { LEAST_TOP.max(below) };
     let pedestal = fifty(wanted - below).max(0);

@@ -133,16 +133,17 @@ impl ImportedRobot {
 
     fn tell_left_out(&self) {
         let (kept, all) = self.shapes;
-        if kept == all && all > 0 {
+        if all == 0 {
+            return output::talk(
+                "warning: the URDF has no collision shapes, so collisions of the arm go unseen",
+            );
+        } else if kept == all {
             return;
         }
-        let why = if all == 0 { ", because the URDF has none" } else { "" };
-        output::talk(&format!("warning: {kept} of {all} collision shapes of the arm are taken over{why}"));
-        if kept < all {
-            output::talk(
-                "  collisions with the missing ones go unseen until you mend this and run the command again:",
-            );
-        }
+        output::talk(&format!(
+            "warning: {} of {all} collision shapes are left out, and their collisions go unseen:",
+            all - kept
+        ));
         let mut reasons: IndexMap<&str, Vec<&LeftOutMesh>> = IndexMap::new();
         for mesh in &self.left_out {
             reasons.entry(&mesh.why).or_default().push(mesh);

@@ -4,7 +4,7 @@ use super::fault_list::Faults;
 use super::model::{Geometry, Named, Urdf};
 use super::tree::Tree;
 use super::{dh, motion, parse, solids, tip};
-use crate::files::fault::{Severity, shown};
+use crate::files::fault::Severity;
 use crate::files::toml::document::Library;
 use nalgebra::Vector3;
 
@@ -81,11 +81,10 @@ pub fn parsed(file: usize, lib: &mut Library<'_>) -> Option<Urdf> {
     faults.tell(lib);
     let urdf = urdf?;
     if count > 0 {
-        let angles = if count == 1 { "1 angle".to_string() } else { format!("{count} angles") };
-        let message = format!(
-            "{angles} of {} plainly mean right angles, and are read so",
-            shown(&lib.sources[file].path)
-        );
+        let message = match count {
+            1 => "1 angle plainly means a right angle, and is read as one".to_string(),
+            _ => format!("{count} angles plainly mean right angles, and are read as such"),
+        };
         let help =
             format!("the largest change is {largest:.1e} rad: 1.5708, for example, stands for 90 degrees");
         lib.fault(urdf.at, Severity::Warning, message, help);

@@ -4,6 +4,7 @@ use super::dh;
 use super::model::*;
 use super::motion::Motion;
 use super::tree::Tree;
+use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
@@ -23,6 +24,9 @@ const JAW: f64 = 0.15;
 const TOOL_WORDS: [&str; 9] =
     ["tcp", "tool0", "tool_frame", "tool", "end_effector", "eef", "ee_link", "flange", "mounting_plate"];
 
+/// Words in the names of links beside the flange.
+const ASIDE_WORDS: [&str; 4] = ["camera", "sensor", "optical", "cable"];
+
 /// Length, m, below which two points count as one.
 const SAME_POINT: f64 = 1e-3;
 
@@ -35,12 +39,29 @@ pub fn guess(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> usize {
     let fixed = fixed_below(urdf, tree, end);
     let has = |link: usize, word: &str| urdf.links[link].name.name.to_ascii_lowercase().contains(word);
     let named = TOOL_WORDS.iter().find_map(|word| fixed.iter().copied().find(|&link| has(link, word)));
-    let leaves: Vec<_> = fixed.iter().copied().filter(|&link| tree.below[link].is_empty()).collect();
-    match (named, &leaves[..]) {
-        (Some(link), _) => link,
-        (None, [leaf]) => *leaf,
-        _ => end,
+    if let Some(link) = named {
+        return link;
     }
+    let leaves: Vec<_> = fixed.iter().copied().filter(|&link| tree.below[link].is_empty()).collect();
+    if let [leaf] = leaves[..] {
+        return leaf;
+    }
+    let is_mount = |link: usize| !ASIDE_WORDS.iter().any(|word| has(link, word));
+    let length = |link: usize| distance(urdf, tree, end, link);
+    let far =
+        leaves.into_iter().filter(|&link| is_mount(link)).max_by(|&a, &b| length(a).total_cmp(&length(b)));
+    far.filter(|&link| length(link) > SAME_POINT).unwrap_or(end)
+}
+
+/// Returns the distance of a link from a link above it, to which it is fixed, m.
+fn distance(urdf: &Urdf, tree: &Tree<'_>, from: usize, link: usize) -> f64 {
+    let (mut pose, mut at) = (Pose::identity(), link);
+    while at != from {
+        let Some((joint, parent)) = tree.joint_above(at) else { break };
+        pose = urdf.joints[joint].origin * pose;
+        at = parent;
+    }
+    pose.translation.norm()
 }
 
 /// Returns the link after the last moving joint of the arm.
@@ -135,7 +156,7 @@ pub fn working_direction(motion: &Motion) -> Vector3<f64> {
     let tip = *last * motion.flange;
     let arm = tip.translation - last.translation;
     let is_beside = arm.norm() > SAME_POINT && arm.dot(&axis).abs() < 0.5 * arm.norm();
-    let along = |point: &crate::pose::Pose| (tip.translation - point.translation).dot(&axis);
+    let along = |point: &Pose| (tip.translation - point.translation).dot(&axis);
     let ahead = poses.iter().rev().map(along).find(|along| along.abs() > SAME_POINT);
     let direction = match ahead {
         _ if is_beside => arm.normalize(),

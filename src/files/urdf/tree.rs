@@ -72,6 +72,11 @@ impl<'u> Tree<'u> {
         self.links.get(&*self.urdf.joints[joint].child.name).copied()
     }
 
+    /// Returns the index of the joint above a link, and that of its parent link.
+    pub fn joint_above(&self, link: usize) -> Option<(usize, usize)> {
+        Some((self.above[link]?, self.parent(link)?))
+    }
+
     fn parent(&self, link: usize) -> Option<usize> {
         let joint = self.above[link]?;
         self.links.get(&*self.urdf.joints[joint].parent.name).copied()
