@@ -1,6 +1,6 @@
 //! `check`: validates a cell and everything it refers to.
 
-use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
+use super::{UNSOLVED, suggest_with, warn_of_hopeless, workcell};
 use crate::assess::Feasibility;
 use crate::cell::{Cell, Operation};
 use crate::cli::arguments::CheckArguments;
@@ -70,7 +70,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     ))?;
     warn_of_hopeless(&workcell);
     let next = if free > 0 { "search" } else { "map" };
-    suggest(&format!("{next} {}{}", path_word(&a.cell), a.packages.words()));
+    suggest_with(&format!("{next} {}", path_word(&a.cell)), &a.packages);
     Ok(Exit::Done)
 }
 
@@ -94,7 +94,7 @@ fn check_robot(a: &CheckArguments) -> Result<Exit, Exit> {
         shown(&robot.name),
         counted(robot.axes(), "axis", "axes"),
     ))?;
-    suggest(&format!("init {}{}", path_word(&a.cell), a.packages.words()));
+    suggest_with(&format!("init {}", path_word(&a.cell)), &a.packages);
     Ok(Exit::Done)
 }
 

@@ -1,6 +1,6 @@
 //! `robots`, `robot` and `envelope`: built-in robots and robot files.
 
-use super::{suggest, unsolved};
+use super::{suggest, suggest_with, unsolved};
 use crate::assess::{EnvelopeQuery, Reachable, RobotDataSheet};
 use crate::cell::{Attitude, Operation, Robot};
 use crate::cli::arguments::{EnvelopeArguments, RobotArguments, RobotsArguments};
@@ -48,8 +48,7 @@ pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
         json_text::print(&RobotSheetDocument::new(&sheet))?;
     } else {
         output::data(&report::text::robot(&sheet))?;
-        let packages = a.packages.words();
-        suggest(&format!("envelope {} --svg envelope.svg{packages}", path_word(&a.robot)));
+        suggest_with(&format!("envelope {} --svg envelope.svg", path_word(&a.robot)), &a.packages);
     }
     Ok(Exit::Done)
 }
@@ -165,7 +164,7 @@ fn drawn(
             (None, Some(_)) if is_importable(&a.of) => format!("init {of}"),
             (None, Some(_)) => format!("robot {of}"),
         };
-        suggest(&format!("{next}{}", a.packages.words()));
+        suggest_with(&next, &a.packages);
     }
     Ok(Exit::Done)
 }
