@@ -1,6 +1,6 @@
 //! Recognition of a file by its content, so that no kind of file is read as another.
 
-use super::fault::shown;
+use crate::safe_text::shown;
 
 /// Kind of a file whose content is recognised, and which is no TOML file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -72,10 +72,10 @@ impl MeshFiles {
     }
 }
 
-type Refusal = (String, String);
+type MeshRefusal = (String, String);
 
 /// Returns the path of the mesh that a URDF names.
-fn located(name: &str, urdf: &Path, given: &PackageFolders) -> Result<PathBuf, Refusal> {
+fn located(name: &str, urdf: &Path, given: &PackageFolders) -> Result<PathBuf, MeshRefusal> {
     let near = urdf.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let in_package = name.strip_prefix("package://").or_else(|| name.strip_prefix("model://"));
     if let Some((package, inside)) = in_package.and_then(|rest| rest.split_once('/')) {
@@ -91,7 +91,7 @@ fn located(name: &str, urdf: &Path, given: &PackageFolders) -> Result<PathBuf, R
     }
 }
 
-fn inside_of(folder: &Path, inside: &str) -> Result<PathBuf, Refusal> {
+fn inside_of(folder: &Path, inside: &str) -> Result<PathBuf, MeshRefusal> {
     match inside.split('/').any(|part| part == "..") {
         true => Err(("its path leaves the package".into(), "correct the URDF".into())),
         false => Ok(folder.join(inside)),
@@ -99,7 +99,7 @@ fn inside_of(folder: &Path, inside: &str) -> Result<PathBuf, Refusal> {
 }
 
 /// Returns the file name and the bytes of a mesh, or of its conversion beside it.
-fn taken(path: &Path) -> Result<(String, Vec<u8>), Refusal> {
+fn taken(path: &Path) -> Result<(String, Vec<u8>), MeshRefusal> {
     let ending = path.extension().map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase());
     if ending == "dae" {
         let converted = ["stl", "STL", "obj"].map(|ending| path.with_extension(ending));
@@ -126,7 +126,7 @@ fn taken(path: &Path) -> Result<(String, Vec<u8>), Refusal> {
     Ok((format!("{}.{ending}", stem.chars().map(plain).collect::<String>()), bytes))
 }
 
-fn missing() -> Refusal {
+fn missing() -> MeshRefusal {
     (
         "there is no such file".into(),
         "give the folder of its package with --package NAME=DIR, or export the mesh again".into(),

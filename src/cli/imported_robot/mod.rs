@@ -72,7 +72,9 @@ pub fn is_importable(path: &Path) -> bool {
 /// Imports a URDF or xacro file. Prints its faults if it has errors.
 pub fn import(query: ImportQuery<'_>) -> Result<ImportedRobot, Exit> {
     let text = urdf_text(query)?;
-    let refuse = |faults: Vec<Fault>| {
+    let refuse = |mut faults: Vec<Fault>| {
+        // Warnings of an import that fails would hide its errors.
+        faults.retain(Fault::is_error);
         output::faults(&faults);
         loading::exit_of(&faults)
     };

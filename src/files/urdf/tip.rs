@@ -42,7 +42,9 @@ pub fn guess(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> usize {
     if let Some(link) = named {
         return link;
     }
-    let leaves: Vec<_> = fixed.iter().copied().filter(|&link| tree.below[link].is_empty()).collect();
+    // Fingers may move below a palm.
+    let is_end = |link: usize| tree.below[link].iter().all(|&j| urdf.joints[j].kind != UrdfJointKind::Fixed);
+    let leaves: Vec<_> = fixed.iter().copied().filter(|&link| is_end(link)).collect();
     if let [leaf] = leaves[..] {
         return leaf;
     }
