@@ -1,6 +1,7 @@
 //! `init` for a robot of the user: a cell around a URDF, a xacro file or a folder of a ROS package.
 
 use super::{schema, suggest};
+use crate::cell::{ErrorSet, Robot};
 use crate::cli::arguments::InitArguments;
 use crate::cli::first_cells::{OwnCell, TABLE, TablePlace, table_places};
 use crate::cli::imported_robot::{GUESS, ImportQuery, ImportedRobot, import, stem};
@@ -9,7 +10,7 @@ use crate::cli::output_folder::{Sharing, new_folder};
 use crate::cli::{Exit, loading, output};
 use crate::error_map::Status;
 use crate::files;
-use crate::files::{FileContent, shown};
+use crate::files::{FileContent, LoadedRobot, shown};
 use crate::layout::Workcell;
 use crate::reach::{Cost, Inverse};
 use crate::robot::Chain;
@@ -36,21 +37,61 @@ pub fn is_path(name: &str) -> bool {
     path.exists() || path.extension().is_some() || path.components().count() > 1
 }
 
+/// Robot of the user, with the files that describe it in the folder of a cell.
+struct OwnRobot {
+    robot: Robot,
+    /// Path of the robot file in the folder of the cell.
+    file: String,
+    files: Vec<(String, Vec<u8>)>,
+    /// Name of an error set of the robot, and comment on it.
+    errors: String,
+    about_errors: String,
+    /// Whether the error set is that of one robot, with signs.
+    is_signed: bool,
+    /// Whether a part of the robot file is guessed.
+    is_guessed: bool,
+}
+
+impl From<ImportedRobot> for OwnRobot {
+    fn from(imported: ImportedRobot) -> Self {
+        let about_errors = format!(
+            "# GUESS: the preset {} of `sweetspot errors --presets`, not measured. Until you state your own tolerances under\n\
+             # [errors.NAME] in the file of the robot, use the errors only to compare layouts.",
+            imported.preset
+        );
+        let ImportedRobot { loaded, file, files, .. } = imported;
+        Self {
+            robot: loaded.robot,
+            file,
+            files,
+            errors: GUESS.into(),
+            about_errors,
+            is_signed: false,
+            is_guessed: true,
+        }
+    }
+}
+
 /// Runs `sweetspot init` for a path.
 pub fn init_own(given: &Path, a: &InitArguments) -> Result<Exit, Exit> {
     let path = if given.is_dir() { robot_of_folder(given, a)? } else { given.to_path_buf() };
-    refuse_other_files(&path)?;
-    let query =
-        ImportQuery { path: &path, packages: &a.packages, tip: a.tip.as_deref(), arguments: &a.arguments };
-    let imported = import(query)?;
-    imported.tell();
+    let own = match loading::content(&path).is_none() && loading::is_robot(&path, &a.packages) {
+        true => of_robot_file(&path, a)?,
+        false => {
+            refuse_other_files(&path)?;
+            let (packages, tip) = (&a.packages, a.tip.as_deref());
+            let imported = import(ImportQuery { path: &path, packages, tip, arguments: &a.arguments })?;
+            imported.tell();
+            imported.into()
+        }
+    };
     let command = format!(
         "sweetspot init {}",
         word(&path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()))
     );
-    let robot = &imported.loaded.robot;
+    let robot = &own.robot;
     let bar = output::spinner("placing the table");
-    let found = placed(&imported, &command);
+    let found = placed(&own, &command);
     bar.finish_and_clear();
     let Some(found) = found else {
         output::error(&format!("no table was found that the arm {} can reach", shown(&robot.name)));
@@ -66,12 +107,8 @@ pub fn init_own(given: &Path, a: &InitArguments) -> Result<Exit, Exit> {
         schema::of_files()?.into_iter().map(|(name, text)| (format!("schemas/{name}"), text.into_bytes()));
     let table = (TABLE.to_string(), found.place.table().into_bytes());
     // The cell file is written last, so that every file it refers to exists before it.
-    let all = imported
-        .files
-        .iter()
-        .cloned()
-        .chain(schemas)
-        .chain([table, (CELL.to_string(), found.cell.into_bytes())]);
+    let all =
+        own.files.iter().cloned().chain(schemas).chain([table, (CELL.to_string(), found.cell.into_bytes())]);
     let mut count = 0;
     for (name, bytes) in all {
         let path = folder.join(name);
@@ -85,10 +122,10 @@ pub fn init_own(given: &Path, a: &InitArguments) -> Result<Exit, Exit> {
         "wrote {cell}: a table {radius} mm from the base axis, {top} mm above the floor; the arm can use {} of {} nodes as drawn",
         found.usable, found.nodes
     ));
-    output::talk(&format!(
-        "robot, table and schemas are beside it, {count} files in all: replace the guesses in {}",
-        path_word(&folder.join(&imported.file))
-    ));
+    let robot_file = path_word(&folder.join(&own.file));
+    let replace =
+        if own.is_guessed { format!(": replace the guesses in {robot_file}") } else { String::new() };
+    output::talk(&format!("robot, table and schemas are beside it, {count} files in all{replace}"));
     suggest(&format!("map {cell} --svg map.svg"));
     Ok(Exit::Done)
 }
@@ -101,32 +138,57 @@ struct FoundCell {
     nodes: usize,
 }
 
+/// Reads a robot file of the user.
+fn of_robot_file(path: &Path, a: &InitArguments) -> Result<OwnRobot, Exit> {
+    let LoadedRobot { robot, sources, .. } = loading::load_robot(path, &a.packages)?;
+    let refuse = |why: &str, help: &str| {
+        output::error(&format!("{}: {why}", path_word(path)));
+        output::talk(&format!("  help: {help}"));
+        Exit::BadInput
+    };
+    if a.tip.is_some() || !a.arguments.is_empty() {
+        return Err(refuse(
+            "--tip and arguments of xacro are for a URDF",
+            "state tip_link in the robot file",
+        ));
+    }
+    if sources.iter().any(|source| source.path.starts_with("package://")) {
+        return Err(refuse("its URDF is in a ROS package", "give the URDF itself to sweetspot init"));
+    }
+    let tolerance = robot.errors.iter().find(|set| matches!(set, ErrorSet::Tolerance(_)));
+    let Some(errors) = tolerance.or(robot.errors.first()) else {
+        return Err(refuse("it has no error set", "add [errors.NAME]"));
+    };
+    let (errors, is_signed) = (errors.name().to_string(), tolerance.is_none());
+    let files: Vec<_> =
+        sources.into_iter().map(|source| (format!("robots/{}", source.path), source.bytes)).collect();
+    let file = files.first().map_or(String::new(), |(name, _)| name.clone());
+    let about_errors = "# The first set of tolerances of the robot file, or its first set.".into();
+    Ok(OwnRobot { robot, file, files, errors, about_errors, is_signed, is_guessed: false })
+}
+
 /// Returns the cell with the first place of the table whose map is good, or with the best place.
-fn placed(imported: &ImportedRobot, command: &str) -> Option<FoundCell> {
-    let robot = &imported.loaded.robot;
+fn placed(own: &OwnRobot, command: &str) -> Option<FoundCell> {
+    let robot = &own.robot;
     let inverse = Inverse::new(&Chain::new(robot));
     let attitudes = match inverse.fixed_elevation() {
         Some(bend) => vec![(bend, 100), (bend, 200)],
         None => ATTITUDES.map(|(bend, standoff)| (rad_from_deg(bend), standoff)).to_vec(),
     };
-    let about = format!(
-        "# GUESS: the preset {} of `sweetspot errors --presets`, not measured. Until you state your own tolerances under\n\
-         # [errors.NAME] in the file of the robot, use the errors only to compare layouts.",
-        imported.preset
-    );
     let mut best: Option<FoundCell> = None;
     for (bend, standoff) in attitudes {
         for place in table_places(robot, &inverse, bend, standoff) {
-            let own = OwnCell {
+            let cell = OwnCell {
                 command,
                 name: &format!("First cell: {}", robot.name),
-                robot: &imported.file,
-                errors: GUESS,
-                about_errors: &about,
+                robot: &own.file,
+                errors: &own.errors,
+                about_errors: &own.about_errors,
+                is_signed: own.is_signed,
                 few_spins: matches!(inverse.cost(), Cost::High | Cost::Numeric),
                 place,
             };
-            let Some(found) = mapped(imported, own.text(), place) else { continue };
+            let Some(found) = mapped(own, cell.text(), place) else { continue };
             let is_good = found.usable as f64 >= GOOD * found.nodes as f64;
             if best.as_ref().is_none_or(|best| found.usable > best.usable) {
                 best = Some(found);
@@ -144,13 +206,13 @@ fn placed(imported: &ImportedRobot, command: &str) -> Option<FoundCell> {
 }
 
 /// Maps a cell as drawn; None if it is not valid or if no kinematics solves it.
-fn mapped(imported: &ImportedRobot, cell: String, place: TablePlace) -> Option<FoundCell> {
+fn mapped(own: &OwnRobot, cell: String, place: TablePlace) -> Option<FoundCell> {
     let table = place.table();
     let loaded = files::load(CELL, &mut |asked| match asked {
         CELL => Ok(cell.clone().into_bytes()),
         TABLE => Ok(table.clone().into_bytes()),
         _ => {
-            let file = imported.files.iter().find(|(name, _)| name == asked);
+            let file = own.files.iter().find(|(name, _)| name == asked);
             file.map(|(_, bytes)| bytes.clone()).ok_or_else(|| "not found".into())
         }
     });
@@ -171,7 +233,7 @@ fn refuse_other_files(path: &Path) -> Result<(), Exit> {
         None if path.is_file() => {
             output::error(&format!("{} is not a URDF", path_word(path)));
             output::talk(
-                "  help: give a URDF, a xacro file or the folder of a ROS package; a file in TOML is ready for check and map",
+                "  help: give a URDF, a xacro file, a robot file in TOML or the folder of a ROS package; a cell is ready for map",
             );
         }
         None => {

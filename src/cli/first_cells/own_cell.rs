@@ -32,6 +32,8 @@ pub struct OwnCell<'a> {
     pub errors: &'a str,
     /// What the user must know of the errors.
     pub about_errors: &'a str,
+    /// Whether the error set is that of one robot, with signs.
+    pub is_signed: bool,
     /// Whether the file allows only four spins about the tool axis.
     pub few_spins: bool,
     pub place: TablePlace,
@@ -56,6 +58,11 @@ impl OwnCell<'_> {
             }
             false => "",
         };
+        let reading = if self.is_signed {
+            "reading = \"signed\""
+        } else {
+            "reading = \"statistical\"\nquantity = \"p95\""
+        };
         format!(
             r#"#:schema ./schemas/cell.schema.json
 # A first cell, written by `{command}`. It runs as it is; change whatever differs in your workcell.
@@ -71,8 +78,7 @@ errors = "{errors}"
 
 # How errors are read: "worst-case" (the worst corner of the tolerances) or "statistical" (random variables, of
 # which `quantity` is minimized: "rms", "mean", "p95", "p99" or "yield"). A measured sample is read "signed".
-reading = "statistical"
-quantity = "p95"
+{reading}
 
 # A distance below this counts as a collision.
 clearance_mm = 10

@@ -211,6 +211,27 @@ fn a_mesh_that_cannot_be_read_is_left_out_with_its_reason() {
 }
 
 #[test]
+fn a_robot_file_in_toml_gets_a_cell_too() {
+    let shop = Sandbox::new();
+    for (robot, errors) in [("hitachi_pw10_urdf", "table-3-tolerance"), ("adept_cobra_s600", "placeholder")] {
+        let ran = shop.done(&["init", &format!("cells/robots/{robot}.toml"), "--out", robot]);
+        assert!(ran.err.contains(&format!("next: sweetspot map {robot}/cell.toml")), "{}", ran.err);
+        assert!(shop.text(&format!("{robot}/cell.toml")).contains(&format!("errors = \"{errors}\"")));
+        assert!(number(&shop.json(&["map", &format!("{robot}/cell.toml")])["objective_mm"]) > 0.0);
+    }
+    shop.has("hitachi_pw10_urdf/robots", &["hitachi_pw10.urdf", "hitachi_pw10_urdf.toml"]);
+    // An error set with signs is read as it is.
+    let signed = shop.text("cells/robots/hitachi_pw10_urdf.toml");
+    let signed = &signed[..signed.find("[errors.table-3-tolerance]").unwrap()];
+    shop.write("cells/robots/signed.toml", signed);
+    shop.done(&["init", "cells/robots/signed.toml", "--out", "signed"]);
+    assert!(shop.text("signed/cell.toml").contains("reading = \"signed\""));
+    assert!(number(&shop.json(&["map", "signed/cell.toml"])["objective_mm"]) > 0.0);
+    let cell = shop.run(&["init", CELL]);
+    assert!(cell.code == Some(2) && cell.err.contains("is not a URDF"), "{}", cell.err);
+}
+
+#[test]
 fn the_tool_can_be_named() {
     let shop = with_package(&arm());
     let ran = shop.done(&["init", URDF, "--tip", "flange", "--out", "out"]);
