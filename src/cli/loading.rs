@@ -3,7 +3,7 @@
 use super::packages::PackageFolders;
 use super::{Exit, output};
 use crate::files;
-use crate::files::{Fault, FaultKind, Loaded, LoadedRobot, Setting, shown};
+use crate::files::{Fault, FaultKind, FileContent, Loaded, LoadedRobot, Setting, shown};
 use flate2::read::GzDecoder;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
@@ -23,7 +23,7 @@ pub const CHECKPOINT: &str = "checkpoint.jsonl";
 /// Largest size of an input file, bytes; a binary STL file of a million triangles has 50 MB.
 const MAX_BYTES: u64 = 128 << 20;
 
-/// Reads a cell and everything it refers to, and prints faults and warnings.
+/// Reads a cell and everything it refers to, and prints faults and warnings, without those of the import of a URDF.
 pub fn load(path: &Path, packages: &PackageFolders) -> Result<Loaded, Exit> {
     load_with(path, packages, &[])
 }
@@ -34,8 +34,21 @@ pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -
         output::faults(&faults);
         exit_of(&faults)
     })?;
-    output::faults(&loaded.warnings);
+    output::faults(&without_import(&loaded.warnings));
     Ok(loaded)
+}
+
+/// Returns the warnings that are not of the import of a URDF, which `check` lists.
+fn without_import(warnings: &[Fault]) -> Vec<Fault> {
+    warnings.iter().filter(|fault| fault.kind != FaultKind::Import).cloned().collect()
+}
+
+/// Returns the kind of a file whose content shows that it is no TOML file.
+pub fn content(path: &Path) -> Option<FileContent> {
+    let about = path.metadata().ok().filter(|about| about.is_file() && about.len() <= MAX_BYTES)?;
+    let mut head = Vec::new();
+    std::fs::File::open(path).ok()?.take(about.len()).read_to_end(&mut head).ok()?;
+    FileContent::of(&head)
 }
 
 /// Returns the exit code of faults: I/O error if a file cannot be read, otherwise bad input.
@@ -88,7 +101,7 @@ pub fn load_robot(path: &Path, packages: &PackageFolders) -> Result<LoadedRobot,
             output::faults(&named(path, faults.clone()));
             exit_of(&faults)
         })?;
-    output::faults(&named(path, loaded.warnings.clone()));
+    output::faults(&without_import(&named(path, loaded.warnings.clone())));
     Ok(loaded)
 }
 
@@ -113,6 +126,9 @@ fn named(path: &Path, mut faults: Vec<Fault>) -> Vec<Fault> {
     // A fault without a line is in a setting, not in a file.
     for fault in faults.iter_mut().filter(|f| f.line > 0) {
         fault.file = prefix.join(&fault.file).to_string_lossy().into_owned();
+        if let FaultKind::Foreign(content) = fault.kind {
+            fault.help = content.next_step(&output::path_word(Path::new(&fault.file)));
+        }
     }
     faults
 }
@@ -139,6 +155,11 @@ pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, 
     if !real.starts_with(&home) {
         return Err(format!("it is outside the folder of {whose}"));
     }
+    file_bytes(&real)
+}
+
+/// Reads a file that is not larger than an input file may be.
+pub fn file_bytes(real: &Path) -> Result<Vec<u8>, String> {
     let about = real.metadata().map_err(|e| reason(&e))?;
     if !about.is_file() {
         return Err("it is not a file".into());
@@ -146,7 +167,7 @@ pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, 
     if about.len() > MAX_BYTES {
         return Err(format!("its size is {} MB, more than {} MB", about.len() >> 20, MAX_BYTES >> 20));
     }
-    std::fs::read(&real).map_err(|e| reason(&e))
+    std::fs::read(real).map_err(|e| reason(&e))
 }
 
 /// Reads the bytes of a data file that the user names, also a gzip file.

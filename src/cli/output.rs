@@ -1,7 +1,8 @@
 //! Output: data on stdout, messages on stderr.
 
 use super::Exit;
-use crate::files::{Fault, shown};
+use crate::files::{Fault, FaultKind, shown};
+use indexmap::IndexMap;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::path::Path;
@@ -42,6 +43,22 @@ pub fn faults(faults: &[Fault]) {
     let errors = faults.iter().filter(|f| f.is_error()).count();
     if errors > 0 {
         talk(&format!("{errors} error{}; nothing was done", if errors == 1 { "" } else { "s" }));
+    }
+}
+
+/// Prints the warnings of the import of a URDF; warnings of one kind, which have the same help, are printed as one.
+pub fn import_warnings(warnings: &[Fault]) {
+    let mut kinds: IndexMap<&str, Vec<&Fault>> = IndexMap::new();
+    for warning in warnings.iter().filter(|fault| fault.kind == FaultKind::Import) {
+        kinds.entry(&warning.help).or_default().push(warning);
+    }
+    for (help, all) in kinds {
+        let first = all[0];
+        let more = match all.len() - 1 {
+            0 => String::new(),
+            more => format!(" (and {more} more of this kind)"),
+        };
+        talk(&format!("{}: warning: {}{more}\n  help: {help}", shown(&first.file), first.message));
     }
 }
 

@@ -1,5 +1,6 @@
 //! Folders of the ROS packages whose files a URDF names.
 
+use super::output::word;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -12,6 +13,14 @@ pub struct PackageFolders {
 }
 
 impl PackageFolders {
+    /// Returns the options as arguments for another command, with a blank before each.
+    pub fn words(&self) -> String {
+        let option = |(name, folder): &(String, PathBuf)| {
+            format!(" --package {}", word(&format!("{name}={}", folder.display())))
+        };
+        self.folders.iter().map(option).collect()
+    }
+
     /// Adds the packages that a result folder keeps in its folder `inputs`. A package that is already listed
     /// keeps its folder.
     pub fn with_kept(mut self, inputs: &Path) -> Self {

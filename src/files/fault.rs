@@ -1,5 +1,6 @@
 //! Faults of files: what is wrong, where, and what to do.
 
+use super::content::{FileContent, not_needed};
 use crate::safe_text::hides;
 pub use crate::safe_text::shown;
 use schemars::JsonSchema;
@@ -14,7 +15,7 @@ pub enum Severity {
     Warning,
 }
 
-/// Kind of a fault, which decides the exit code.
+/// Kind of a fault, which decides the exit code, and whether a command repeats a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FaultKind {
     /// Wrong content, or an unreadable file other than the cell or robot file itself.
@@ -22,6 +23,10 @@ pub enum FaultKind {
     Content,
     /// The cell or robot file itself cannot be read.
     Unreadable,
+    /// The cell or robot file itself is of another kind, which its content shows.
+    Foreign(FileContent),
+    /// Warning of the import of a URDF, which holds as long as the URDF stays the same.
+    Import,
 }
 
 /// Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1.
@@ -66,6 +71,12 @@ impl Fault {
     /// Returns the error of a cell or robot file that cannot be read.
     pub fn unreadable(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self { kind: FaultKind::Unreadable, ..Self::of_file(file, message, help) }
+    }
+
+    /// Returns the error of a cell or robot file that is of another kind. The help is for the file at `path`.
+    pub fn foreign(path: &str, content: FileContent, needed: &str) -> Self {
+        let fault = Self::of_file(path, not_needed(path, content, needed), content.next_step(&shown(path)));
+        Self { kind: FaultKind::Foreign(content), ..fault }
     }
 
     /// Returns an error at a byte offset of the text of a file.

@@ -1,5 +1,6 @@
 //! Mesh files that cells and robots name.
 
+use super::content::{FileContent, conversion, not_needed};
 use super::fault::{Severity, shown};
 use super::toml::document::Library;
 use super::toml::tree::At;
@@ -14,7 +15,11 @@ pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
     let known = [".obj", ".stl"].iter().any(|end| lower.ends_with(end));
     if !known {
         let message = format!("`{}` is not an OBJ or STL file", shown(name));
-        lib.error(at, message, "export the mesh as STL or Wavefront OBJ");
+        let help = match lower.ends_with(".dae") {
+            true => format!("convert it: {}", conversion(&shown(name))),
+            false => "export the mesh as STL or Wavefront OBJ".into(),
+        };
+        lib.error(at, message, help);
     }
     known
 }
@@ -38,6 +43,14 @@ pub fn load(path: &str, at: At, scale: &Vector3<f64>, pose: Pose, lib: &mut Libr
 fn read_file(path: &str, at: At, scale: f64, lib: &mut Library<'_>) -> Option<(Vertices, Triangles)> {
     let is_obj = path.to_ascii_lowercase().ends_with(".obj");
     let file = if is_obj { lib.text(path, Some(at))? } else { lib.file(path, Some(at))? };
+    let wanted = if is_obj { FileContent::Obj } else { FileContent::Stl };
+    if let Some(content) =
+        FileContent::of(&lib.sources[file].bytes).filter(|content| content.is_shape() && *content != wanted)
+    {
+        let message = not_needed(path, content, wanted.in_words());
+        lib.error(at, message, "let the ending of its name say what it is, .stl or .obj");
+        return None;
+    }
     let source = &lib.sources[file];
     match if is_obj { from_obj(source.text(), scale) } else { from_stl(&source.bytes, scale) } {
         Ok(mesh) => Some(mesh),

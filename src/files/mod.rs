@@ -4,6 +4,7 @@
 //! unit. [`load`] never touches the file system: the caller passes a function that reads a file. [`load`]
 //! reports every fault of every file in one pass, each with file, line, column, message and help.
 
+mod content;
 pub mod fault;
 mod keys;
 pub mod measured;
@@ -15,11 +16,13 @@ pub mod targets;
 mod toml;
 mod urdf;
 
+pub use content::{FileContent, conversion};
 pub use fault::{Fault, FaultKind, Severity, shown};
 pub use keys::key::NumberRange;
 pub use keys::operation::MAX_BEND;
 pub use schema::{FileKind, reference, schema};
 pub use toml::{Choices, ReadFile, Setting, Source, of_setting, toml_string};
+pub use urdf::{UrdfOutline, lean as lean_urdf};
 
 use crate::cell::*;
 use keys::robot::robot;
@@ -108,6 +111,28 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
         }
         _ => Err(faults),
     }
+}
+
+/// Reads the outline of a URDF that stands alone, without its meshes, and its warnings. `tip` names the link that
+/// carries the tool; None guesses it.
+///
+/// # Errors
+///
+/// Returns faults as [`load`] does.
+pub fn urdf_outline(
+    path: &str,
+    text: &str,
+    tip: Option<&str>,
+) -> Result<(UrdfOutline, Vec<Fault>), Vec<Fault>> {
+    let read: &mut ReadFile<'_> = &mut |_| Ok(text.as_bytes().to_vec());
+    let mut lib = Library::new(read);
+    let outline = urdf::outline(path, tip, &mut lib);
+    lib.mark_import(0);
+    let faults = sorted(&mut lib);
+    outline
+        .filter(|_| !faults.iter().any(Fault::is_error))
+        .map(|outline| (outline, faults.clone()))
+        .ok_or(faults)
 }
 
 /// Returns whether the file at `path` is a robot file. The key `schema` of the file states its kind. A file

@@ -16,7 +16,7 @@ pub enum AccuracyBase {
 
 #[derive(Args)]
 pub struct ErrorsArguments {
-    /// Name of a built-in robot, or a robot file (TOML)
+    /// Name of a built-in robot, a robot file (TOML), or a URDF or xacro file
     #[arg(required_unless_present = "presets")]
     pub robot: Option<PathBuf>,
     /// Take the tolerances from this class of arms; --presets lists them

@@ -1,5 +1,6 @@
 //! Arguments of the commands that help to write cell files: `schema` and `init`.
 
+use crate::cli::packages::PackageFolders;
 use crate::files::FileKind;
 use crate::record::DocumentKind;
 use clap::Args;
@@ -31,9 +32,30 @@ pub struct SchemaArguments {
 
 #[derive(Args)]
 pub struct InitArguments {
-    /// Name of a first cell or of a built-in robot [default: list them]
+    /// Your robot: a URDF, a xacro file, a robot file (TOML) or the folder of a ROS package; or the name of a first
+    /// cell or of a built-in robot [default: list the names]
+    #[arg(value_name = "ROBOT|NAME")]
     pub name: Option<String>,
-    /// Write to this folder, which must be new or empty [default: the folder NAME]
+    /// Arguments of the xacro file
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    pub arguments: Vec<String>,
+    /// Link of the URDF that carries the tool [default: the last link of the longest chain]
+    #[arg(long, value_name = "LINK", requires = "name")]
+    pub tip: Option<String>,
+    /// Write to this folder, which must be new or empty [default: the folder NAME; for a URDF, the folder NAME-cell
+    /// beside it]
     #[arg(long, value_name = "DIR", requires = "name")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub packages: PackageFolders,
+}
+
+/// Parser of `NAME:=VALUE`.
+fn xacro_argument(text: &str) -> Result<String, String> {
+    match text.split_once(":=") {
+        Some((name, _)) if name.chars().all(|c| c.is_alphanumeric() || c == '_') && !name.is_empty() => {
+            Ok(text.into())
+        }
+        _ => Err("expected NAME:=VALUE, an argument of the xacro file".into()),
+    }
 }

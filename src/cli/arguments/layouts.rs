@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct CheckArguments {
-    /// Cell file (TOML)
+    /// Cell file (TOML), or a URDF or xacro file of a robot
     pub cell: PathBuf,
     #[command(flatten)]
     pub packages: PackageFolders,

@@ -14,7 +14,7 @@ pub struct RobotsArguments {
 
 #[derive(Args)]
 pub struct RobotArguments {
-    /// Name of a built-in robot, or a robot file (TOML)
+    /// Name of a built-in robot, a robot file (TOML), or a URDF or xacro file
     pub robot: PathBuf,
     /// Print the robot file, as a template for your own
     #[arg(long, conflicts_with = "json")]
@@ -28,7 +28,7 @@ pub struct RobotArguments {
 
 #[derive(Args)]
 pub struct EnvelopeArguments {
-    /// Name of a built-in robot, or a robot file or cell file (TOML)
+    /// Name of a built-in robot, a robot file or cell file (TOML), or a URDF or xacro file
     #[arg(value_name = "ROBOT|CELL")]
     pub of: PathBuf,
     /// Hold the tool as in this operation of the cell [default: the first]

@@ -1,6 +1,6 @@
 //! `allocate`: the cheapest tolerances with which every operation keeps its limit.
 
-use super::{suggest, workcell};
+use super::{suggest_with, workcell};
 use crate::assess::{AllocatedNodes, CellAllocation, NoAllocation, NodeChoice};
 use crate::cell::{Cell, Interpretation, Reading};
 use crate::cli::arguments::AllocateArguments;
@@ -46,7 +46,7 @@ pub fn allocate(a: &AllocateArguments) -> Result<Exit, Exit> {
     }
     let is_kept = document.status == AllocationStatus::Cheapest;
     if !a.json {
-        suggest(&next(a, is_kept));
+        suggest_with(&next(a, is_kept), &a.packages);
     }
     Ok(if is_kept { Exit::Done } else { Exit::AnswerIsNo })
 }

@@ -5,7 +5,7 @@ use super::measurements::{TableOptions, session};
 use super::measuring_plan::{choose, measuring_plan};
 use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
-use super::suggest;
+use super::{suggest, suggest_with};
 use crate::calibration::{
     Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn, harmonics,
 };
@@ -100,7 +100,7 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         suggest(&format!("check CELL, with this table in a copy of {}", path_word(&a.robot)));
     } else {
         output::data(&report::text::calibration(&document))?;
-        suggest(&format!("calibrate {} {} --toml", path_word(&a.robot), words(a)));
+        suggest_with(&format!("calibrate {} {} --toml", path_word(&a.robot), words(a)), &a.packages);
     }
     Ok(Exit::Done)
 }

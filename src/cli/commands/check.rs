@@ -1,19 +1,25 @@
 //! `check`: validates a cell and everything it refers to.
 
-use super::{UNSOLVED, suggest, warn_of_hopeless, workcell};
+use super::{UNSOLVED, suggest_with, warn_of_hopeless, workcell};
 use crate::assess::Feasibility;
 use crate::cell::{Cell, Operation};
 use crate::cli::arguments::CheckArguments;
+use crate::cli::imported_robot::{ImportQuery, import, is_importable};
 use crate::cli::output::path_word;
 use crate::cli::{Exit, cache, json_text, loading, output};
 use crate::error_map::PostureOrder;
 use crate::files::{Fault, shown};
 use crate::layout::Workcell;
+use crate::reach::Inverse;
 use crate::record::{CHECK_SCHEMA, CheckDocument, OperationOrderEntry, OwnPairEntry, UrdfEntry};
 use crate::report;
+use crate::robot::Chain;
 
 /// Runs `sweetspot check`.
 pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
+    if is_importable(&a.cell) {
+        return check_robot(a);
+    }
     if a.json {
         let (mut pairs, mut operations, mut urdf) = (Vec::new(), Vec::new(), None);
         let (exit, faults) = match loading::read_cell(&a.cell, &a.packages) {
@@ -41,6 +47,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     }
     let loaded = loading::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
+    output::import_warnings(&loaded.warnings);
     // Printed even if no inverse kinematics solves the robot, because its D-H rows show why.
     output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
@@ -63,7 +70,31 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     ))?;
     warn_of_hopeless(&workcell);
     let next = if free > 0 { "search" } else { "map" };
-    suggest(&format!("{next} {}", path_word(&a.cell)));
+    suggest_with(&format!("{next} {}", path_word(&a.cell)), &a.packages);
+    Ok(Exit::Done)
+}
+
+/// Checks a robot alone, which a URDF or xacro file describes.
+fn check_robot(a: &CheckArguments) -> Result<Exit, Exit> {
+    let imported = import(ImportQuery::new(&a.cell, &a.packages))?;
+    let robot = &imported.loaded.robot;
+    if a.json {
+        let (schema, faults, urdf) = (CHECK_SCHEMA.into(), imported.warnings.clone(), UrdfEntry::new(robot));
+        let empty = (Vec::new(), Vec::new());
+        let document =
+            CheckDocument { schema, valid: true, faults, self_collision: empty.0, operations: empty.1, urdf };
+        json_text::print(&document)?;
+        return Ok(Exit::Done);
+    }
+    imported.tell();
+    let family = Inverse::new(&Chain::new(robot)).family();
+    output::data(&format!(
+        "{}{}, {}\ninverse kinematics: {family}\na robot, not a cell: valid\n",
+        report::text::derived(robot),
+        shown(&robot.name),
+        counted(robot.axes(), "axis", "axes"),
+    ))?;
+    suggest_with(&format!("init {}", path_word(&a.cell)), &a.packages);
     Ok(Exit::Done)
 }
 

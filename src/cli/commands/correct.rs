@@ -1,7 +1,7 @@
 //! `correct`: the joint and pose commands with which a robot with known errors lands on its targets.
 
 use super::measurements::text;
-use super::{suggest, workcell};
+use super::{suggest_with, workcell};
 use crate::assess::{CorrectedTarget, NodeChoice, OperationCorrector, StatedTarget};
 use crate::cell::{Cell, ErrorSet};
 use crate::cli::arguments::{CorrectArguments, TargetFrame};
@@ -47,7 +47,8 @@ pub fn correct(a: &CorrectArguments) -> Result<Exit, Exit> {
         let nodes = if a.nodes { " --nodes" } else { "" };
         let table =
             a.targets.as_ref().map_or(String::new(), |path| format!(" --targets {}", path_word(path)));
-        suggest(&format!("correct {}{name}{nodes}{table}{} --csv", path_word(&a.of), a.question.words()));
+        let (of, flags) = (path_word(&a.of), a.question.words());
+        suggest_with(&format!("correct {of}{name}{nodes}{table}{flags} --csv"), &a.packages);
     }
     Ok(if all { Exit::Done } else { Exit::AnswerIsNo })
 }

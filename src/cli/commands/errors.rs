@@ -1,7 +1,7 @@
 //! `errors`: guesses the tolerances of a robot, and predicts its pose accuracy.
 
 use super::robots::read;
-use super::suggest;
+use super::{suggest, suggest_with};
 use crate::cell::{ErrorSet, Robot, Spread};
 use crate::cli::arguments::{AccuracyBase, ErrorsArguments};
 use crate::cli::output::{path_word, word};
@@ -56,7 +56,7 @@ pub fn errors(a: &ErrorsArguments) -> Result<Exit, Exit> {
         ));
     } else {
         output::data(&report::text::errors(&document))?;
-        suggest(&format!("errors {}{} --toml", path_word(given), flags(a)));
+        suggest_with(&format!("errors {}{} --toml", path_word(given), flags(a)), &a.packages);
     }
     Ok(Exit::Done)
 }

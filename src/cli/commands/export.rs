@@ -1,6 +1,6 @@
 //! `export`: writes a layout in the formats of other programs.
 
-use super::{stem, suggest, warn_of_distrust, workcell};
+use super::{stem, suggest_with, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cell::Layout;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
@@ -36,7 +36,7 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
     warn_of_distrust(&assessment);
     let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
-    suggest(&format!("export {} --to {}", path_word(&a.of), next.extension()));
+    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.extension()), &a.packages);
     Ok(Exit::Done)
 }
 

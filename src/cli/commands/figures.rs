@@ -1,6 +1,6 @@
 //! `figures`: draws the figures of the seed paper for any cell.
 
-use super::{stem, suggest, workcell};
+use super::{stem, suggest_with, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::FiguresArguments;
 use crate::cli::output::{path_word, word};
@@ -46,7 +46,7 @@ pub fn figures(a: &FiguresArguments) -> Result<Exit, Exit> {
     outputs.push(("README.md".into(), text.into_bytes()));
     let run = results::RunDescription::typed(a.question.settings());
     results::write(&folder, &first.cell, &sources, run, outputs)?.tell();
-    suggest(&next(&a.cells[0]));
+    suggest_with(&next(&a.cells[0]), &a.packages);
     Ok(Exit::Done)
 }
 

@@ -1,5 +1,6 @@
 //! `init`: writes a first cell.
 
+use super::init_own::{init_own, is_path};
 use super::{schema, suggest};
 use crate::cli::arguments::InitArguments;
 use crate::cli::first_cells::{SKETCHES, Sketch, find};
@@ -20,11 +21,15 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
         suggest(&format!("init {}", SKETCHES[0].name));
         return Ok(Exit::Done);
     };
+    if find(name).is_none() && is_path(name) {
+        return init_own(Path::new(name), a);
+    }
+    refuse_own_options(a)?;
     let Some(sketch) = find(name) else {
         let names = SKETCHES.iter().flat_map(|s| [s.name, s.robot]);
         let exit = lookup::unknown(&format!("unknown first cell `{}`", shown(name)), name, names);
         output::talk(
-            "  help: list them with sweetspot init; for your own robot, write one of these cells and change its robot",
+            "  help: list them with sweetspot init; for your own robot, give its URDF: sweetspot init robot.urdf",
         );
         return Err(exit);
     };
@@ -52,6 +57,16 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     }
     tell(&folder, sketch, all.len());
     Ok(Exit::Done)
+}
+
+/// Refuses options that concern a URDF alone.
+fn refuse_own_options(a: &InitArguments) -> Result<(), Exit> {
+    if a.tip.is_none() && a.arguments.is_empty() && a.packages.folders.is_empty() {
+        return Ok(());
+    }
+    output::error("--tip, --package and arguments of xacro are for a URDF or xacro file");
+    output::talk("  help: give the path of the file, or leave them out");
+    Err(Exit::BadInput)
 }
 
 fn tell(folder: &Path, sketch: &Sketch, count: usize) {

@@ -1,7 +1,7 @@
 //! `compare`: compares layouts side by side.
 
 use super::remedies::remedies;
-use super::{refuse_other_pages, stem, suggest, within_size, workcell};
+use super::{refuse_other_pages, stem, suggest_with, within_size, workcell};
 use crate::assess::{Assessment, Comparison};
 use crate::cli::arguments::CompareArguments;
 use crate::cli::output::path_word;
@@ -46,10 +46,11 @@ pub fn compare(a: &CompareArguments) -> Result<Exit, Exit> {
         }
         if a.out.is_none() {
             let all: Vec<_> = a.layouts.iter().map(|p| path_word(p)).collect();
-            suggest(&format!("compare {} -o compare.html", all.join(" ")));
+            suggest_with(&format!("compare {} -o compare.html", all.join(" ")), &a.packages);
             return Ok(Exit::Done);
         }
-        suggest(&format!("report {}", a.layouts.last().map_or("CELL".into(), |p| path_word(p))));
+        let last = a.layouts.last().map_or("CELL".into(), |p| path_word(p));
+        suggest_with(&format!("report {last}"), &a.packages);
     }
     Ok(Exit::Done)
 }

@@ -1,6 +1,6 @@
 //! `map`: maps the error of every operation.
 
-use super::{measured, suggest, warn_of_distrust, workcell};
+use super::{measured, suggest_with, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::MapArguments;
 use crate::cli::json_text;
@@ -69,7 +69,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
             (false, None) => format!("map {} --svg map.svg", path_word(&a.cell)),
             (false, Some(_)) => format!("map {} --json", path_word(&a.cell)),
         };
-        suggest(&next);
+        suggest_with(&next, &a.packages);
     }
     Ok(Exit::Done)
 }

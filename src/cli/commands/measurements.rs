@@ -10,7 +10,7 @@ use crate::cli::{Exit, loading, output};
 use crate::files::measured::{
     ColumnNames, JointTable, MeasuredTable, StatedUnit, decode, read as read_table,
 };
-use crate::files::{Fault, shown};
+use crate::files::{Fault, FileContent, shown};
 use crate::robot::Chain;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::path::Path;
@@ -88,13 +88,23 @@ fn table(path: &Path, joints: &[Joint], options: &TableOptions<'_>) -> Result<Me
     })
 }
 
-/// Reads the text of a data file in any usual encoding.
+/// Reads the text of a data file in any usual encoding. Refuses a file whose content shows another kind.
 pub fn text(path: &Path) -> Result<String, Exit> {
-    decode(&loading::read_data(path)?).map_err(|why| {
-        let help = "export the table as CSV or text";
+    let refuse = |why: String, help: String| {
         output::faults(&[Fault::of_file(&path.to_string_lossy(), why, help)]);
         Exit::BadInput
-    })
+    };
+    let bytes = loading::read_data(path)?;
+    if let Some(content) = FileContent::of(&bytes).filter(|c| c.is_shape() || *c == FileContent::Json) {
+        let why = format!("it is {}, not a table of data", content.in_words());
+        return Err(refuse(why, content.next_step(&path_word(path))));
+    }
+    let text = decode(&bytes).map_err(|why| refuse(why, "export the table as CSV or text".into()))?;
+    if text.lines().any(|line| line.starts_with("schema = \"sweetspot/")) {
+        let why = "it is a cell, robot, tool or equipment file, not a table of data".into();
+        return Err(refuse(why, format!("look at it with sweetspot check {}", path_word(path))));
+    }
+    Ok(text)
 }
 
 fn in_mm(length: f64) -> String {

@@ -1,7 +1,7 @@
 //! `calibrate --plan` and `calibrate --choose`: the measuring poses that tell most about the operations.
 
 use super::assumed::assumed;
-use super::{suggest, workcell};
+use super::{suggest_with, workcell};
 use crate::calibration::{
     IntendedCalibration, MeasuredPosition, MeasuringSession, PlanProblem, Unknown, UnmodelledError,
 };
@@ -93,15 +93,13 @@ fn written(
         Some(path) => {
             let path = if is_stdout(path) { "plan.csv".into() } else { path_word(path) };
             output::talk(&format!("measure the poses, and fill in x, y and z of {path}; then"));
-            suggest(&format!("calibrate {robot_file} {path}{}", elastic(a)));
+            suggest_with(&format!("calibrate {robot_file} {path}{}", elastic(a)), &a.packages);
         }
         None => {
             let count = document.poses.len();
-            suggest(&format!(
-                "calibrate --plan {count} {}{} --csv plan.csv",
-                path_word(&a.robot),
-                elastic(a)
-            ));
+            let cell = path_word(&a.robot);
+            let next = format!("calibrate --plan {count} {cell}{} --csv plan.csv", elastic(a));
+            suggest_with(&next, &a.packages);
         }
     }
     Ok(Exit::Done)

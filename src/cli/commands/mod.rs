@@ -10,6 +10,7 @@ mod errors;
 mod export;
 mod figures;
 mod init;
+mod init_own;
 mod layouts;
 mod map;
 mod measured;
@@ -55,6 +56,7 @@ use crate::assess::Assessment;
 use crate::cell::{Cell, Coordinate};
 use crate::clearance::Party;
 use crate::cli::output::path_word;
+use crate::cli::packages::PackageFolders;
 use crate::cli::{Exit, cache, output};
 use crate::drawing::Detail;
 use crate::files::shown;
@@ -142,6 +144,11 @@ fn within_size(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Resul
         html.len() >> 20
     ));
     Ok(html)
+}
+
+/// Suggests the next command, with the packages that it needs as well.
+fn suggest_with(command: &str, packages: &PackageFolders) {
+    suggest(&format!("{command}{}", packages.words()));
 }
 
 fn suggest(command: &str) {

@@ -1,6 +1,6 @@
 //! `budget` and `explain`: the errors of one posture.
 
-use super::{suggest, workcell};
+use super::{suggest_with, workcell};
 use crate::assess::{BudgetReport, Explanation, NoPosture, NodeChoice, PostureContext};
 use crate::cell::{Cell, JointKind, JointVector, MAX_JOINTS};
 use crate::cli::arguments::{BudgetArguments, ExplainArguments, QuestionFlags};
@@ -36,7 +36,7 @@ pub fn budget(a: &BudgetArguments) -> Result<Exit, Exit> {
         output::data(&format!("{}\n{}", report::text::headline(cell), budgets.join("\n")))?;
         let first = accounts.first().map(|account| &cell.operations[account.context.operation].name);
         let same = asked_again(first.map(String::as_str), a.at, &a.question);
-        suggest(&format!("explain {}{same}", path_word(&a.cell)));
+        suggest_with(&format!("explain {}{same}", path_word(&a.cell)), &a.packages);
     }
     Ok(Exit::Done)
 }
@@ -94,9 +94,12 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
             let asked = a.question.words();
             let name = word(name);
             let same = format!("--operation {name} --joints={}{asked}", joints.join(","));
-            suggest(&format!("explain {file} {same} --json"));
+            suggest_with(&format!("explain {file} {same} --json"), &a.packages);
         }
-        None => suggest(&format!("budget {file}{}", asked_again(Some(name), a.at, &a.question))),
+        None => {
+            let same = asked_again(Some(name), a.at, &a.question);
+            suggest_with(&format!("budget {file}{same}"), &a.packages);
+        }
     }
     Ok(Exit::Done)
 }

@@ -1,6 +1,6 @@
 //! `readings`: compares every reading and registration side by side.
 
-use super::{suggest, unsolved, workcell};
+use super::{suggest_with, unsolved, workcell};
 use crate::assess::Readings;
 use crate::cli::arguments::ReadingsArguments;
 use crate::cli::json_text;
@@ -49,7 +49,7 @@ pub fn readings(a: &ReadingsArguments) -> Result<Exit, Exit> {
     }
     written.iter().for_each(WrittenFolder::tell);
     if !a.json {
-        suggest(&format!("budget {} --reading worst-case", path_word(&a.cell)));
+        suggest_with(&format!("budget {} --reading worst-case", path_word(&a.cell)), &a.packages);
     }
     Ok(if readings.found() { Exit::Done } else { Exit::AnswerIsNo })
 }

@@ -1,7 +1,7 @@
 //! `compare --calibrated`: answers whether to calibrate a measured robot, to move the equipment, or both.
 
 use super::search::stop_at_signals;
-use super::{suggest, workcell};
+use super::{suggest_with, workcell};
 use crate::assess::{Assessment, Remedies};
 use crate::cell::{Cell, Interpretation, Reading, SearchSettings};
 use crate::cli::arguments::{CompareArguments, RemedySearchFlags};
@@ -57,7 +57,7 @@ pub fn remedies(a: &CompareArguments) -> Result<Exit, Exit> {
     } else {
         output::data(&report::text::remedies(&document))?;
         let next = if can_move { "search" } else { "correct" };
-        suggest(&format!("{next} {}{}", path_word(file), a.question.words()));
+        suggest_with(&format!("{next} {}{}", path_word(file), a.question.words()), &a.packages);
     }
     Ok(if document.advised.is_empty() { Exit::AnswerIsNo } else { Exit::Done })
 }

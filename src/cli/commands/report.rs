@@ -1,6 +1,6 @@
 //! `report`: writes one HTML page about a layout or a search result.
 
-use super::{measured, refuse_other_pages, suggest, warn_of_distrust, within_size, workcell};
+use super::{measured, refuse_other_pages, suggest_with, warn_of_distrust, within_size, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::ReportArguments;
 use crate::cli::output::path_word;
@@ -160,14 +160,15 @@ fn tell(a: &ReportArguments, file: &Path, subject: &Subject<'_>, report: &Report
     if !a.json {
         let of = path_word(&a.of);
         let movable = !subject.cell().free().is_empty();
-        suggest(&match (&subject.found, movable) {
+        let next = match (&subject.found, movable) {
             (Some(_), _) if subject.best.is_some() => {
                 format!("compare {} {of} -o compare.html", path_word(file))
             }
             (Some(_), _) => format!("map {} --svg map.svg", path_word(file)),
             (None, true) => format!("search {of}"),
             (None, false) => format!("map {of} --svg map.svg"),
-        });
+        };
+        suggest_with(&next, &a.packages);
     }
     Ok(())
 }

@@ -1,9 +1,10 @@
 //! `robots`, `robot` and `envelope`: built-in robots and robot files.
 
-use super::{suggest, unsolved};
+use super::{suggest, suggest_with, unsolved};
 use crate::assess::{EnvelopeQuery, Reachable, RobotDataSheet};
 use crate::cell::{Attitude, Operation, Robot};
 use crate::cli::arguments::{EnvelopeArguments, RobotArguments, RobotsArguments};
+use crate::cli::imported_robot::{ImportQuery, import, is_importable};
 use crate::cli::output::{path_word, word};
 use crate::cli::packages::PackageFolders;
 use crate::cli::{Exit, json_text, library, loading, lookup, output};
@@ -41,15 +42,27 @@ pub fn robot(a: &RobotArguments) -> Result<Exit, Exit> {
     if a.toml {
         return print_file(&a.robot, &a.packages);
     }
-    let robot = read(&a.robot, &a.packages)?.robot;
+    let robot = read_aloud(&a.robot, &a.packages)?.robot;
     let sheet = RobotDataSheet::new(&robot);
     if a.json {
         json_text::print(&RobotSheetDocument::new(&sheet))?;
     } else {
         output::data(&report::text::robot(&sheet))?;
-        suggest(&format!("envelope {} --svg envelope.svg", path_word(&a.robot)));
+        suggest_with(&format!("envelope {} --svg envelope.svg", path_word(&a.robot)), &a.packages);
     }
     Ok(Exit::Done)
+}
+
+/// Reads a robot as [`read`] does, and prints the warnings of the import of a URDF.
+fn read_aloud(given: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit> {
+    if is_importable(given) {
+        let imported = import(ImportQuery::new(given, packages))?;
+        imported.tell();
+        return Ok(imported.loaded);
+    }
+    let loaded = read(given, packages)?;
+    output::import_warnings(&loaded.warnings);
+    Ok(loaded)
 }
 
 fn print_file(robot: &Path, packages: &PackageFolders) -> Result<Exit, Exit> {
@@ -144,20 +157,25 @@ fn drawn(
         output::talk("warning: the robot reaches no point with the tool at this elevation");
     }
     if !a.json {
+        let of = path_word(&a.of);
         let next = match (operation, &a.svg) {
-            (Some(_), _) => format!("map {} --svg map.svg", path_word(&a.of)),
-            (None, None) => format!("envelope {} --svg envelope.svg", path_word(&a.of)),
-            (None, Some(_)) => format!("robot {}", path_word(&a.of)),
+            (Some(_), _) => format!("map {of} --svg map.svg"),
+            (None, None) => format!("envelope {of} --svg envelope.svg"),
+            (None, Some(_)) if is_importable(&a.of) => format!("init {of}"),
+            (None, Some(_)) => format!("robot {of}"),
         };
-        suggest(&next);
+        suggest_with(&next, &a.packages);
     }
     Ok(Exit::Done)
 }
 
-/// Returns whether the argument means a robot: a built-in robot, a robot file, or a word that is no path.
+/// Returns whether the argument means a robot: a built-in robot, a robot file, a URDF, or a word that is no path.
 fn is_robot(given: &Path, packages: &PackageFolders) -> bool {
     let name = given.to_string_lossy();
-    library::text(&name).is_some() || is_bare(given) || loading::is_robot(given, packages)
+    library::text(&name).is_some()
+        || is_bare(given)
+        || is_importable(given)
+        || loading::is_robot(given, packages)
 }
 
 /// Returns whether the argument is a word and no path.
@@ -165,11 +183,14 @@ fn is_bare(given: &Path) -> bool {
     given.extension().is_none() && given.components().count() == 1 && !given.exists()
 }
 
-/// Reads a built-in robot by its name, or a robot file.
+/// Reads a built-in robot by its name, a robot file, or a URDF or xacro file.
 pub fn read(given: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit> {
     let name = given.to_string_lossy();
     if library::text(&name).is_some() {
         return of_library(&name);
+    }
+    if is_importable(given) {
+        return Ok(import(ImportQuery::new(given, packages))?.loaded);
     }
     if is_bare(given) {
         let names = library::ROBOTS.iter().map(|(name, _)| *name);

@@ -1,6 +1,6 @@
 //! `robust`: sensitivity to misplaced equipment.
 
-use super::{suggest, workcell};
+use super::{suggest_with, workcell};
 use crate::assess::Assessment;
 use crate::cli::arguments::RobustArguments;
 use crate::cli::output::path_word;
@@ -24,11 +24,9 @@ pub fn robust(a: &RobustArguments) -> Result<Exit, Exit> {
         output::data(&said)?;
         let cell = path_word(&a.cell);
         let searched = !workcell.cell.free().is_empty() && workcell.cell.has_placement_tolerance();
-        suggest(&if searched {
-            format!("search {cell} --robust")
-        } else {
-            format!("map {cell} --svg map.svg")
-        });
+        let next =
+            if searched { format!("search {cell} --robust") } else { format!("map {cell} --svg map.svg") };
+        suggest_with(&next, &a.packages);
     }
     Ok(if assessment.is_robust() { Exit::Done } else { Exit::AnswerIsNo })
 }

@@ -1,6 +1,6 @@
 //! Calibrations that `calibrate` takes from a file as they are: no measurement is fitted.
 
-use super::suggest;
+use super::{suggest, suggest_with};
 use crate::calibration::{errors_between, errors_of_frames, no_errors, nominal_frames};
 use crate::cell::{Robot, SignedErrors};
 use crate::cli::arguments::CalibrateArguments;
@@ -104,7 +104,7 @@ pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -
         suggest(&format!("check CELL, with this table in a copy of {}", path_word(&a.robot)));
     } else {
         output::data(&report::text::stated_calibration(&document, &source))?;
-        suggest(&format!("calibrate {} {} --toml", path_word(&a.robot), path_word(path)));
+        suggest_with(&format!("calibrate {} {} --toml", path_word(&a.robot), path_word(path)), &a.packages);
     }
     Ok(Exit::Done)
 }

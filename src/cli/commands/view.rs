@@ -1,6 +1,6 @@
 //! `view`: starts the local web server with the layout editor.
 
-use super::{suggest, warn_of_hopeless, workcell};
+use super::{suggest_with, warn_of_hopeless, workcell};
 use crate::cell::Cell;
 use crate::cli::arguments::ViewArguments;
 use crate::cli::output::path_word;
@@ -35,7 +35,7 @@ pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     // The file that leads the browser to the page is deleted when the session ends.
     let _redirect = if a.open { opened(&access.url()) } else { None };
     server.serve(view, access, &over);
-    suggest(&format!("check {}", path_word(&file)));
+    suggest_with(&format!("check {}", path_word(&file)), &a.packages);
     Ok(Exit::Done)
 }
 

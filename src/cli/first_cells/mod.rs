@@ -2,7 +2,12 @@
 //!
 //! Lengths are in mm and angles in degrees here, as in the file that is written.
 
+mod own_cell;
+mod table_choice;
 mod text;
+
+pub use own_cell::{OwnCell, TABLE, TablePlace};
+pub use table_choice::table_places;
 
 use super::library::ROBOTS;
 

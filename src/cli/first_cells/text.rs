@@ -107,7 +107,8 @@ bend_deg = -90
     }
 }
 
-const SEARCH: &str = r#"[search]
+/// Search of a first cell.
+pub const SEARCH: &str = r#"[search]
 solver = "cma-es"
 objective = "sum" # of the errors of all operations; or "max", or "lexicographic" in the order of operations
 budget = 2000     # layout evaluations; use 20000 for a final result

@@ -1,7 +1,8 @@
 //! All files of a cell as they are read, and the faults found in them.
 
 use super::tree::{At, Entry, parse};
-use crate::files::fault::{Fault, Severity, shown};
+use crate::files::content::{FileContent, not_needed};
+use crate::files::fault::{Fault, FaultKind, Severity, shown};
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
@@ -18,6 +19,8 @@ const MAX_NAMED: usize = 100_000_000;
 const PACKAGE: &str = "give the folder of the package: --package NAME=DIR";
 
 const NAMING: &str = "write its path relative to the folder of the file that names it";
+
+const TOML_FILE: &str = "a cell or robot file in TOML";
 
 const ENCODING: &str = "save it as UTF-8 in a text editor";
 
@@ -101,6 +104,12 @@ impl<'a> Library<'a> {
         self.fault(at, Severity::Error, message, help);
     }
 
+    /// Marks the warnings from the index `start` on as those of the import of a URDF.
+    pub fn mark_import(&mut self, start: usize) {
+        let warnings = self.faults.iter_mut().skip(start).filter(|fault| !fault.is_error());
+        warnings.for_each(|fault| fault.kind = FaultKind::Import);
+    }
+
     /// Returns the number of errors found so far.
     pub fn errors(&self) -> usize {
         self.found[0]
@@ -123,6 +132,20 @@ impl<'a> Library<'a> {
                 let fault = Fault::in_text(path, text, text.len(), wrong.into(), ENCODING.into());
                 self.faults.push(fault);
             }
+        }
+        None
+    }
+
+    /// Reads a TOML file as [`Self::text`] does. A file whose content shows that it is of another kind is one fault.
+    pub fn toml(&mut self, path: &str, at: Option<At>) -> Option<usize> {
+        let file = self.file(path, at)?;
+        let Some(content) = FileContent::of(&self.sources[file].bytes) else { return self.text(path, at) };
+        match at {
+            Some(at) => {
+                let message = not_needed(path, content, TOML_FILE);
+                self.error(at, message, "name a robot, tool or equipment file in TOML");
+            }
+            None => self.faults.push(Fault::foreign(path, content, TOML_FILE)),
         }
         None
     }

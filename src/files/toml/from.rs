@@ -18,7 +18,7 @@ const MAX_CHAIN: usize = 16;
 ///
 /// Returns None if the file cannot be read or parsed. Other faults are only recorded.
 pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<Node> {
-    let file = lib.text(path, None)?;
+    let file = lib.toml(path, None)?;
     let at = At { file, offset: 0 };
     let mut root = Node { at, value: Value::Table(lib.entries(file)?) };
     let mut chain = vec![path.to_string()];
@@ -106,7 +106,7 @@ fn follow(from: &Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option
         lib.error(from.at, message, "remove this `from`");
         return None;
     }
-    let file = lib.text(&path, Some(from.at))?;
+    let file = lib.toml(&path, Some(from.at))?;
     let entries = lib.entries(file)?;
     chain.push(path);
     Some((file, entries))

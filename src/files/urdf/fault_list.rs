@@ -17,11 +17,25 @@ pub struct Faults {
     /// Index of the URDF among the sources.
     file: usize,
     found: Vec<UrdfFault>,
+    /// Number of angles that are read as right angles, and the largest change, rad.
+    pub snapped: (usize, f64),
 }
+
+/// Least change of an angle, rad, that counts as one; a smaller change is a rounding error.
+const LEAST_CHANGE: f64 = 1e-9;
 
 impl Faults {
     pub fn new(file: usize) -> Self {
-        Self { file, found: Vec::new() }
+        Self { file, found: Vec::new(), snapped: (0, 0.0) }
+    }
+
+    /// Replaces an angle by the right angle that is meant, and counts it.
+    pub fn snap(&mut self, angle: &mut f64, meant: f64) {
+        let change = (*angle - meant).abs();
+        if change > LEAST_CHANGE {
+            self.snapped = (self.snapped.0 + 1, self.snapped.1.max(change));
+        }
+        *angle = meant;
     }
 
     pub fn at(&self, offset: usize) -> At {

@@ -6,16 +6,21 @@
 
 mod dh;
 mod fault_list;
+mod lean;
 mod model;
 mod motion;
+mod outline;
 mod packages;
 mod parse;
 mod scan;
 mod solids;
+mod tip;
 mod tree;
 mod xml;
 
+pub use lean::lean;
 pub use model::Named;
+pub use outline::{UrdfOutline, outline};
 pub use packages::RosPackages;
 
 use super::fault::{Severity, shown};
@@ -23,7 +28,6 @@ use super::toml::document::Library;
 use super::toml::tree::At;
 use crate::cell::*;
 use crate::pose::Pose;
-use fault_list::Faults;
 use model::Urdf;
 use motion::Motion;
 use tree::Tree;
@@ -51,16 +55,20 @@ pub struct UrdfChain {
     pub packages: RosPackages,
 }
 
-/// Reads the chain of a URDF that a robot file names.
+/// Reads the chain of a URDF that a robot file names. Warnings are marked as those of an import.
 pub fn read(chain: UrdfChain, lib: &mut Library) -> Option<UrdfRobot> {
+    let before = lib.faults.len();
+    let robot = read_chain(chain, lib);
+    lib.mark_import(before);
+    robot
+}
+
+fn read_chain(chain: UrdfChain, lib: &mut Library) -> Option<UrdfRobot> {
     let UrdfChain { file: named, base, tip, packages } = chain;
     let at = named.at;
     let path = packages.path(&named, lib)?;
     let file = lib.text(&path, Some(at))?;
-    let mut faults = Faults::new(file);
-    let urdf = parse::parse(lib.sources[file].text(), &mut faults).filter(|_| faults.is_empty());
-    faults.tell(lib);
-    let urdf = urdf?;
+    let urdf = outline::parsed(file, lib)?;
     let tree = Tree::new(&urdf, lib)?;
     let end = |name: Option<Named>, lib: &mut Library<'_>| name.map(|name| tree.link(&name, lib));
     let (base, tip) = (end(base, lib), end(tip, lib));

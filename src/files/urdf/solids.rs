@@ -16,9 +16,9 @@ use nalgebra::Vector3;
 
 /// Link that moves with a D-H frame.
 pub struct Carried {
-    link: usize,
+    pub link: usize,
     /// Index of the D-H frame with which the link moves: the number of moving joints between base and link.
-    frame: usize,
+    pub frame: usize,
     /// Pose of the link in the frame of the base link while all joint coordinates are 0.
     pose: Pose,
 }

@@ -67,6 +67,16 @@ impl<'u> Tree<'u> {
         found
     }
 
+    /// Returns the index of the child link of a joint.
+    pub fn child(&self, joint: usize) -> Option<usize> {
+        self.links.get(&*self.urdf.joints[joint].child.name).copied()
+    }
+
+    /// Returns the index of the joint above a link, and that of its parent link.
+    pub fn joint_above(&self, link: usize) -> Option<(usize, usize)> {
+        Some((self.above[link]?, self.parent(link)?))
+    }
+
     fn parent(&self, link: usize) -> Option<usize> {
         let joint = self.above[link]?;
         self.links.get(&*self.urdf.joints[joint].parent.name).copied()
@@ -120,7 +130,8 @@ impl<'u> Tree<'u> {
         Some(LinkChain { base, tip, joints })
     }
 
-    fn root(&self, at: At, lib: &mut Library<'_>) -> Option<usize> {
+    /// Returns the only link without a parent joint; records a fault if there are several.
+    pub fn root(&self, at: At, lib: &mut Library<'_>) -> Option<usize> {
         let roots: Vec<_> = (0..self.above.len()).filter(|&l| self.above[l].is_none()).collect();
         self.single(&roots, "links without a parent joint", "base_link", at, lib)
     }

@@ -7,6 +7,7 @@ use crate::files::toml::tree::At;
 use crate::pose::Pose;
 use nalgebra::Vector3;
 use roxmltree::Node;
+use std::f64::consts::FRAC_PI_2;
 
 /// Largest number that is accepted in a URDF.
 const LARGEST: f64 = 1e7;
@@ -98,6 +99,32 @@ pub fn origin(e: Node<'_, '_>, faults: &mut Faults) -> Option<Pose> {
     let Some(origin) = only(e, "origin", faults) else { return Some(Pose::identity()) };
     refuse_unknown(origin, &["xyz", "rpy"], faults);
     let xyz = numbers(origin, "xyz", Some([0.0; 3]), faults);
-    let rpy = numbers(origin, "rpy", Some([0.0; 3]), faults);
-    Some(Pose::from_translation_rpy(Vector3::from(xyz?), Vector3::from(rpy?)))
+    let mut rpy = numbers(origin, "rpy", Some([0.0; 3]), faults)?;
+    let words = origin.attribute("rpy").unwrap_or("").split_ascii_whitespace();
+    for (angle, word) in rpy.iter_mut().zip(words) {
+        faults.snap(angle, right_angle(word, *angle));
+    }
+    Some(Pose::from_translation_rpy(Vector3::from(xyz?), Vector3::from(rpy)))
+}
+
+/// Returns the multiple of a right angle, rad, that a number of a file plainly means; otherwise the number.
+///
+/// The number must be that multiple rounded, or cut off, to the digits that the file writes. It needs at least two
+/// digits after the point.
+pub fn right_angle(word: &str, value: f64) -> f64 {
+    let (mantissa, exponent) = word.split_once(['e', 'E']).unwrap_or((word, "0"));
+    let digits = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len());
+    let digits = exponent.parse::<i32>().ok().map(|exponent| digits as i32 - exponent);
+    let turns = (value / FRAC_PI_2).round();
+    let meant = turns * FRAC_PI_2;
+    let Some(digits) =
+        digits.filter(|digits| (2..=17).contains(digits) && turns != 0.0 && turns.abs() <= 4.0)
+    else {
+        return value;
+    };
+    let unit = 10f64.powi(-digits);
+    let off = (value - meant).abs();
+    let is_rounded = off <= 0.5 * unit + f64::EPSILON * meant.abs();
+    let is_cut_off = off < unit && value.abs() < meant.abs();
+    if is_rounded || is_cut_off { meant } else { value }
 }

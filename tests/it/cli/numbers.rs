@@ -22,7 +22,7 @@ const NUMERIC: [(&str, &[&str]); 15] = [
 ];
 
 /// Placeholders of options whose values are no numbers.
-const OTHERS: [&str; 21] = [
+const OTHERS: [&str; 22] = [
     "CELL",
     "DIR",
     "ERRORS",
@@ -30,6 +30,7 @@ const OTHERS: [&str; 21] = [
     "FORMAT",
     "FRAME",
     "GOAL,GOAL,...",
+    "LINK",
     "MODEL",
     "NAME",
     "NAME=DIR",

@@ -4,5 +4,6 @@
 mod chains;
 mod faults;
 mod hostile;
+mod outline;
 mod product;
 mod same_map;

@@ -1,0 +1,108 @@
+//! Choice of places for a table within the reach of an arm.
+
+use super::own_cell::TablePlace;
+use crate::cell::{Attitude, Robot};
+use crate::reach::{Envelope, Inverse};
+use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
+use nalgebra::Vector3;
+
+/// Numbers of heights and of radii at which the reach is sampled.
+const HEIGHTS: usize = 13;
+const RADII: usize = 25;
+
+/// Range of the heights of the TCP above the base, in shares of the longest reach.
+const LOWEST: f64 = -0.4;
+const HIGHEST: f64 = 0.8;
+
+/// Longest reach, m, up to which an arm stands on a pedestal so that the table has the height of a workbench.
+const BENCH_ARM: f64 = 1.5;
+
+/// Height of a workbench, mm, and least height of the top of a table.
+const BENCH: f64 = 800.0;
+const LEAST_TOP: f64 = 300.0;
+
+/// Largest number of places that are worth a map.
+const MAX_PLACES: usize = 12;
+
+/// Stretch of the radius within which an arm reaches one height.
+struct ReachableStretch {
+    height: f64,
+    from: f64,
+    to: f64,
+}
+
+/// Returns places for a table, the most promising first. `bend` is the elevation of the tool axis, rad, and `standoff`
+/// the height of the TCP above the table, mm.
+pub fn table_places(robot: &Robot, inverse: &Inverse, bend: f64, standoff: i32) -> Vec<TablePlace> {
+    let attitude = Attitude::elevation(bend);
+    if inverse.refusal(&attitude).is_some() {
+        return Vec::new();
+    }
+    let envelope = Envelope::new(inverse, &attitude, 0.0);
+    // A quarter of a turn is as good as any, and easier to read.
+    let azimuth = (deg_from_rad(envelope.middle()) / 90.0).round() * 90.0;
+    let reach = robot.reach();
+    let mut stretches: Vec<ReachableStretch> = (0..HEIGHTS)
+        .filter_map(|k| {
+            let height = reach * (LOWEST + (HIGHEST - LOWEST) * k as f64 / (HEIGHTS - 1) as f64);
+            longest_stretch(&envelope, rad_from_deg(azimuth), reach, height)
+        })
+        .collect();
+    stretches.sort_by(|a, b| (b.to - b.from).total_cmp(&(a.to - a.from)));
+    let places = stretches.iter().flat_map(|stretch| {
+        [0.7, 0.5, 0.35].map(|share| place(stretch, share, reach, (azimuth, bend, standoff)))
+    });
+    places.take(MAX_PLACES).collect()
+}
+
+fn longest_stretch(
+    envelope: &Envelope<'_>,
+    azimuth: f64,
+    reach: f64,
+    height: f64,
+) -> Option<ReachableStretch> {
+    let (sin, cos) = azimuth.sin_cos();
+    let step = reach / RADII as f64;
+    let mut best: Option<ReachableStretch> = None;
+    let mut from = None;
+    for k in 1..=RADII + 1 {
+        let r = step * k as f64;
+        if k <= RADII && envelope.contains(&Vector3::new(r * cos, r * sin, height)) {
+            from.get_or_insert(r);
+        } else if let Some(from) = from.take() {
+            let to = r - step;
+            let longer = best.as_ref().is_none_or(|best| to - from > best.to - best.from);
+            best = if longer && to > from { Some(ReachableStretch { height, from, to }) } else { best };
+        }
+    }
+    best
+}
+
+/// Returns the place of a table that is as deep as this share of a stretch.
+fn place(
+    stretch: &ReachableStretch,
+    share: f64,
+    reach: f64,
+    (azimuth, bend, standoff): (f64, f64, i32),
+) -> TablePlace {
+    let ten = |m: f64| (mm_from_m(m) / 10.0).round() as i32 * 10;
+    let fifty = |mm: f64| (mm / 50.0).round() as i32 * 50;
+    let depth = (share * (stretch.to - stretch.from)).min(0.4 * reach);
+    // The far corners must be within reach, so the table lies in the nearer half of what is left.
+    let middle = stretch.from + 0.45 * (stretch.to - stretch.from);
+    let far = middle + depth / 2.0;
+    let across = (0.9 * stretch.to).powi(2) - far.powi(2);
+    let width = (2.0 * across.max(0.0).sqrt()).clamp(depth.min(m_from_mm(100.0)), 1.5 * depth);
+    let below = mm_from_m(stretch.height) - f64::from(standoff);
+    let wanted = if reach < BENCH_ARM { BENCH } else { LEAST_TOP.max(below) };
+    let pedestal = fifty(wanted - below).max(0);
+    TablePlace {
+        pedestal,
+        top: (pedestal + fifty(below)).max(LEAST_TOP as i32),
+        radius: ten(middle),
+        azimuth: azimuth as i32,
+        size: (ten(depth).max(100), ten(width).max(100)),
+        standoff,
+        bend: deg_from_rad(bend).round() as i32,
+    }
+}
