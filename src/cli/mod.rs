@@ -20,7 +20,9 @@ mod progress;
 mod results;
 mod results_folder;
 mod search_request;
+mod shared_work;
 mod sweep;
+mod sweep_claims;
 #[cfg(feature = "view")]
 mod view;
 mod written_layout;

@@ -5,6 +5,7 @@ use crate::files::{Fault, shown};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::Duration;
 
 /// Writes data to stdout. A closed pipe (`| head`) is no error.
@@ -29,9 +30,18 @@ pub fn talk(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
+/// Text of the last error that [`error`] has printed.
+static LAST_ERROR: Mutex<Option<String>> = Mutex::new(None);
+
 /// Prints an error on stderr.
 pub fn error(text: &str) {
     talk(&format!("error: {text}"));
+    *LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(text.into());
+}
+
+/// Returns the text of the last error printed, which a worker states as the reason of its failure.
+pub fn last_error() -> Option<String> {
+    LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
 }
 
 /// Prints the faults of files and their number.

@@ -5,6 +5,7 @@ mod calibrate;
 mod correct;
 mod errors;
 mod files;
+mod index_ranges;
 mod layouts;
 mod measured;
 mod measuring_plan;
@@ -21,6 +22,7 @@ pub use calibrate::CalibrateArguments;
 pub use correct::{CorrectArguments, TargetFrame};
 pub use errors::{AccuracyBase, ErrorsArguments};
 pub use files::{InitArguments, SchemaArguments};
+pub use index_ranges::IndexRanges;
 pub use layouts::{
     CheckArguments, CompareArguments, MapArguments, ReadingsArguments, RemedySearchFlags, RobustArguments,
 };

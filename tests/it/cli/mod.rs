@@ -27,6 +27,7 @@ mod robots;
 mod robust;
 pub mod sandbox;
 mod schema;
+mod shared_sweep;
 mod stated_calibrations;
 mod sweep;
 mod urdf;
