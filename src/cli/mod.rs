@@ -21,6 +21,7 @@ mod results;
 mod results_folder;
 mod search_request;
 mod shared_work;
+mod slurm;
 mod sweep;
 mod sweep_claims;
 #[cfg(feature = "view")]

@@ -65,13 +65,17 @@ pub struct HostWork {
 }
 
 impl SweepStatus {
-    /// Estimates the time left from the mean time of a finished combination and the number of those that run.
-    pub fn with_estimate(mut self) -> Self {
+    /// Returns the mean time of a finished combination; None if no worker of `sweep --claim` has finished one.
+    pub fn mean_seconds(&self) -> Option<f64> {
         let finished: usize = self.hosts.iter().map(|host| host.combinations.len()).sum();
         let seconds: f64 = self.hosts.iter().map(|host| host.seconds).sum();
+        (finished > 0).then(|| seconds / finished as f64)
+    }
+
+    /// Estimates the time left from the mean time of a finished combination and the number of those that run.
+    pub fn with_estimate(mut self) -> Self {
         let spent: f64 = self.running.iter().map(|running| running.seconds).sum();
-        if finished > 0 && !self.running.is_empty() {
-            let mean = seconds / finished as f64;
+        if let Some(mean) = self.mean_seconds().filter(|_| !self.running.is_empty()) {
             let left = mean * (self.combinations - self.done) as f64 - spent;
             self.seconds_left = Some(left.max(0.0) / self.running.len() as f64);
         }

@@ -3,6 +3,7 @@
 mod allocate;
 mod calibrate;
 mod correct;
+mod engine;
 mod errors;
 mod files;
 mod index_ranges;
@@ -20,6 +21,7 @@ mod value_parsers;
 pub use allocate::AllocateArguments;
 pub use calibrate::CalibrateArguments;
 pub use correct::{CorrectArguments, TargetFrame};
+pub use engine::{ChunkSize, EngineFlags};
 pub use errors::{AccuracyBase, ErrorsArguments};
 pub use files::{InitArguments, SchemaArguments};
 pub use index_ranges::IndexRanges;

@@ -1,16 +1,18 @@
 //! Arguments of `sweep`.
 
+use super::engine::EngineFlags;
 use super::index_ranges::IndexRanges;
 use super::question::word;
 use super::search::whole;
 use crate::cell::Solver;
 use crate::cli::packages::PackageFolders;
 use crate::files::Setting;
-use clap::Args;
 use clap::builder::PossibleValuesParser;
+use clap::{ArgGroup, Args};
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
+#[command(group = ArgGroup::new("shared").args(["claim", "on"]))]
 pub struct SweepArguments {
     /// Cell file (TOML)
     #[arg(required_unless_present_any = ["resume", "claim", "status"], conflicts_with_all = ["resume", "status"])]
@@ -71,9 +73,11 @@ pub struct SweepArguments {
         value_name = "LEASE",
         default_value_t = 60,
         value_parser = clap::value_parser!(u16).range(1..=3600),
-        requires = "claim"
+        requires = "shared"
     )]
     pub lease: u16,
+    #[command(flatten)]
+    pub engine: EngineFlags,
     /// Show what is done, what is running where and what has failed in this folder, and the time left
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume", "claim", "only", "jobs"])]
     pub status: Option<PathBuf>,

@@ -3,6 +3,7 @@
 mod alone;
 mod check;
 mod combination;
+mod on_slurm;
 mod status;
 mod table;
 mod threads;
@@ -33,7 +34,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let is_checked = a.claim.is_some() && a.cell.is_none();
     let sources = if is_checked { Vec::new() } else { check::check_all(&mut plan, &kept, jobs)? };
     // Array jobs and workers write different files into one folder.
-    let is_shared = a.only.is_some() || a.claim.is_some() || a.plan_only;
+    let is_shared = a.only.is_some() || a.claim.is_some() || a.engine.on.is_some() || a.plan_only;
     let sharing = if is_shared { Sharing::WithOthers } else { Sharing::Alone };
     let folder = open(&plan, a.folder(), &stem(&plan.cell), sharing)?;
     keep_inputs(&folder, &sources)?;
@@ -48,13 +49,24 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let signal = stop.clone();
     let _ = ctrlc::set_handler(move || signal.store(true, Ordering::Relaxed));
     let mut sweep = CheckedSweep { plan, kept, folder, cell_name, stop };
-    let ran = match a.claim {
-        Some(_) => worker::run_shared(&sweep, missing, jobs, a.lease),
-        None => alone::run_all(&sweep, &missing, jobs),
+    if a.engine.dry_run {
+        return on_slurm::show_script(&sweep, &missing, a);
+    }
+    let folder = path_word(&sweep.folder);
+    let again = match (&a.claim, a.engine.on) {
+        (Some(_), _) => {
+            worker::run_shared(&sweep, missing, jobs, a.lease)?;
+            format!("sweep --claim {folder}")
+        }
+        (None, Some(_)) => {
+            on_slurm::run_on_slurm(&sweep, missing, a)?;
+            format!("sweep --resume {folder} --on slurm")
+        }
+        (None, None) => {
+            alone::run_all(&sweep, &missing, jobs)?;
+            format!("sweep --resume {folder}")
+        }
     };
-    let again = if a.claim.is_some() { "--claim" } else { "--resume" };
-    let again = format!("sweep {again} {}", path_word(&sweep.folder));
-    ran?;
     if sweep.stop.load(Ordering::Relaxed) {
         suggest(&again);
         return Ok(Exit::Interrupted);
@@ -63,10 +75,11 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
         tell_part(&sweep, only);
         return Ok(Exit::Done);
     }
-    match a.claim {
-        Some(_) => sweep.folder.sweep_when_last(),
+    if is_shared {
+        sweep.folder.sweep_when_last();
+    } else {
         // No other program writes here: unfinished files come from killed jobs.
-        None => loading::sweep(&sweep.folder),
+        loading::sweep(&sweep.folder);
     }
     table::gather(&sweep, a.json)
 }

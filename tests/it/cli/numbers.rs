@@ -3,7 +3,7 @@
 use super::sandbox::{CELL, PAPER, Sandbox};
 
 /// Placeholders of options whose values are numbers, each with the hostile values that are numbers in range.
-const NUMERIC: [(&str, &[&str]); 16] = [
+const NUMERIC: [(&str, &[&str]); 18] = [
     ("MM", &[]),
     ("DEG", &["1e-320", "-0"]),
     ("SECONDS", &["1e-320", "-0"]),
@@ -14,6 +14,8 @@ const NUMERIC: [(&str, &[&str]); 16] = [
     ("SEED", &[]),
     ("INDICES", &[]),
     ("LEASE", &[]),
+    ("CHUNK", &[]),
+    ("TIME", &[]),
     ("JOBS", &[]),
     ("THREADS", &[]),
     ("PX", &[]),
@@ -23,9 +25,10 @@ const NUMERIC: [(&str, &[&str]); 16] = [
 ];
 
 /// Placeholders of options whose values are no numbers.
-const OTHERS: [&str; 21] = [
+const OTHERS: [&str; 22] = [
     "CELL",
     "DIR",
+    "ENGINE",
     "ERRORS",
     "FILE",
     "FORMAT",

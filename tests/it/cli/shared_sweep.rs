@@ -4,6 +4,7 @@
 use crate::cli::sandbox::*;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -77,15 +78,15 @@ fn put_claim(shop: &Sandbox, name: &str, text: &str) {
 /// combination at most.
 #[test]
 fn killed_workers_end_in_the_bytes_of_a_straight_run() {
-    const COMBINATIONS: usize = 84;
+    const COMBINATIONS: usize = 64;
     const KILLS: usize = 20;
     let shop = planned(COMBINATIONS);
     let worker = || start(&shop, &["sweep", "--claim", "shared", "--jobs", "1", "--lease", "2"]);
     let mut workers: Vec<Child> = (0..4).map(|_| worker()).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(18);
     for kill in 0..KILLS {
-        wait_until("progress", || rows(&shop) >= kill * 4);
-        std::thread::sleep(Duration::from_millis(rng.random_range(0..150)));
+        wait_until("progress", || rows(&shop) >= kill * 3);
+        std::thread::sleep(Duration::from_millis(rng.random_range(0..100)));
         let k = rng.random_range(0..workers.len());
         workers[k].kill().unwrap();
         workers[k].wait().unwrap();
@@ -190,27 +191,42 @@ fn a_combination_that_kills_its_workers_is_given_up() {
     assert_whole(&shop, 2);
 }
 
+/// The first worker keeps its claim with heartbeats. When a signal stops it, the second one does not wait for the
+/// lease to end.
 #[cfg(unix)]
 #[test]
-fn a_stopped_worker_hands_its_combination_over_at_once() {
+fn a_worker_keeps_its_combination_until_it_is_stopped() {
     let shop = Sandbox::new();
+    let height = format!("{HEIGHTS}600");
     let args =
-        ["sweep", CELL, "--budget", "1000000000", "--set", &format!("{HEIGHTS}600"), "--claim", "shared"];
-    let worker = start(&shop, &args);
+        ["sweep", CELL, "--budget", "1000000000", "--set", &height, "--claim", "shared", "--lease", "1"];
+    let first = start(&shop, &args);
     wait_until("a claim", || shop.path("shared/claims/0000-1").exists());
+    let second = start(&shop, &["sweep", "--claim", "shared"]);
+    let beat = |name: &str| {
+        let text = std::fs::read(shop.path(&format!("shared/claims/{name}"))).unwrap_or_default();
+        serde_json::from_slice(&text).map_or(0, |claim: Value| claim["beat"].as_u64().unwrap())
+    };
+    // Three leases.
+    wait_until("18 heartbeats", || beat("0000-1") >= 18);
+    assert_eq!(shop.files("shared/claims"), ["0000-1"]);
     let status = shop.json(&["sweep", "--status", "shared"]);
-    assert_eq!(status["running"][0]["process"], worker.id(), "{status}");
-    assert!(Command::new("kill").args(["-TERM", &worker.id().to_string()]).status().unwrap().success());
-    let ended = ran(worker.wait_with_output().unwrap());
-    assert_eq!(ended.code, Some(130), "{}", ended.err);
-    assert!(ended.err.contains("next: sweetspot sweep --claim shared"), "{}", ended.err);
+    assert_eq!(status["running"][0]["process"], first.id(), "{status}");
+    let stop = |worker: Child| {
+        assert!(Command::new("kill").args(["-TERM", &worker.id().to_string()]).status().unwrap().success());
+        let ended = ran(worker.wait_with_output().unwrap());
+        assert_eq!(ended.code, Some(130), "{}", ended.err);
+        assert!(ended.err.contains("next: sweetspot sweep --claim shared"), "{}", ended.err);
+        ended.err
+    };
+    let process = first.id();
+    stop(first);
+    wait_until("the successor", || shop.path("shared/claims/0000-2").exists());
+    let said = stop(second);
+    assert!(said.contains("note: waiting for 1 combination of other workers"), "{said}");
+    assert!(said.contains(&format!("combination 0 is taken over: process {process} on ")), "{said}");
     let status = shop.json(&["sweep", "--status", "shared"]);
     assert!(text(&status["failed"][0]["why"]).ends_with("was stopped"), "{status}");
-    let next = start(&shop, &["sweep", "--claim", "shared"]);
-    wait_until("the successor", || shop.path("shared/claims/0000-2").exists());
-    assert!(Command::new("kill").args(["-TERM", &next.id().to_string()]).status().unwrap().success());
-    let ended = ran(next.wait_with_output().unwrap());
-    assert!(ended.err.contains("combination 0 is taken over: process"), "{}", ended.err);
 }
 
 #[test]

@@ -15,7 +15,19 @@ use std::time::SystemTime;
 
 /// Runs `sweetspot sweep --status`.
 pub fn status(folder: &Path, as_json: bool) -> Result<Exit, Exit> {
-    let combinations = stored_plan(folder)?.combinations;
+    let status = state(folder, stored_plan(folder)?.combinations);
+    output::data(&if as_json { line(&status)? } else { report::text::sweep_status(&status) })?;
+    let word = path_word(folder);
+    match (status.complete, status.running.is_empty()) {
+        (true, _) => output::talk(&format!("the table is {word}/table.csv")),
+        (false, true) => suggest(&format!("sweep --claim {word}")),
+        (false, false) => suggest(&format!("sweep --status {word}")),
+    }
+    Ok(Exit::Done)
+}
+
+/// Returns the state of a sweep with this number of combinations.
+pub fn state(folder: &Path, combinations: usize) -> SweepStatus {
     let now = server_time(folder);
     let mut status = SweepStatus {
         schema: SWEEP_STATUS_SCHEMA.into(),
@@ -29,15 +41,7 @@ pub fn status(folder: &Path, as_json: bool) -> Result<Exit, Exit> {
         complete: folder.join("manifest.json").is_file(),
     };
     (0..combinations).for_each(|index| note(&mut status, folder, index, now));
-    let status = status.with_estimate();
-    output::data(&if as_json { line(&status)? } else { report::text::sweep_status(&status) })?;
-    let word = path_word(folder);
-    match (status.complete, status.running.is_empty()) {
-        (true, _) => output::talk(&format!("the table is {word}/table.csv")),
-        (false, true) => suggest(&format!("sweep --claim {word}")),
-        (false, false) => suggest(&format!("sweep --status {word}")),
-    }
-    Ok(Exit::Done)
+    status.with_estimate()
 }
 
 /// Adds one combination to the state.

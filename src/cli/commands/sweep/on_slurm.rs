@@ -1,0 +1,172 @@
+//! `sweep --on slurm`: submits the combinations, follows their files, and submits again what is missing.
+
+use super::combination::CheckedSweep;
+use super::status::state;
+use super::worker::run_shared;
+use crate::cli::arguments::{ChunkSize, SweepArguments};
+use crate::cli::commands::suggest;
+use crate::cli::output::path_word;
+use crate::cli::slurm::{ArrayJob, is_queued};
+use crate::cli::sweep::{StoredRow, row};
+use crate::cli::{Exit, output};
+use crate::record::SweepStatus;
+use crate::report;
+use indicatif::ProgressBar;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// Number of times that missing combinations are submitted again.
+const RETRIES: usize = 3;
+
+/// Time that a task should take, s. The scheduling of a task costs about one second.
+const TASK_SECONDS: f64 = 60.0;
+
+/// Time between two looks at the files.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Time between two questions to Slurm.
+const ASK: Duration = Duration::from_secs(3);
+
+/// Prepares the job and shows its script.
+pub fn show_script(sweep: &CheckedSweep, missing: &[usize], a: &SweepArguments) -> Result<Exit, Exit> {
+    let run = ClusterRun::new(sweep, missing, a)?;
+    let job = ArrayJob::new(&sweep.folder, 1);
+    output::data(&job.write(&run.chunks(missing), &a.engine, a.lease)?)?;
+    let folder = path_word(&sweep.folder);
+    output::talk(&format!("wrote {}; nothing is submitted", path_word(&job.script_path())));
+    suggest(&format!("sweep --resume {folder} --on slurm"));
+    Ok(Exit::Done)
+}
+
+/// Submits the missing combinations and waits for their files. Submits again what is missing after the job.
+///
+/// Returns early if a signal stops this program; the job goes on.
+pub fn run_on_slurm(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<(), Exit> {
+    let mut run = ClusterRun::new(sweep, &missing, a)?;
+    run.missing = missing;
+    let mut last = ArrayJob::last(&sweep.folder);
+    if let Some(id) = last.as_ref().and_then(ArrayJob::id)
+        && is_queued(&id) == Ok(true)
+    {
+        output::talk(&format!("job {id} of an earlier command goes on"));
+        run.follow(&id);
+    }
+    for _ in 0..=RETRIES {
+        if run.look() == 0 || run.is_stopped() {
+            break;
+        }
+        let job =
+            last.filter(|job| job.id().is_some()).map_or(ArrayJob::new(&sweep.folder, 1), |job| job.next());
+        job.write(&run.chunks(&run.missing), &a.engine, a.lease)?;
+        let id = job.submit()?;
+        output::talk(&format!("submitted {} as job {id}", path_word(&job.script_path())));
+        run.follow(&id);
+        last = Some(job);
+    }
+    run.bar.finish_and_clear();
+    let status = state(&sweep.folder, sweep.plan.combinations);
+    if run.is_stopped() {
+        output::talk("note: the job goes on; scancel ends it");
+        return Ok(());
+    }
+    if run.missing.is_empty() {
+        output::talk(report::text::sweep_status(&status).trim_end());
+        return Ok(());
+    }
+    Err(run.refuse(&status))
+}
+
+/// Submission of a sweep to a cluster.
+struct ClusterRun<'s> {
+    sweep: &'s CheckedSweep,
+    /// Combinations without a file.
+    missing: Vec<usize>,
+    /// Number of combinations that were missing at the start.
+    total: usize,
+    chunk: usize,
+    bar: ProgressBar,
+}
+
+impl<'s> ClusterRun<'s> {
+    /// Chooses the number of combinations of a task, so that all tasks fit into one array.
+    fn new(sweep: &'s CheckedSweep, missing: &[usize], a: &SweepArguments) -> Result<Self, Exit> {
+        let asked = match a.engine.chunk {
+            ChunkSize::Combinations(count) => count,
+            ChunkSize::Auto => {
+                let seconds = measured(sweep, missing, a.lease)?;
+                (TASK_SECONDS / seconds * f64::from(a.engine.cpus)).ceil() as usize
+            }
+        };
+        let least = missing.len().div_ceil(a.engine.max_array as usize);
+        let chunk = asked.max(least).max(1);
+        let bar = output::combinations_bar();
+        Ok(Self { sweep, missing: Vec::new(), total: missing.len(), chunk, bar })
+    }
+
+    fn chunks(&self, missing: &[usize]) -> Vec<Vec<usize>> {
+        missing.chunks(self.chunk).map(<[usize]>::to_vec).collect()
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.sweep.stop.load(Ordering::Relaxed)
+    }
+
+    /// Forgets combinations that have their files now, and returns how many are missing.
+    fn look(&mut self) -> usize {
+        self.missing.retain(|index| !matches!(row(&self.sweep.folder, *index), StoredRow::Whole(_)));
+        let done = (self.total - self.missing.len()) as u64;
+        output::advance(&self.bar, done.saturating_sub(self.bar.position()), self.total as u64);
+        self.missing.len()
+    }
+
+    /// Waits until no combination is missing, or until Slurm has no task of the job any more.
+    fn follow(&mut self, id: &str) {
+        let (mut asked, mut is_told) = (Instant::now(), false);
+        while self.look() > 0 && !self.is_stopped() {
+            std::thread::sleep(LOOK);
+            if asked.elapsed() < ASK {
+                continue;
+            }
+            asked = Instant::now();
+            match is_queued(id) {
+                Ok(true) => is_told = false,
+                Ok(false) => return drop(self.look()),
+                // The controller may be down for a while; its jobs go on.
+                Err(why) if !is_told => {
+                    output::talk(&format!(
+                        "note: Slurm does not answer, so the files alone are followed: {why}"
+                    ));
+                    is_told = true;
+                }
+                Err(_) => {}
+            }
+        }
+    }
+
+    /// Reports which combinations are missing in the end, and why.
+    fn refuse(&self, status: &SweepStatus) -> Exit {
+        output::error(&format!("{} combinations are missing after {RETRIES} retries", self.missing.len()));
+        for index in &self.missing {
+            let failed = status.failed.iter().find(|failed| failed.index == *index);
+            let why = failed.map_or("no task has begun it", |failed| &failed.why);
+            output::talk(&format!("  {index:04}: {why}"));
+        }
+        let folder = path_word(&self.sweep.folder);
+        output::talk(&format!(
+            "  help: the logs are in {folder}/slurm; sweetspot sweep --resume {folder} --on slurm tries again"
+        ));
+        Exit::Limit
+    }
+}
+
+/// Returns the mean time of a finished combination, s. Processes one here if none is finished.
+fn measured(sweep: &CheckedSweep, missing: &[usize], lease: u16) -> Result<f64, Exit> {
+    let mean = || state(&sweep.folder, sweep.plan.combinations).mean_seconds();
+    let first = missing.first().copied();
+    let Some(index) = first.filter(|_| mean().is_none()) else { return Ok(mean().unwrap_or(TASK_SECONDS)) };
+    output::talk(&format!(
+        "note: combination {index} is processed here to measure its time; --chunk skips this"
+    ));
+    run_shared(sweep, vec![index], 1, lease)?;
+    Ok(mean().unwrap_or(TASK_SECONDS))
+}
