@@ -1,7 +1,7 @@
-//! The batch system Slurm: the script of an array job, its submission, and whether it is still queued.
+//! The batch system Slurm: script and lists of array jobs, their submission, and whether they are still queued.
 
 use super::arguments::EngineFlags;
-use super::output::{path_word, word};
+use super::output::path_word;
 use super::{Exit, loading, output};
 use crate::files::shown;
 use std::path::{Path, PathBuf};
@@ -10,75 +10,83 @@ use std::process::Command;
 /// Folder with the scripts, lists and logs of the jobs, inside the folder of a sweep.
 pub const SLURM: &str = "slurm";
 
-/// Array job, whose tasks process the combinations of one line of a list each.
+/// Name of the script of all jobs of a sweep.
+const SCRIPT: &str = "job.sh";
+
+/// Returns the script of all jobs of a sweep. Its argument is the list of an [`ArrayJob`].
+fn script(folder: &Path, flags: &EngineFlags, lease: u16) -> Result<String, Exit> {
+    let cpus = flags.cpus;
+    let mut options = vec!["--job-name=sweetspot".to_string(), format!("--cpus-per-task={cpus}")];
+    options.extend(flags.partition.as_ref().map(|partition| format!("--partition={partition}")));
+    options.extend(flags.time.as_ref().map(|time| format!("--time={time}")));
+    let options: String = options.iter().map(|option| format!("#SBATCH {option}\n")).collect();
+    let (program, folder) = (path_word(&absolute(std::env::current_exe())?), path_word(folder));
+    Ok(format!(
+        "#!/bin/sh\n{options}\n\
+         # Each line of the list \"$1\" holds the combinations of one task.\n\
+         only=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" \"$1\")\n\
+         exec {program} sweep --claim {folder} --only \"$only\" --jobs {cpus} --lease {lease}\n"
+    ))
+}
+
+/// Writes the script of a sweep and returns it. With `anew` false, keeps a script that the user may have edited.
+pub fn write_script(folder: &Path, flags: &EngineFlags, lease: u16, anew: bool) -> Result<String, Exit> {
+    let folder = absolute(folder.canonicalize())?.join(SLURM);
+    loading::make_folder(&folder)?;
+    let path = folder.join(SCRIPT);
+    let script = script(folder.parent().unwrap_or(&folder), flags, lease)?;
+    match std::fs::read_to_string(&path) {
+        Ok(kept) if !anew => {
+            if kept != script {
+                let path = path_word(&path);
+                output::talk(&format!("note: {path} is kept; remove it, and it is written from the options"));
+            }
+            Ok(kept)
+        }
+        _ => loading::write_whole(&path, script.as_bytes()).map(|()| script),
+    }
+}
+
+/// Array job. Each of its tasks processes the combinations of one line of a list.
 pub struct ArrayJob {
+    /// Absolute path of the folder of the job.
     folder: PathBuf,
     /// Number of the submission, counted from 1.
     round: usize,
 }
 
 impl ArrayJob {
-    /// Returns the job of a round of the sweep in `folder`.
-    pub fn new(folder: &Path, round: usize) -> Self {
-        Self { folder: folder.to_path_buf(), round }
+    /// Returns the next job to submit for the sweep in `folder`.
+    pub fn next(folder: &Path) -> Result<Self, Exit> {
+        let folder = absolute(folder.canonicalize())?.join(SLURM);
+        let round = (1..).find(|round| Self { folder: folder.clone(), round: *round }.id().is_none());
+        Ok(Self { folder, round: round.unwrap_or(1) })
     }
 
-    /// Returns the last job that was prepared for a sweep.
-    pub fn last(folder: &Path) -> Option<Self> {
-        let rounds = (1..).map(|round| Self::new(folder, round));
-        rounds.take_while(|job| job.file("sh").is_file()).last()
+    /// Returns the number that Slurm gave to the job before this one.
+    pub fn id_of_previous(&self) -> Option<String> {
+        Self { folder: self.folder.clone(), round: self.round.checked_sub(1)? }.id()
     }
 
-    /// Returns the job after this one.
-    pub fn next(&self) -> Self {
-        Self::new(&self.folder, self.round + 1)
-    }
-
-    /// Writes the list of the combinations and the script, and returns the script.
-    pub fn write(&self, chunks: &[Vec<usize>], flags: &EngineFlags, lease: u16) -> Result<String, Exit> {
-        loading::make_folder(&self.folder.join(SLURM))?;
+    /// Writes the list of the combinations of each task, and returns the command that submits the job.
+    pub fn write(&self, chunks: &[Vec<usize>]) -> Result<Vec<String>, Exit> {
         let list: String = chunks.iter().map(|chunk| ranges(chunk) + "\n").collect();
         loading::write_whole(&self.file("txt"), list.as_bytes())?;
-        let script = self.script(chunks.len(), flags, lease)?;
-        loading::write_whole(&self.file("sh"), script.as_bytes())?;
-        Ok(script)
+        let text = |path: PathBuf| path.to_string_lossy().into_owned();
+        Ok(vec![
+            "sbatch".into(),
+            "--parsable".into(),
+            format!("--array=0-{}", chunks.len().saturating_sub(1)),
+            format!("--output={}", text(self.folder.join(format!("round-{}-%a.log", self.round)))),
+            text(self.folder.join(SCRIPT)),
+            text(self.file("txt")),
+        ])
     }
 
-    fn script(&self, tasks: usize, flags: &EngineFlags, lease: u16) -> Result<String, Exit> {
-        let absolute = |path: std::io::Result<PathBuf>| {
-            path.map_err(|e| {
-                output::error(&format!("cannot find the program or the folder: {}", loading::reason(&e)));
-                Exit::Io
-            })
-        };
-        let program = path_word(&absolute(std::env::current_exe())?);
-        let folder = absolute(self.folder.canonicalize())?;
-        let log = folder.join(SLURM).join(format!("round-{}-%a.log", self.round));
-        let list = path_word(&folder.join(SLURM).join(format!("round-{}.txt", self.round)));
-        let mut options = vec![
-            "--job-name=sweetspot".to_string(),
-            format!("--array=0-{}", tasks.saturating_sub(1)),
-            format!("--cpus-per-task={}", flags.cpus),
-            format!("--output={}", word(&log.to_string_lossy())),
-        ];
-        options.extend(flags.partition.as_ref().map(|partition| format!("--partition={partition}")));
-        options.extend(flags.time.as_ref().map(|time| format!("--time={time}")));
-        let options: String = options.iter().map(|option| format!("#SBATCH {option}\n")).collect();
-        Ok(format!(
-            "#!/bin/sh\n{options}\n\
-             # Every line of the list holds the combinations of one task.\n\
-             only=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {list})\n\
-             exec {program} sweep --claim {} --only \"$only\" --jobs {} --lease {lease}\n",
-            path_word(&folder),
-            flags.cpus
-        ))
-    }
-
-    /// Submits the job and keeps its number in a file.
-    pub fn submit(&self) -> Result<String, Exit> {
-        let script = self.file("sh");
-        let id = run("sbatch", Command::new("sbatch").arg("--parsable").arg(&script)).map_err(|why| {
-            output::error(&format!("cannot submit {}: {why}", path_word(&script)));
+    /// Submits the job, and keeps the number that Slurm gives to it.
+    pub fn submit(&self, command: &[String]) -> Result<String, Exit> {
+        let id = run(command).map_err(|why| {
+            output::error(&format!("cannot submit a job: {why}"));
             output::talk("  help: run it where sbatch works, or start workers yourself with sweep --claim");
             Exit::Io
         })?;
@@ -88,30 +96,34 @@ impl ArrayJob {
         Ok(id)
     }
 
-    /// Returns the number of the job, if it was submitted.
-    pub fn id(&self) -> Option<String> {
+    fn id(&self) -> Option<String> {
         std::fs::read_to_string(self.file("job")).ok()
     }
 
-    pub fn script_path(&self) -> PathBuf {
-        self.file("sh")
-    }
-
     fn file(&self, extension: &str) -> PathBuf {
-        self.folder.join(SLURM).join(format!("round-{}.{extension}", self.round))
+        self.folder.join(format!("round-{}.{extension}", self.round))
     }
+}
+
+fn absolute(path: std::io::Result<PathBuf>) -> Result<PathBuf, Exit> {
+    path.map_err(|e| {
+        output::error(&format!("cannot find the program or the folder: {}", loading::reason(&e)));
+        Exit::Io
+    })
 }
 
 /// Returns whether a task of the job waits or runs, or why Slurm does not say so.
 pub fn is_queued(id: &str) -> Result<bool, String> {
     // Slurm forgets finished jobs, so that a question about this job alone may fail.
-    let list = run("squeue", Command::new("squeue").args(["--noheader", "--me", "--format=%F"]))?;
+    let list = run(&["squeue", "--noheader", "--me", "--format=%F"].map(String::from))?;
     Ok(list.split_whitespace().any(|word| word == id))
 }
 
 /// Runs a command and returns its output, or why it failed.
-fn run(name: &str, command: &mut Command) -> Result<String, String> {
-    let ran = command.output().map_err(|e| format!("{name}: {}", loading::reason(&e)))?;
+fn run(words: &[String]) -> Result<String, String> {
+    let Some((name, arguments)) = words.split_first() else { return Ok(String::new()) };
+    let ran = Command::new(name).args(arguments).output();
+    let ran = ran.map_err(|e| format!("{name}: {}", loading::reason(&e)))?;
     if ran.status.success() {
         return Ok(String::from_utf8_lossy(&ran.stdout).into_owned());
     }

@@ -138,12 +138,17 @@ pub fn newest(folder: &Path, index: usize, mut number: u32) -> (u32, Option<Vec<
     (number, bytes)
 }
 
-#[cfg(unix)]
+/// Returns the name of this host, or of the node that Slurm gives to it.
 fn host() -> String {
+    std::env::var("SLURMD_NODENAME").unwrap_or_else(|_| system_name())
+}
+
+#[cfg(unix)]
+fn system_name() -> String {
     rustix::system::uname().nodename().to_string_lossy().into_owned()
 }
 
 #[cfg(not(unix))]
-fn host() -> String {
+fn system_name() -> String {
     std::env::var("COMPUTERNAME").unwrap_or_else(|_| "this computer".into())
 }

@@ -50,7 +50,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let _ = ctrlc::set_handler(move || signal.store(true, Ordering::Relaxed));
     let mut sweep = CheckedSweep { plan, kept, folder, cell_name, stop };
     if a.engine.dry_run {
-        return on_slurm::show_script(&sweep, &missing, a);
+        return on_slurm::show_script(&sweep, missing, a);
     }
     let folder = path_word(&sweep.folder);
     let again = match (&a.claim, a.engine.on) {

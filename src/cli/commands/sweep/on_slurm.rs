@@ -5,8 +5,8 @@ use super::status::state;
 use super::worker::run_shared;
 use crate::cli::arguments::{ChunkSize, SweepArguments};
 use crate::cli::commands::suggest;
-use crate::cli::output::path_word;
-use crate::cli::slurm::{ArrayJob, is_queued};
+use crate::cli::output::{path_word, word};
+use crate::cli::slurm::{ArrayJob, is_queued, write_script};
 use crate::cli::sweep::{StoredRow, row};
 use crate::cli::{Exit, output};
 use crate::record::SweepStatus;
@@ -27,14 +27,14 @@ const LOOK: Duration = Duration::from_millis(500);
 /// Time between two questions to Slurm.
 const ASK: Duration = Duration::from_secs(3);
 
-/// Prepares the job and shows its script.
-pub fn show_script(sweep: &CheckedSweep, missing: &[usize], a: &SweepArguments) -> Result<Exit, Exit> {
+/// Writes script and list of the first job, and shows the script.
+pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<Exit, Exit> {
     let run = ClusterRun::new(sweep, missing, a)?;
-    let job = ArrayJob::new(&sweep.folder, 1);
-    output::data(&job.write(&run.chunks(missing), &a.engine, a.lease)?)?;
-    let folder = path_word(&sweep.folder);
-    output::talk(&format!("wrote {}; nothing is submitted", path_word(&job.script_path())));
-    suggest(&format!("sweep --resume {folder} --on slurm"));
+    output::data(&write_script(&sweep.folder, &a.engine, a.lease, true)?)?;
+    let command = ArrayJob::next(&sweep.folder)?.write(&run.chunks())?;
+    let words: Vec<String> = command.iter().map(|part| word(part)).collect();
+    output::talk(&format!("nothing is submitted; the job would be: {}", words.join(" ")));
+    suggest(&format!("sweep --resume {} --on slurm", path_word(&sweep.folder)));
     Ok(Exit::Done)
 }
 
@@ -42,10 +42,9 @@ pub fn show_script(sweep: &CheckedSweep, missing: &[usize], a: &SweepArguments) 
 ///
 /// Returns early if a signal stops this program; the job goes on.
 pub fn run_on_slurm(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<(), Exit> {
-    let mut run = ClusterRun::new(sweep, &missing, a)?;
-    run.missing = missing;
-    let mut last = ArrayJob::last(&sweep.folder);
-    if let Some(id) = last.as_ref().and_then(ArrayJob::id)
+    let mut run = ClusterRun::new(sweep, missing, a)?;
+    write_script(&sweep.folder, &a.engine, a.lease, false)?;
+    if let Some(id) = ArrayJob::next(&sweep.folder)?.id_of_previous()
         && is_queued(&id) == Ok(true)
     {
         output::talk(&format!("job {id} of an earlier command goes on"));
@@ -55,13 +54,11 @@ pub fn run_on_slurm(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArgument
         if run.look() == 0 || run.is_stopped() {
             break;
         }
-        let job =
-            last.filter(|job| job.id().is_some()).map_or(ArrayJob::new(&sweep.folder, 1), |job| job.next());
-        job.write(&run.chunks(&run.missing), &a.engine, a.lease)?;
-        let id = job.submit()?;
-        output::talk(&format!("submitted {} as job {id}", path_word(&job.script_path())));
+        let (job, chunks) = (ArrayJob::next(&sweep.folder)?, run.chunks());
+        let id = job.submit(&job.write(&chunks)?)?;
+        let (tasks, combinations) = (chunks.len(), run.missing.len());
+        output::talk(&format!("submitted job {id}: {combinations} combinations in {tasks} tasks"));
         run.follow(&id);
-        last = Some(job);
     }
     run.bar.finish_and_clear();
     let status = state(&sweep.folder, sweep.plan.combinations);
@@ -89,22 +86,23 @@ struct ClusterRun<'s> {
 
 impl<'s> ClusterRun<'s> {
     /// Chooses the number of combinations of a task, so that all tasks fit into one array.
-    fn new(sweep: &'s CheckedSweep, missing: &[usize], a: &SweepArguments) -> Result<Self, Exit> {
+    fn new(sweep: &'s CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<Self, Exit> {
         let asked = match a.engine.chunk {
             ChunkSize::Combinations(count) => count,
             ChunkSize::Auto => {
-                let seconds = measured(sweep, missing, a.lease)?;
+                let seconds = measured(sweep, &missing, a.lease)?;
                 (TASK_SECONDS / seconds * f64::from(a.engine.cpus)).ceil() as usize
             }
         };
-        let least = missing.len().div_ceil(a.engine.max_array as usize);
-        let chunk = asked.max(least).max(1);
-        let bar = output::combinations_bar();
-        Ok(Self { sweep, missing: Vec::new(), total: missing.len(), chunk, bar })
+        let (total, bar) = (missing.len(), output::combinations_bar());
+        let chunk = asked.max(total.div_ceil(a.engine.max_array as usize)).max(1);
+        let mut run = Self { sweep, missing, total, chunk, bar };
+        run.look();
+        Ok(run)
     }
 
-    fn chunks(&self, missing: &[usize]) -> Vec<Vec<usize>> {
-        missing.chunks(self.chunk).map(<[usize]>::to_vec).collect()
+    fn chunks(&self) -> Vec<Vec<usize>> {
+        self.missing.chunks(self.chunk).map(<[usize]>::to_vec).collect()
     }
 
     fn is_stopped(&self) -> bool {
@@ -130,7 +128,7 @@ impl<'s> ClusterRun<'s> {
             asked = Instant::now();
             match is_queued(id) {
                 Ok(true) => is_told = false,
-                Ok(false) => return drop(self.look()),
+                Ok(false) => break,
                 // The controller may be down for a while; its jobs go on.
                 Err(why) if !is_told => {
                     output::talk(&format!(
@@ -141,6 +139,7 @@ impl<'s> ClusterRun<'s> {
                 Err(_) => {}
             }
         }
+        self.look();
     }
 
     /// Reports which combinations are missing in the end, and why.
