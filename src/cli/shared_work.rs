@@ -17,6 +17,9 @@ pub const MAX_LOSSES: u32 = 6;
 /// share may show them late.
 const LATE_LEASES: u32 = 3;
 
+/// Number of heartbeats in one lease, so that some may be late.
+pub const BEATS_PER_LEASE: u32 = 6;
+
 /// Next step of a worker.
 pub enum NextStep {
     /// Process this combination, which the worker now owns.
@@ -129,12 +132,14 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
-/// Newest claim of another worker to a combination, and when this worker saw it change.
+/// Newest claim of another worker to a combination, and for how long this worker has seen no change.
 struct WatchedClaim {
     index: usize,
     number: u32,
     bytes: Option<Vec<u8>>,
-    since: Instant,
+    /// Time of the last look.
+    seen: Instant,
+    silent: Duration,
 }
 
 /// What the claim of another worker means for this worker.
@@ -147,7 +152,7 @@ enum ClaimVerdict {
 
 impl WatchedClaim {
     fn new(index: usize) -> Self {
-        Self { index, number: 1, bytes: None, since: Instant::now() }
+        Self { index, number: 1, bytes: None, seen: Instant::now(), silent: Duration::ZERO }
     }
 
     /// Looks at the files of the combination and then at its newest claim.
@@ -158,12 +163,16 @@ impl WatchedClaim {
             StoredRow::Missing => false,
         };
         let (number, bytes) = newest(folder, self.index, self.number);
-        if (number, &bytes) != (self.number, &self.bytes) {
-            *self = Self { number, bytes, since: Instant::now(), ..*self };
-        }
+        let is_changed = (number, &bytes) != (self.number, &self.bytes);
+        (self.number, self.bytes) = (number, bytes);
         let claim = self.bytes.as_deref().and_then(SweepClaim::parse);
         let seconds = claim.as_ref().map_or(own_lease, |claim| claim.lease);
-        let (lease, waited) = (Duration::from_secs(seconds.into()), self.since.elapsed());
+        let lease = Duration::from_secs(seconds.into());
+        // An outage of the file server stops the heart of the owner and the looks of this worker alike, so a
+        // long pause between two looks counts as a short one.
+        let pause = self.seen.elapsed().min(lease / BEATS_PER_LEASE);
+        self.silent = if is_changed { Duration::ZERO } else { self.silent + pause };
+        self.seen = Instant::now();
         let (owner, losses) = match &claim {
             Some(claim) => (claim.owner(), claim.losses),
             None => ("its owner".into(), self.number.saturating_sub(1)),
@@ -183,7 +192,7 @@ impl WatchedClaim {
                 (lease, 1, format!("{owner} has shown no heartbeat for {seconds} s"))
             }
         };
-        if waited < patience {
+        if self.silent < patience {
             ClaimVerdict::Wait
         } else if losses + lost >= MAX_LOSSES {
             ClaimVerdict::GivenUp

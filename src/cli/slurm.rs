@@ -112,11 +112,32 @@ fn absolute(path: std::io::Result<PathBuf>) -> Result<PathBuf, Exit> {
     })
 }
 
-/// Returns whether a task of the job waits or runs, or why Slurm does not say so.
-pub fn is_queued(id: &str) -> Result<bool, String> {
+/// Whether tasks of a job are left in the queue of Slurm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum QueueState {
+    /// A task waits or runs.
+    Queued,
+    /// Slurm holds the tasks that are left, because a node failed to start them. They never run by themselves.
+    Held,
+    Gone,
+}
+
+/// Asks for the state of a job. Fails with a reason if Slurm does not answer.
+pub fn queue_state(id: &str) -> Result<QueueState, String> {
     // Slurm forgets finished jobs, so that a question about this job alone may fail.
-    let list = run(&["squeue", "--noheader", "--me", "--format=%F"].map(String::from))?;
-    Ok(list.split_whitespace().any(|word| word == id))
+    let list = run(&["squeue", "--noheader", "--me", "--format=%F %r"].map(String::from))?;
+    let tasks = list.lines().filter_map(|line| line.trim().split_once(' ')).filter(|(job, _)| *job == id);
+    let is_held: Vec<bool> = tasks.map(|(_, reason)| reason.contains("launch failed")).collect();
+    Ok(match is_held.contains(&false) {
+        true => QueueState::Queued,
+        false if is_held.is_empty() => QueueState::Gone,
+        false => QueueState::Held,
+    })
+}
+
+/// Removes a job from the queue.
+pub fn cancel(id: &str) -> Result<(), String> {
+    run(&["scancel", id].map(String::from)).map(drop)
 }
 
 /// Runs a command and returns its output, or why it failed.

@@ -116,7 +116,10 @@ fn tell_part(sweep: &CheckedSweep, only: &IndexRanges) {
         [index] => {
             output::talk(&format!("wrote {}", path_word(&sweep.folder.join(number(*index) + ".json"))));
         }
-        several => output::talk(&format!("wrote {folder}: files of {} combinations", several.len())),
+        several => {
+            let count = output::counted(several.len(), "combination");
+            output::talk(&format!("wrote {folder}: files of {count}"));
+        }
     }
     suggest(&format!("sweep --resume {folder}"));
 }

@@ -44,8 +44,31 @@ fn assert_whole(shop: &Sandbox, count: usize) {
     straight.iter().for_each(|(name, bytes)| assert!(shared[name] == *bytes, "{name} differs"));
 }
 
-fn start(shop: &Sandbox, args: &[&str]) -> Child {
-    shop.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+/// Running worker. It is killed when the value is dropped.
+struct Worker(Option<Child>);
+
+impl Worker {
+    fn start(shop: &Sandbox, args: &[&str]) -> Self {
+        Self(Some(shop.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()))
+    }
+
+    fn id(&self) -> u32 {
+        self.0.as_ref().unwrap().id()
+    }
+
+    /// Waits for the end of the worker.
+    fn ended(mut self) -> RunOutput {
+        ran(self.0.take().unwrap().wait_with_output().unwrap())
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
 }
 
 fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
@@ -69,6 +92,12 @@ fn claim(state: &str, beat: u32, losses: u32) -> String {
     )
 }
 
+/// Returns how many combinations a worker says that it has processed.
+fn processed(worker: &RunOutput) -> usize {
+    let (_, count) = worker.err.split_once("this worker has processed ").unwrap();
+    count.split(' ').next().unwrap().parse().unwrap()
+}
+
 fn put_claim(shop: &Sandbox, name: &str, text: &str) {
     std::fs::create_dir_all(shop.path("shared/claims")).unwrap();
     shop.write(&format!("shared/claims/{name}"), text);
@@ -81,18 +110,18 @@ fn killed_workers_end_in_the_bytes_of_a_straight_run() {
     const COMBINATIONS: usize = 64;
     const KILLS: usize = 20;
     let shop = planned(COMBINATIONS);
-    let worker = || start(&shop, &["sweep", "--claim", "shared", "--jobs", "1", "--lease", "2"]);
-    let mut workers: Vec<Child> = (0..4).map(|_| worker()).collect();
+    let worker = || Worker::start(&shop, &["sweep", "--claim", "shared", "--jobs", "1", "--lease", "2"]);
+    let mut workers: Vec<Worker> = (0..4).map(|_| worker()).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(18);
     for kill in 0..KILLS {
         wait_until("progress", || rows(&shop) >= kill * 3);
         std::thread::sleep(Duration::from_millis(rng.random_range(0..100)));
         let k = rng.random_range(0..workers.len());
-        workers[k].kill().unwrap();
-        workers[k].wait().unwrap();
-        workers[k] = worker();
+        // Dropping a worker kills it.
+        drop(workers.swap_remove(k));
+        workers.push(worker());
     }
-    for ran in workers.into_iter().map(|worker| ran(worker.wait_with_output().unwrap())) {
+    for ran in workers.into_iter().map(Worker::ended) {
         ran.no_panic();
         assert_eq!(ran.code, Some(0), "{}", ran.err);
     }
@@ -110,10 +139,12 @@ fn killed_workers_end_in_the_bytes_of_a_straight_run() {
 fn workers_that_start_at_the_same_time_share_the_work() {
     let shop = Sandbox::new();
     let command = sweep(12, &["--claim", "shared", "--jobs", "1"]);
-    let workers: Vec<Child> = (0..4).map(|_| start(&shop, &words(&command))).collect();
-    let ended: Vec<RunOutput> = workers.into_iter().map(|w| ran(w.wait_with_output().unwrap())).collect();
+    let workers: Vec<Worker> = (0..4).map(|_| Worker::start(&shop, &words(&command))).collect();
+    let ended: Vec<RunOutput> = workers.into_iter().map(Worker::ended).collect();
     ended.iter().for_each(|ran| assert_eq!(ran.code, Some(0), "{}", ran.err));
     ended.iter().for_each(|ran| assert_eq!(ran.out, ended[0].out));
+    // No combination was processed twice.
+    assert_eq!(ended.iter().map(processed).sum::<usize>(), 12);
     let claims: Vec<String> = (0..12).map(|k| format!("{k:04}-1")).collect();
     assert_eq!(shop.files("shared/claims"), claims);
     assert_whole(&shop, 12);
@@ -139,7 +170,7 @@ fn a_worker_needs_only_the_folder() {
 fn a_claim_is_taken_over_only_after_its_heartbeat_stops() {
     let shop = planned(2);
     put_claim(&shop, "0001-1", &claim("running", 0, 0));
-    let worker = start(&shop, &["sweep", "--claim", "shared"]);
+    let worker = Worker::start(&shop, &["sweep", "--claim", "shared"]);
     wait_until("the free combination", || rows(&shop) == 1);
     let future = std::time::SystemTime::now() + Duration::from_secs(86_400);
     // The heart of the other host beats for three leases.
@@ -150,7 +181,7 @@ fn a_claim_is_taken_over_only_after_its_heartbeat_stops() {
         std::thread::sleep(Duration::from_millis(100));
         assert!(!shop.path("shared/claims/0001-2").exists(), "taken over at heartbeat {beat}");
     }
-    let ended = ran(worker.wait_with_output().unwrap());
+    let ended = worker.ended();
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     let said = "combination 1 is taken over: process 7 on elsewhere has shown no heartbeat for 1 s";
     assert!(ended.err.contains(said), "{}", ended.err);
@@ -200,9 +231,9 @@ fn a_worker_keeps_its_combination_until_it_is_stopped() {
     let height = format!("{HEIGHTS}600");
     let args =
         ["sweep", CELL, "--budget", "1000000000", "--set", &height, "--claim", "shared", "--lease", "1"];
-    let first = start(&shop, &args);
+    let first = Worker::start(&shop, &args);
     wait_until("a claim", || shop.path("shared/claims/0000-1").exists());
-    let second = start(&shop, &["sweep", "--claim", "shared"]);
+    let second = Worker::start(&shop, &["sweep", "--claim", "shared"]);
     let beat = |name: &str| {
         let text = std::fs::read(shop.path(&format!("shared/claims/{name}"))).unwrap_or_default();
         serde_json::from_slice(&text).map_or(0, |claim: Value| claim["beat"].as_u64().unwrap())
@@ -212,9 +243,9 @@ fn a_worker_keeps_its_combination_until_it_is_stopped() {
     assert_eq!(shop.files("shared/claims"), ["0000-1"]);
     let status = shop.json(&["sweep", "--status", "shared"]);
     assert_eq!(status["running"][0]["process"], first.id(), "{status}");
-    let stop = |worker: Child| {
+    let stop = |worker: Worker| {
         assert!(Command::new("kill").args(["-TERM", &worker.id().to_string()]).status().unwrap().success());
-        let ended = ran(worker.wait_with_output().unwrap());
+        let ended = worker.ended();
         assert_eq!(ended.code, Some(130), "{}", ended.err);
         assert!(ended.err.contains("next: sweetspot sweep --claim shared"), "{}", ended.err);
         ended.err

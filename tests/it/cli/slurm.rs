@@ -29,7 +29,17 @@ mkdir "$home/queue/$id"
 echo "$id;scratch"
 "#;
 
-const SQUEUE: &str = "#!/bin/sh\nls \"$(dirname \"$0\")/../queue\"\n";
+/// Lists the jobs, and the lines of the file `held`.
+const SQUEUE: &str = r#"#!/bin/sh
+cd "$(dirname "$0")/.."
+ls queue | sed 's/$/ None/'
+cat held 2>/dev/null || true
+"#;
+
+const SCANCEL: &str = r#"#!/bin/sh
+cd "$(dirname "$0")/.."
+mv held "cancelled-$1"
+"#;
 
 /// Makes a sandbox with the batch system.
 fn cluster() -> Sandbox {
@@ -37,7 +47,7 @@ fn cluster() -> Sandbox {
     for folder in ["bin", "jobs", "queue"] {
         std::fs::create_dir(shop.path(folder)).unwrap();
     }
-    for (name, text) in [("bin/sbatch", SBATCH), ("bin/squeue", SQUEUE)] {
+    for (name, text) in [("bin/sbatch", SBATCH), ("bin/squeue", SQUEUE), ("bin/scancel", SCANCEL)] {
         shop.write(name, text);
         std::fs::set_permissions(shop.path(name), std::fs::Permissions::from_mode(0o755)).unwrap();
     }
@@ -85,7 +95,7 @@ fn lost_tasks_are_submitted_again_and_the_table_is_the_same() {
     for said in [
         "submitted job 1: 7 combinations in 4 tasks",
         "submitted job 2: 3 combinations in 2 tasks",
-        "submitted job 3: 2 combinations in 1 tasks",
+        "submitted job 3: 2 combinations in 1 task\n",
         "7 of 7 combinations done",
     ] {
         assert!(ran.err.contains(said), "no {said:?} in {}", ran.err);
@@ -100,6 +110,20 @@ fn lost_tasks_are_submitted_again_and_the_table_is_the_same() {
     assert_whole(&shop);
 }
 
+/// Slurm holds a task for ever if a node failed to start it.
+#[test]
+fn held_tasks_are_cancelled_and_submitted_again() {
+    let shop = cluster();
+    shop.write("lose-1", "1\n");
+    shop.write("held", "1 launch failed requeued held\n");
+    let ran = submit(&shop, &sweep(&["--out", "swept", "--on", "slurm", "--chunk", "5"]));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(ran.err.contains("a node failed to start tasks of job 1; they are cancelled"), "{}", ran.err);
+    assert!(ran.err.contains("submitted job 2: 2 combinations in 1 task\n"), "{}", ran.err);
+    assert!(shop.path("cancelled-1").exists());
+    assert_whole(&shop);
+}
+
 #[test]
 fn after_three_retries_the_missing_combinations_are_named() {
     let shop = cluster();
@@ -107,7 +131,7 @@ fn after_three_retries_the_missing_combinations_are_named() {
     let ran = submit(&shop, &sweep(&["--out", "swept", "--on", "slurm", "--chunk", "6"]));
     assert_eq!((ran.code, ran.out.as_str()), (Some(4), ""), "{}", ran.err);
     assert_eq!(shop.files("jobs").len(), 4, "one submission and three retries");
-    assert!(ran.err.contains("6 combinations are missing after 3 retries"), "{}", ran.err);
+    assert!(ran.err.contains("6 combinations still missing after 3 retries"), "{}", ran.err);
     assert!(ran.err.contains("  0003: no task has begun it"), "{}", ran.err);
     (5..=9).for_each(|job| drop(std::fs::remove_file(shop.path(&format!("lose-{job}")))));
     let ran = submit(&shop, &["sweep", "--resume", "swept", "--on", "slurm", "--chunk", "6"]);

@@ -5,8 +5,8 @@ use super::status::state;
 use super::worker::run_shared;
 use crate::cli::arguments::{ChunkSize, SweepArguments};
 use crate::cli::commands::suggest;
-use crate::cli::output::{path_word, word};
-use crate::cli::slurm::{ArrayJob, is_queued, write_script};
+use crate::cli::output::{counted, path_word, word};
+use crate::cli::slurm::{ArrayJob, QueueState, cancel, queue_state, write_script};
 use crate::cli::sweep::{StoredRow, row};
 use crate::cli::{Exit, output};
 use crate::record::SweepStatus;
@@ -45,7 +45,7 @@ pub fn run_on_slurm(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArgument
     let mut run = ClusterRun::new(sweep, missing, a)?;
     write_script(&sweep.folder, &a.engine, a.lease, false)?;
     if let Some(id) = ArrayJob::next(&sweep.folder)?.id_of_previous()
-        && is_queued(&id) == Ok(true)
+        && queue_state(&id) == Ok(QueueState::Queued)
     {
         output::talk(&format!("job {id} of an earlier command goes on"));
         run.follow(&id);
@@ -56,8 +56,9 @@ pub fn run_on_slurm(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArgument
         }
         let (job, chunks) = (ArrayJob::next(&sweep.folder)?, run.chunks());
         let id = job.submit(&job.write(&chunks)?)?;
-        let (tasks, combinations) = (chunks.len(), run.missing.len());
-        output::talk(&format!("submitted job {id}: {combinations} combinations in {tasks} tasks"));
+        let (tasks, combinations) =
+            (counted(chunks.len(), "task"), counted(run.missing.len(), "combination"));
+        output::talk(&format!("submitted job {id}: {combinations} in {tasks}"));
         run.follow(&id);
     }
     run.bar.finish_and_clear();
@@ -126,9 +127,18 @@ impl<'s> ClusterRun<'s> {
                 continue;
             }
             asked = Instant::now();
-            match is_queued(id) {
-                Ok(true) => is_told = false,
-                Ok(false) => break,
+            match queue_state(id) {
+                Ok(QueueState::Queued) => is_told = false,
+                Ok(QueueState::Gone) => break,
+                Ok(QueueState::Held) => {
+                    output::talk(&format!(
+                        "note: a node failed to start tasks of job {id}; they are cancelled"
+                    ));
+                    if let Err(why) = cancel(id) {
+                        output::talk(&format!("warning: {why}"));
+                    }
+                    break;
+                }
                 // The controller may be down for a while; its jobs go on.
                 Err(why) if !is_told => {
                     output::talk(&format!(
@@ -144,7 +154,8 @@ impl<'s> ClusterRun<'s> {
 
     /// Reports which combinations are missing in the end, and why.
     fn refuse(&self, status: &SweepStatus) -> Exit {
-        output::error(&format!("{} combinations are missing after {RETRIES} retries", self.missing.len()));
+        let missing = counted(self.missing.len(), "combination");
+        output::error(&format!("{missing} still missing after {RETRIES} retries"));
         for index in &self.missing {
             let failed = status.failed.iter().find(|failed| failed.index == *index);
             let why = failed.map_or("no task has begun it", |failed| &failed.why);

@@ -2,17 +2,14 @@
 
 use super::combination::{CheckedSweep, run_one};
 use super::threads::pools;
-use crate::cli::output::path_word;
-use crate::cli::shared_work::{MAX_LOSSES, NextStep, SharedWork};
+use crate::cli::output::{counted, path_word};
+use crate::cli::shared_work::{BEATS_PER_LEASE, MAX_LOSSES, NextStep, SharedWork};
 use crate::cli::sweep_claims::ClaimState;
 use crate::cli::{Exit, output};
 use indicatif::ProgressBar;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
-
-/// Number of heartbeats in one lease, so that some may be late.
-const BEATS_PER_LEASE: u32 = 6;
 
 /// Time after which a worker reports that it waits for others.
 const SILENT_WAIT: Duration = Duration::from_secs(2);
@@ -28,6 +25,7 @@ pub fn run_shared(sweep: &CheckedSweep, missing: Vec<usize>, jobs: usize, lease:
         work: SharedWork::new(&sweep.folder, lease, missing)?,
         pause: (Duration::from_secs(lease.into()) / 10).min(Duration::from_millis(500)),
         told: AtomicBool::new(false),
+        processed: AtomicUsize::new(0),
         bar: output::combinations_bar(),
     };
     let period = Duration::from_secs(lease.into()) / BEATS_PER_LEASE;
@@ -37,10 +35,11 @@ pub fn run_shared(sweep: &CheckedSweep, missing: Vec<usize>, jobs: usize, lease:
         let workers: Vec<_> = pools.into_iter().map(|pool| scope.spawn(|| run.work(pool))).collect();
         let results: Vec<_> = workers.into_iter().map(|worker| worker.join()).collect();
         drop(ended);
-        let results = results.into_iter().chain([heart.join()]);
-        results.map(|ended| ended.unwrap_or(Err(Exit::Io))).collect::<Result<(), Exit>>()
+        results.into_iter().chain([heart.join()]).try_for_each(|ended| ended.unwrap_or(Err(Exit::Io)))
     });
     run.bar.finish_and_clear();
+    let processed = counted(run.processed.load(Ordering::Relaxed), "combination");
+    output::talk(&format!("this worker has processed {processed}"));
     result?;
     run.refuse_given_up()
 }
@@ -55,6 +54,8 @@ struct SharedRun<'s> {
     pause: Duration,
     /// Whether the worker has reported that it waits.
     told: AtomicBool,
+    /// Number of combinations that this worker has processed.
+    processed: AtomicUsize,
     bar: ProgressBar,
 }
 
@@ -90,7 +91,10 @@ impl SharedRun<'_> {
 
     fn process(&self, pool: &rayon::ThreadPool, index: usize) -> Result<(), Exit> {
         match pool.install(|| run_one(self.sweep, index)) {
-            Ok(true) => self.work.end(index, ClaimState::Done, None),
+            Ok(true) => {
+                self.processed.fetch_add(1, Ordering::Relaxed);
+                self.work.end(index, ClaimState::Done, None)
+            }
             Ok(false) => self.work.end(index, ClaimState::Stopped, None),
             Err(exit) => {
                 // The reason is already printed, and the claim may be as impossible to write as the row.
@@ -115,7 +119,10 @@ impl SharedRun<'_> {
         let others = self.work.of_others();
         if idle >= SILENT_WAIT && !others.is_empty() && !self.told.swap(true, Ordering::Relaxed) {
             let folder = path_word(&self.sweep.folder);
-            output::talk(&format!("note: waiting for {} of other workers", count(others.len())));
+            output::talk(&format!(
+                "note: waiting for {} of other workers",
+                counted(others.len(), "combination")
+            ));
             output::talk(&format!("  help: sweetspot sweep --status {folder} shows them"));
         }
     }
@@ -129,14 +136,9 @@ impl SharedRun<'_> {
         let folder = path_word(&self.sweep.folder);
         output::error(&format!(
             "{} given up, because {MAX_LOSSES} workers have died at each: {list}",
-            count(given_up.len())
+            counted(given_up.len(), "combination")
         ));
         output::talk(&format!("  help: sweetspot sweep --resume {folder} processes the rest in one process"));
         Err(Exit::Limit)
     }
-}
-
-fn count(combinations: usize) -> String {
-    let s = if combinations == 1 { "" } else { "s" };
-    format!("{combinations} combination{s}")
 }
