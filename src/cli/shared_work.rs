@@ -192,12 +192,13 @@ impl WatchedClaim {
                 (lease, 1, format!("{owner} has shown no heartbeat for {seconds} s"))
             }
         };
+        let losses = losses.saturating_add(lost);
         if self.silent < patience {
             ClaimVerdict::Wait
-        } else if losses + lost >= MAX_LOSSES {
+        } else if losses >= MAX_LOSSES {
             ClaimVerdict::GivenUp
         } else {
-            ClaimVerdict::TakeOver { losses: losses + lost, why }
+            ClaimVerdict::TakeOver { losses, why }
         }
     }
 }

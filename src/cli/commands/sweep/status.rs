@@ -77,7 +77,7 @@ fn note(status: &mut SweepStatus, folder: &Path, index: usize, now: SystemTime) 
                 return;
             }
             ClaimState::Running => {
-                given_up = claim.losses + 1 >= MAX_LOSSES;
+                given_up = claim.losses >= MAX_LOSSES - 1;
                 format!("{} has shown no heartbeat for {age:.0} s", claim.owner())
             }
             ClaimState::Stopped => format!("{} was stopped", claim.owner()),
