@@ -1,10 +1,13 @@
 //! Tests `sweep --on slurm` with small scripts named sbatch and squeue, which run the tasks of a job as processes.
 
 use crate::cli::sandbox::*;
+use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 /// A batch system: job N is the folder queue/N, which is removed when all tasks have ended. A task is killed
-/// before it begins if the file `lose-N` names it.
+/// before it begins if the file `lose-N` names it. No task begins while the file `wait` exists.
 const SBATCH: &str = r#"#!/bin/sh
 home=$(dirname "$0")/..
 id=$(($(ls "$home/jobs" | wc -l) + 1))
@@ -19,6 +22,7 @@ done
 echo "$@" > "$home/jobs/$id"
 mkdir "$home/queue/$id"
 (
+  while [ -f "$home/wait" ]; do sleep 0.05; done
   for task in $(seq 0 "$last"); do
     grep -qx "$task" "$home/lose-$id" 2>/dev/null && continue
     out=$(echo "$log" | sed "s/%a/$task/")
@@ -54,9 +58,15 @@ fn cluster() -> Sandbox {
     shop
 }
 
-fn submit(shop: &Sandbox, args: &[&str]) -> RunOutput {
+fn submission(shop: &Sandbox, args: &[&str]) -> Command {
     let path = format!("{}:{}", shop.path("bin").display(), std::env::var("PATH").unwrap());
-    ran(shop.command(args).env("PATH", path).output().unwrap())
+    let mut command = shop.command(args);
+    command.env("PATH", path).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn submit(shop: &Sandbox, args: &[&str]) -> RunOutput {
+    ran(submission(shop, args).output().unwrap())
 }
 
 const SWEEP: [&str; 6] = [
@@ -107,6 +117,33 @@ fn lost_tasks_are_submitted_again_and_the_table_is_the_same() {
     let hosts = [&status["hosts"][0], &status["hosts"][1]];
     assert_eq!(hosts.map(|host| text(&host["host"])), ["n0", "n1"]);
     assert_eq!(hosts[0]["combinations"], serde_json::json!([0, 1, 2, 3, 4, 5]));
+    assert_whole(&shop);
+}
+
+/// The job outlives the command that submitted it, and a second command follows it to its end.
+#[test]
+fn an_interrupted_command_goes_on_with_the_job() {
+    let shop = cluster();
+    shop.write("wait", "");
+    let args = sweep(&["--out", "swept", "--on", "slurm", "--chunk", "3"]);
+    let first = submission(&shop, &args).spawn().unwrap();
+    while !shop.path("swept/slurm/round-1.job").exists() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(Command::new("kill").args(["-TERM", &first.id().to_string()]).status().unwrap().success());
+    let ended = ran(first.wait_with_output().unwrap());
+    assert_eq!((ended.code, ended.out.as_str()), (Some(130), ""), "{}", ended.err);
+    assert!(ended.err.contains("note: the job goes on; scancel ends it"), "{}", ended.err);
+    assert!(ended.err.contains("next: sweetspot sweep --resume swept --on slurm"), "{}", ended.err);
+    let again = ["sweep", "--resume", "swept", "--on", "slurm", "--chunk", "3"];
+    let mut second = submission(&shop, &again).spawn().unwrap();
+    let mut lines = BufReader::new(second.stderr.take().unwrap()).lines();
+    let said = lines.find(|line| line.as_ref().unwrap().contains("job 1 of an earlier command goes on"));
+    std::fs::remove_file(shop.path("wait")).unwrap();
+    lines.for_each(drop);
+    assert_eq!(second.wait().unwrap().code(), Some(0));
+    assert!(said.is_some());
+    assert_eq!(shop.files("jobs"), ["1"]);
     assert_whole(&shop);
 }
 
