@@ -1,9 +1,9 @@
-//! Advisory lock that keeps a second program out of a result folder. Only array jobs of one sweep share the
-//! lock ([`Sharing::WithOthers`]).
+//! Advisory lock that keeps a second program out of a result folder. Only array jobs and workers of one sweep
+//! share the lock ([`Sharing::WithOthers`]).
 //!
 //! The operating system releases the lock when the process that holds it ends, even if that process crashes.
 
-use super::loading::LOCK;
+use super::loading::{LOCK, reason, sweep};
 use super::output::path_word;
 use super::{Exit, arguments, output};
 use crate::files::shown;
@@ -18,7 +18,7 @@ const MAX_OWNER: u64 = 300;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sharing {
     Alone,
-    /// Several array jobs of one sweep write different files to the folder.
+    /// Several array jobs or workers of one sweep write different files to the folder.
     WithOthers,
 }
 
@@ -27,9 +27,16 @@ pub struct FolderLock {
     path: PathBuf,
     /// Open file that holds the lock; None if the file system does not support locks.
     file: Option<File>,
+    /// Whether the last program that holds the lock removes unfinished files from the folder.
+    sweeps: bool,
 }
 
 impl FolderLock {
+    /// Makes the last program that holds the lock remove unfinished files, which killed programs have left.
+    pub fn sweep_when_last(&mut self) {
+        self.sweeps = true;
+    }
+
     /// Locks a folder; refuses a folder that another program uses, and names that program.
     pub fn take(folder: &Path, sharing: Sharing) -> Result<Self, Exit> {
         let path = folder.join(LOCK);
@@ -40,7 +47,7 @@ impl FolderLock {
             }
             let open = File::options().read(true).write(true).create(true).truncate(false).open(&path);
             let mut file = open.map_err(|e| {
-                output::error(&format!("cannot lock the folder {}: {e}", path_word(folder)));
+                output::error(&format!("cannot lock the folder {}: {}", path_word(folder), reason(&e)));
                 Exit::Io
             })?;
             let locked = match sharing {
@@ -52,7 +59,7 @@ impl FolderLock {
                 Ok(()) => {
                     // A failure is ignored: the lock works even if the file does not name its owner.
                     let _ = file.set_len(0).and_then(|()| file.write_all(owner().as_bytes()));
-                    return Ok(Self { path, file: Some(file) });
+                    return Ok(Self { path, file: Some(file), sweeps: false });
                 }
                 Err(TryLockError::WouldBlock) => return Err(in_use(folder, file)),
                 Err(TryLockError::Error(e)) => {
@@ -60,7 +67,7 @@ impl FolderLock {
                     output::talk(&format!(
                         "note: {folder} is not locked, because its file system refuses: {e}"
                     ));
-                    return Ok(Self { path, file: None });
+                    return Ok(Self { path, file: None, sweeps: false });
                 }
             }
         }
@@ -75,6 +82,9 @@ impl Drop for FolderLock {
             && file.try_lock().is_ok()
             && is_at(&file, &self.path)
         {
+            if let Some(folder) = self.path.parent().filter(|_| self.sweeps) {
+                sweep(folder);
+            }
             let _ = std::fs::remove_file(&self.path);
         }
     }

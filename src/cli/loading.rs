@@ -65,13 +65,32 @@ pub fn read_cell(path: &Path, packages: &PackageFolders) -> Result<Loaded, Vec<F
 /// Snapshot of files. Each file is read from disk once; every combination of a sweep gets the bytes of that
 /// read.
 #[derive(Default)]
-pub struct FileSnapshot(Mutex<HashMap<String, Result<Vec<u8>, String>>>);
+pub struct FileSnapshot {
+    files: Mutex<HashMap<String, Result<Vec<u8>, String>>>,
+    /// Whether the snapshot refuses files that it does not contain, instead of reading them from disk.
+    is_closed: bool,
+}
 
 impl FileSnapshot {
     /// Returns a snapshot that contains one file. This file need not exist on disk.
     #[cfg(feature = "view")]
     pub fn with(name: &str, bytes: &[u8]) -> Self {
-        Self(Mutex::new(HashMap::from([(name.to_string(), Ok(bytes.to_vec()))])))
+        let files = HashMap::from([(name.to_string(), Ok(bytes.to_vec()))]);
+        Self { files: Mutex::new(files), is_closed: false }
+    }
+
+    /// Returns a snapshot that contains these files and refuses all others.
+    pub fn closed(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
+        let files = files.into_iter().map(|(name, bytes)| (name, Ok(bytes))).collect();
+        Self { files: Mutex::new(files), is_closed: true }
+    }
+
+    fn get(&self, name: &str, read: impl FnOnce() -> Result<Vec<u8>, String>) -> Result<Vec<u8>, String> {
+        let mut files = self.files.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if self.is_closed && !files.contains_key(name) {
+            return Err("it is not among the inputs of the plan".into());
+        }
+        files.entry(name.to_string()).or_insert_with(read).clone()
     }
 }
 
@@ -84,10 +103,7 @@ pub fn read_cell_with(
     kept: &FileSnapshot,
 ) -> Result<Loaded, Vec<Fault>> {
     let (folder, name) = parted(path);
-    let mut read = |inside: &str| {
-        let mut kept = kept.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        kept.entry(inside.to_string()).or_insert_with(|| read_named(&folder, packages, inside)).clone()
-    };
+    let mut read = |inside: &str| kept.get(inside, || read_named(&folder, packages, inside));
     let mut loaded = files::load_with(&name, settings, &mut read).map_err(|faults| named(path, faults))?;
     loaded.warnings = named(path, loaded.warnings);
     Ok(loaded)
@@ -204,32 +220,65 @@ fn read_unpacked(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-fn reason(e: &std::io::Error) -> String {
+/// Returns in plain words why an operation on a file has failed.
+pub fn reason(e: &std::io::Error) -> String {
     match e.kind() {
         std::io::ErrorKind::NotFound => "no such file".into(),
         std::io::ErrorKind::PermissionDenied => "permission denied".into(),
+        std::io::ErrorKind::ReadOnlyFilesystem => "the file system is mounted read-only".into(),
+        std::io::ErrorKind::StorageFull => "the disk is full".into(),
+        std::io::ErrorKind::QuotaExceeded => "the disk quota is used up".into(),
+        std::io::ErrorKind::StaleNetworkFileHandle => {
+            "another host has replaced it on the network share; try again".into()
+        }
         _ => e.to_string(),
     }
 }
 
 /// Writes a file atomically: writes a temporary file in the same folder, syncs it and renames it.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
+    let write = || {
+        unfinished(path, bytes)?.persist(path).map_err(|e| e.error)?;
+        sync(folder_of(path))
     };
-    let write = || -> std::io::Result<()> {
-        let mut file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        share(&file)?;
-        file.persist(path).map_err(|e| e.error)?;
-        sync(folder)
+    write().map_err(|e| cannot_write(path, &e))
+}
+
+/// Writes a file atomically unless it exists. Returns whether the file is new. Of several programs that do this
+/// at the same time, one writes the file.
+pub fn write_new(path: &Path, bytes: &[u8]) -> Result<bool, Exit> {
+    let write = || match unfinished(path, bytes)?.persist_noclobber(path) {
+        Ok(_) => sync(folder_of(path)).map(|()| true),
+        Err(e) if e.error.kind() == std::io::ErrorKind::AlreadyExists => Ok(false),
+        Err(e) => Err(e.error),
     };
-    write().map_err(|e| {
-        output::error(&format!("cannot write {}: {}", shown(&path.to_string_lossy()), reason(&e)));
-        Exit::Io
-    })
+    write().map_err(|e| cannot_write(path, &e))
+}
+
+/// Writes a file atomically unless it has these bytes already. A file on NFS that is replaced is lost for hosts
+/// that read it at that moment.
+pub fn write_changed(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
+    let is_same = std::fs::read(path).is_ok_and(|present| present == bytes);
+    if is_same { Ok(()) } else { write_whole(path, bytes) }
+}
+
+/// Reports that a file cannot be written.
+pub fn cannot_write(path: &Path, e: &std::io::Error) -> Exit {
+    output::error(&format!("cannot write {}: {}", shown(&path.to_string_lossy()), reason(e)));
+    Exit::Io
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Writes and syncs a temporary file in the folder of `path`.
+fn unfinished(path: &Path, bytes: &[u8]) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder_of(path))?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    share(&file)?;
+    Ok(file)
 }
 
 /// Syncs a folder. A renamed file is safe on the disk only after its folder is synced.

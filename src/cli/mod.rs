@@ -21,7 +21,10 @@ mod progress;
 mod results;
 mod results_folder;
 mod search_request;
+mod shared_work;
+mod slurm;
 mod sweep;
+mod sweep_claims;
 #[cfg(feature = "view")]
 mod view;
 mod written_layout;

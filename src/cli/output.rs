@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::Duration;
 
 /// Writes data to stdout. A closed pipe (`| head`) is no error.
@@ -30,9 +31,18 @@ pub fn talk(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
+/// Text of the last error that [`error`] has printed.
+static LAST_ERROR: Mutex<Option<String>> = Mutex::new(None);
+
 /// Prints an error on stderr.
 pub fn error(text: &str) {
     talk(&format!("error: {text}"));
+    *LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(text.into());
+}
+
+/// Returns the text of the last error printed, which a worker states as the reason of its failure.
+pub fn last_error() -> Option<String> {
+    LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
 }
 
 /// Prints the faults of files and their number.
@@ -123,4 +133,9 @@ pub fn word(text: &str) -> String {
     } else {
         format!("'{}'", text.replace('\'', "'\\''"))
     }
+}
+
+/// Returns a number with its noun, in the plural unless the number is 1.
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }

@@ -2,7 +2,7 @@
 
 use super::folder_lock::FolderLock;
 pub use super::folder_lock::Sharing;
-use super::loading::{CHECKPOINT, UNFINISHED, sweep};
+use super::loading::{CHECKPOINT, UNFINISHED, reason, sweep};
 use super::{Exit, output};
 use crate::files::shown;
 use std::ops::Deref;
@@ -11,13 +11,18 @@ use std::path::{Path, PathBuf};
 /// Result folder that is locked as long as this value lives.
 pub struct OutputFolder {
     path: PathBuf,
-    _lock: FolderLock,
+    lock: FolderLock,
 }
 
 impl OutputFolder {
     /// Locks a folder that exists.
     pub fn existing(path: &Path, sharing: Sharing) -> Result<Self, Exit> {
-        Ok(Self { path: path.to_path_buf(), _lock: FolderLock::take(path, sharing)? })
+        Ok(Self { path: path.to_path_buf(), lock: FolderLock::take(path, sharing)? })
+    }
+
+    /// Makes the last program that uses the folder remove unfinished files of killed programs.
+    pub fn sweep_when_last(&mut self) {
+        self.lock.sweep_when_last();
     }
 }
 
@@ -33,7 +38,7 @@ impl Deref for OutputFolder {
 /// the first free folder `results/STEM-NNN`.
 pub fn new_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<OutputFolder, Exit> {
     let cannot = |path: &Path, e: &std::io::Error| {
-        output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), e));
+        output::error(&format!("cannot create the folder {}: {}", shown(&path.to_string_lossy()), reason(e)));
         Exit::Io
     };
     if let Some(path) = asked {

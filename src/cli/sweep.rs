@@ -10,7 +10,7 @@ use super::loading::FileSnapshot;
 use super::output::path_word;
 use super::output_folder::{OutputFolder, Sharing, new_folder};
 use super::packages::PackageFolders;
-use super::results::hashed;
+use super::results::{INPUTS, hashed, input_places};
 use super::{Exit, output};
 use crate::cell::Solver;
 use crate::files::{Choices, Fault, Loaded, Source, of_setting, shown};
@@ -22,22 +22,25 @@ const MAX_COMBINATIONS: usize = 10_000;
 
 const PLAN: &str = "plan.json";
 
-/// Returns the plan of the command line or, with `--resume`, the plan stored in the folder.
-pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
+/// Returns the plan of the command line or, without a cell file, the plan stored in the folder. Also returns the
+/// files of the cell: a worker that joins a sweep reads them from the folder of the sweep.
+pub fn asked_plan(a: &SweepArguments) -> Result<(SweepPlan, FileSnapshot), Exit> {
     let version = env!("CARGO_PKG_VERSION").to_string();
-    if let Some(folder) = &a.resume {
-        let plan = read_plan(folder)?.ok_or_else(|| {
-            output::error(&format!("{} has no {PLAN}: it is not the folder of a sweep", path_word(folder)));
-            Exit::BadInput
-        })?;
-        return Ok(SweepPlan { inputs: Vec::new(), version, ..plan });
-    }
+    let Some(cell) = &a.cell else {
+        let folder = a.folder().unwrap_or(Path::new("."));
+        let plan = stored_plan(folder)?;
+        if a.claim.is_some() {
+            let kept = stored_inputs(folder, &plan)?;
+            return Ok((SweepPlan { version, sha256: None, ..plan }, kept));
+        }
+        return Ok((SweepPlan { inputs: Vec::new(), version, ..plan }, FileSnapshot::default()));
+    };
     let sets = read_sets(&a.sets)?;
     let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
-    Ok(SweepPlan {
+    let plan = SweepPlan {
         schema: SWEEP_PLAN_SCHEMA.into(),
         version,
-        cell: a.cell.clone().unwrap_or_default(),
+        cell: cell.clone(),
         packages: a.packages.folders.clone(),
         search: !a.map,
         combinations: count(&sets)?,
@@ -47,7 +50,49 @@ pub fn asked_plan(a: &SweepArguments) -> Result<SweepPlan, Exit> {
         solver: a.solver.as_ref().and_then(named),
         inputs: Vec::new(),
         sha256: None,
+    };
+    Ok((plan, FileSnapshot::default()))
+}
+
+/// Reads the plan of a folder, and refuses a folder without a plan.
+pub fn stored_plan(folder: &Path) -> Result<SweepPlan, Exit> {
+    read_plan(folder)?.ok_or_else(|| {
+        let folder = path_word(folder);
+        output::error(&format!("{folder} has no {PLAN}: it is not the folder of a sweep"));
+        output::talk(&format!(
+            "  help: sweetspot sweep CELL --set PATH=A,B --out {folder} --plan-only writes it"
+        ));
+        Exit::BadInput
     })
+}
+
+/// Returns the name of the copy of the cell file in the folder of the inputs.
+pub fn stored_cell_name(plan: &SweepPlan) -> String {
+    input_places(plan.inputs.iter().map(|input| input.path.as_str())).into_iter().next().unwrap_or_default()
+}
+
+/// Reads the inputs that the folder of a sweep holds, and refuses inputs that have changed.
+fn stored_inputs(folder: &Path, plan: &SweepPlan) -> Result<FileSnapshot, Exit> {
+    let places = input_places(plan.inputs.iter().map(|input| input.path.as_str()));
+    let (mut files, mut is_whole) = (Vec::new(), true);
+    for (place, input) in places.iter().zip(&plan.inputs) {
+        let place = format!("{INPUTS}/{place}");
+        let why = match loading::read_inside(folder, &place, "the sweep") {
+            Ok(bytes) if loading::sha256(&bytes) == input.sha256 => {
+                files.push((input.path.clone(), bytes));
+                continue;
+            }
+            Ok(_) => format!("it has changed: its hash is not the one in {PLAN}"),
+            Err(why) => why,
+        };
+        output::error(&format!("{}: {}", path_word(&folder.join(&place)), shown(&why)));
+        is_whole = false;
+    }
+    if is_whole {
+        return Ok(FileSnapshot::closed(files));
+    }
+    output::talk("  help: start a worker with CELL and --set as well: it writes the inputs again");
+    Err(Exit::BadInput)
 }
 
 /// Reads the cell of a combination.
@@ -78,7 +123,9 @@ fn changes(plan: &SweepPlan, old: &SweepPlan) -> Vec<String> {
             changed.push(what.to_string());
         }
     };
-    note(plan.version == old.version && plan.schema == old.schema, "the version of the program");
+    note(plan.schema == old.schema, "the schema of the plan");
+    let versions = format!("the version of the program ({}, not {})", plan.version, shown(&old.version));
+    note(plan.version == old.version, &versions);
     note(plan.cell.file_name() == old.cell.file_name(), "the cell file");
     note(plan.search == old.search, "search or map");
     note(plan.sets == old.sets, "the sets");
@@ -152,31 +199,42 @@ pub fn open(
     stem: &str,
     sharing: Sharing,
 ) -> Result<OutputFolder, Exit> {
-    if let Some(folder) = asked
-        && let Some(old) = read_plan(folder)?
-    {
-        let changed = changes(plan, &old);
-        if changed.is_empty() {
+    let is_unused = |folder: &Path| {
+        let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
+        names.map(|n| n.to_string_lossy().into_owned()).all(|n| n.starts_with(loading::UNFINISHED))
+    };
+    loop {
+        if let Some(folder) = asked
+            && let Some(old) = read_plan(folder)?
+        {
+            refuse_changes(plan, &old, folder)?;
             return OutputFolder::existing(folder, sharing);
         }
-        let folder = path_word(folder);
-        output::error(&format!("{folder} belongs to another sweep; these differ: {}", changed.join(", ")));
-        output::talk("  help: undo the changes, or name a new folder with --out");
-        return Err(Exit::BadInput);
+        // Jobs and workers may start at the same time: the first one writes the plan, and the others join it.
+        let folder = match asked.filter(|_| sharing == Sharing::WithOthers) {
+            Some(folder) if is_unused(folder) => {
+                loading::make_folder(folder)?;
+                OutputFolder::existing(folder, sharing)?
+            }
+            Some(folder) if folder.join(PLAN).exists() => continue,
+            _ => new_folder(asked, stem, sharing)?,
+        };
+        if loading::write_new(&folder.join(PLAN), &sealed(plan)?)? {
+            return Ok(folder);
+        }
+        drop(folder);
     }
-    // All jobs of an array may write the plan at the same time: their unfinished files do not count.
-    let is_started = |folder: &Path| {
-        let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
-        names
-            .map(|n| n.to_string_lossy().into_owned())
-            .all(|n| n.starts_with(loading::UNFINISHED) || n == PLAN)
-    };
-    let folder = match asked.filter(|folder| folder.is_dir() && is_started(folder)) {
-        Some(folder) => OutputFolder::existing(folder, sharing)?,
-        None => new_folder(asked, stem, sharing)?,
-    };
-    loading::write_whole(&folder.join(PLAN), &sealed(plan)?)?;
-    Ok(folder)
+}
+
+fn refuse_changes(plan: &SweepPlan, old: &SweepPlan, folder: &Path) -> Result<(), Exit> {
+    let changed = changes(plan, old);
+    if changed.is_empty() {
+        return Ok(());
+    }
+    let folder = path_word(folder);
+    output::error(&format!("{folder} belongs to another sweep; these differ: {}", changed.join(", ")));
+    output::talk("  help: undo the changes, or name a new folder");
+    Err(Exit::BadInput)
 }
 
 /// Returns the stem of the file names of a combination.

@@ -39,6 +39,7 @@ mod search;
 mod settings;
 mod spot;
 mod sweep;
+mod sweep_status;
 mod verdict;
 mod words;
 
@@ -106,6 +107,7 @@ pub use spot::{RequirementEntry, SpotEntry};
 pub use sweep::{
     SWEEP_PLAN_SCHEMA, SweepGroup, SweepMode, SweepPlan, SweepRow, SweepSpot, SweepTable, combination,
 };
+pub use sweep_status::{FailedCombination, HostWork, RunningCombination, SWEEP_STATUS_SCHEMA, SweepStatus};
 pub use verdict::{
     FactEntry, FactMood, REPORT_SCHEMA, RequirementState, RunnerUpEntry, RunnerUpKind, VerdictAnswer,
     VerdictDocument, VerdictPlacement, VerdictSpot, VerdictSubject,

@@ -4,7 +4,7 @@ use super::{
     AllocationDocument, BudgetDocument, CalibrationDocument, CheckDocument, ComparisonDocument,
     CorrectionDocument, EnvelopeDocument, ErrorsDocument, ExplanationDocument, ManifestDocument, MapDocument,
     MeasuringPlanDocument, ReadingsDocument, RemediesDocument, RobotSheetDocument, RobotsDocument,
-    RobustDocument, SearchResult, SweepPlan, SweepRow, SweepTable, VerdictDocument,
+    RobustDocument, SearchResult, SweepPlan, SweepRow, SweepStatus, SweepTable, VerdictDocument,
 };
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -24,6 +24,7 @@ pub enum DocumentKind {
     Sweep,
     SweepPlan,
     SweepRow,
+    SweepStatus,
     Manifest,
     Check,
     Robots,
@@ -38,7 +39,7 @@ pub enum DocumentKind {
 }
 
 impl DocumentKind {
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::SearchResult,
         Self::Map,
         Self::Comparison,
@@ -50,6 +51,7 @@ impl DocumentKind {
         Self::Sweep,
         Self::SweepPlan,
         Self::SweepRow,
+        Self::SweepStatus,
         Self::Manifest,
         Self::Check,
         Self::Robots,
@@ -77,6 +79,7 @@ impl DocumentKind {
             Self::Sweep => "sweep",
             Self::SweepPlan => "sweep-plan",
             Self::SweepRow => "sweep-row",
+            Self::SweepStatus => "sweep-status",
             Self::Manifest => "manifest",
             Self::Check => "check",
             Self::Robots => "robots",
@@ -105,6 +108,7 @@ impl DocumentKind {
             Self::Sweep => of::<SweepTable>(),
             Self::SweepPlan => of::<SweepPlan>(),
             Self::SweepRow => of::<SweepRow>(),
+            Self::SweepStatus => of::<SweepStatus>(),
             Self::Manifest => of::<ManifestDocument>(),
             Self::Check => of::<CheckDocument>(),
             Self::Robots => of::<RobotsDocument>(),

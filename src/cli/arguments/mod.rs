@@ -3,8 +3,10 @@
 mod allocate;
 mod calibrate;
 mod correct;
+mod engine;
 mod errors;
 mod files;
+mod index_ranges;
 mod layouts;
 mod measured;
 mod measuring_plan;
@@ -19,8 +21,10 @@ mod value_parsers;
 pub use allocate::AllocateArguments;
 pub use calibrate::CalibrateArguments;
 pub use correct::{CorrectArguments, TargetFrame};
+pub use engine::{ChunkSize, EngineFlags};
 pub use errors::{AccuracyBase, ErrorsArguments};
 pub use files::{InitArguments, SchemaArguments};
+pub use index_ranges::IndexRanges;
 pub use layouts::{
     CheckArguments, CompareArguments, MapArguments, ReadingsArguments, RemedySearchFlags, RobustArguments,
 };

@@ -1,18 +1,21 @@
 //! Arguments of `sweep`.
 
+use super::engine::EngineFlags;
+use super::index_ranges::IndexRanges;
 use super::question::word;
 use super::search::whole;
 use crate::cell::Solver;
 use crate::cli::packages::PackageFolders;
 use crate::files::Setting;
-use clap::Args;
 use clap::builder::PossibleValuesParser;
-use std::path::PathBuf;
+use clap::{ArgGroup, Args};
+use std::path::{Path, PathBuf};
 
 #[derive(Args)]
+#[command(group = ArgGroup::new("shared").args(["claim", "on"]))]
 pub struct SweepArguments {
     /// Cell file (TOML)
-    #[arg(required_unless_present = "resume", conflicts_with = "resume")]
+    #[arg(required_unless_present_any = ["resume", "claim", "status"], conflicts_with_all = ["resume", "status"])]
     pub cell: Option<PathBuf>,
     #[command(flatten)]
     pub packages: PackageFolders,
@@ -21,21 +24,27 @@ pub struct SweepArguments {
     #[arg(
         long = "set",
         value_name = "PATH=A,B,...",
-        required_unless_present = "resume",
-        conflicts_with = "resume"
+        required_unless_present_any = ["resume", "claim", "status"],
+        conflicts_with_all = ["resume", "status"],
+        requires = "cell"
     )]
     pub sets: Vec<String>,
     /// Map the layout as drawn instead of searching
-    #[arg(long, conflicts_with = "resume")]
+    #[arg(long, conflicts_with = "resume", requires = "cell")]
     pub map: bool,
     /// Seed of all random numbers of every combination [default: the seed of the cell]
-    #[arg(long, conflicts_with = "resume")]
+    #[arg(long, conflicts_with = "resume", requires = "cell")]
     pub seed: Option<u64>,
     /// Number of layout evaluations per combination
-    #[arg(long, value_name = "N", conflicts_with = "resume")]
+    #[arg(long, value_name = "N", conflicts_with = "resume", requires = "cell")]
     pub budget: Option<u64>,
     /// Global solver
-    #[arg(long, value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)), conflicts_with = "resume")]
+    #[arg(
+        long,
+        value_parser = PossibleValuesParser::new(Solver::ALL.map(Solver::name)),
+        conflicts_with = "resume",
+        requires = "cell"
+    )]
     pub solver: Option<String>,
     /// Number of combinations to process in parallel; the result does not depend on it [default: all cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -47,13 +56,41 @@ pub struct SweepArguments {
     /// Resume the sweep in this folder
     #[arg(long, value_name = "DIR")]
     pub resume: Option<PathBuf>,
-    /// Process only this combination (numbered from 0) and write no table, for array jobs on a cluster;
-    /// --resume then writes the table
-    #[arg(long, value_name = "INDEX")]
-    pub only: Option<usize>,
-    /// Print the table as JSON on stdout
+    /// Process only these combinations (numbered from 0), for example 0-9,17, and write no table, for array
+    /// jobs on a cluster; --resume then writes the table
+    #[arg(long, value_name = "INDICES", value_parser = IndexRanges::parse)]
+    pub only: Option<IndexRanges>,
+    /// Write the plan and its inputs to --out and process nothing, so that workers can begin with --claim
+    #[arg(long, requires = "out", conflicts_with_all = ["only", "claim", "json"])]
+    pub plan_only: bool,
+    /// Work on the sweep in this folder together with any number of other workers; CELL and --set are needed
+    /// only if the folder has no plan yet
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume"])]
+    pub claim: Option<PathBuf>,
+    /// Seconds without a heartbeat after which other workers take over a combination of this worker
+    #[arg(
+        long,
+        value_name = "LEASE",
+        default_value_t = 60,
+        value_parser = clap::value_parser!(u16).range(1..=3600),
+        requires = "shared"
+    )]
+    pub lease: u16,
+    #[command(flatten)]
+    pub engine: EngineFlags,
+    /// Show what is done, what is running where and what has failed in this folder, and the time left
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume", "claim", "only", "jobs"])]
+    pub status: Option<PathBuf>,
+    /// Print the table, or the status, as JSON on stdout
     #[arg(long)]
     pub json: bool,
+}
+
+impl SweepArguments {
+    /// Returns the folder of the sweep, if the command line names it.
+    pub fn folder(&self) -> Option<&Path> {
+        [&self.resume, &self.claim, &self.out].into_iter().flatten().next().map(PathBuf::as_path)
+    }
 }
 
 /// Returns the settings that apply to every combination of a sweep.

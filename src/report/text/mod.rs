@@ -21,6 +21,7 @@ mod remedies;
 mod robust;
 mod self_collision_pairs;
 mod sweep;
+mod sweep_status;
 pub mod table;
 mod urdf;
 
@@ -45,6 +46,7 @@ pub use remedies::remedies;
 pub use robust::{robust_lines, robustness};
 pub use self_collision_pairs::self_collision_pairs;
 pub use sweep::sweep;
+pub use sweep_status::sweep_status;
 pub use urdf::derived;
 
 use crate::cell::{Cell, Quantity, Reading, Registration, Unit};

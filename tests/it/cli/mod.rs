@@ -29,6 +29,9 @@ mod robots;
 mod robust;
 pub mod sandbox;
 mod schema;
+mod shared_sweep;
+#[cfg(unix)]
+mod slurm;
 mod stated_calibrations;
 mod sweep;
 mod urdf;

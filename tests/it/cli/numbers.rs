@@ -3,7 +3,7 @@
 use super::sandbox::{CELL, PAPER, Sandbox};
 
 /// Placeholders of options whose values are numbers, each with the hostile values that are numbers in range.
-const NUMERIC: [(&str, &[&str]); 15] = [
+const NUMERIC: [(&str, &[&str]); 18] = [
     ("MM", &[]),
     ("DEG", &["1e-320", "-0"]),
     ("SECONDS", &["1e-320", "-0"]),
@@ -12,7 +12,10 @@ const NUMERIC: [(&str, &[&str]); 15] = [
     ("N", &[]),
     ("ORDER", &[]),
     ("SEED", &[]),
-    ("INDEX", &[]),
+    ("INDICES", &[]),
+    ("LEASE", &[]),
+    ("CHUNK", &[]),
+    ("TIME", &[]),
     ("JOBS", &[]),
     ("THREADS", &[]),
     ("PX", &[]),
@@ -25,6 +28,7 @@ const NUMERIC: [(&str, &[&str]); 15] = [
 const OTHERS: [&str; 22] = [
     "CELL",
     "DIR",
+    "ENGINE",
     "ERRORS",
     "FILE",
     "FORMAT",

@@ -116,6 +116,7 @@ fn documents_of_commands_validate_against_the_printed_schemas() {
     validates(&shop, DocumentKind::Sweep, &shop.json(&sweep));
     validates(&shop, DocumentKind::SweepPlan, &shop.document("swept/plan.json"));
     validates(&shop, DocumentKind::SweepRow, &shop.document("swept/0001.json"));
+    validates(&shop, DocumentKind::SweepStatus, &shop.json(&["sweep", "--status", "swept"]));
     validates(&shop, DocumentKind::Manifest, &shop.document("swept/manifest.json"));
     validates(&shop, DocumentKind::Check, &shop.json(&["check", "cells/hitachi_urdf.toml"]));
     validates(&shop, DocumentKind::Robots, &shop.json(&["robots"]));

@@ -116,7 +116,7 @@ fn a_finished_combination_is_not_searched_again() {
 fn single_combinations_merge_into_the_same_sweep() {
     let shop = Sandbox::new();
     shop.done(&sweep("whole", &[]));
-    for index in ["2", "0", "3", "1"] {
+    for index in ["2", "0-1,1", "3"] {
         shop.done(&sweep("parts", &["--only", index]));
         assert!(!shop.path("parts/table.csv").exists());
     }
@@ -125,6 +125,13 @@ fn single_combinations_merge_into_the_same_sweep() {
     let beyond = shop.run(&sweep("parts", &["--only", "4"]));
     assert_eq!(beyond.code, Some(2));
     assert!(beyond.err.contains("0 to 3"), "{}", beyond.err);
+    for (wrong, said) in
+        [("0-4", "no combination 4"), ("3-1", "write 1-3"), ("1,", "0-9,17"), ("-", "0-9,17")]
+    {
+        let ran = shop.run(&sweep("parts", &[&format!("--only={wrong}")]));
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{wrong}: {}", ran.err);
+        assert!(ran.err.contains(said), "{wrong}: {}", ran.err);
+    }
 }
 
 #[test]

@@ -1,0 +1,69 @@
+//! Arguments of `sweep` that name a batch system.
+
+use clap::{Args, ValueEnum};
+
+/// Batch system that runs the combinations of a sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BatchEngine {
+    Slurm,
+}
+
+/// Number of combinations of one task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChunkSize {
+    /// As many as take about a minute.
+    Auto,
+    Combinations(usize),
+}
+
+#[derive(Args)]
+pub struct EngineFlags {
+    /// Submit the combinations to this batch system, follow them, and write the table
+    #[arg(long, value_name = "ENGINE", conflicts_with_all = ["claim", "only", "plan_only", "status", "jobs"])]
+    pub on: Option<BatchEngine>,
+    /// Partition of the cluster [default: the partition that the cluster chooses]
+    #[arg(long, value_name = "NAME", value_parser = partition, requires = "on")]
+    pub partition: Option<String>,
+    /// Time limit of a task in the notation of Slurm, for example 30, 2:00:00 or 1-12 [default: the limit of the
+    /// partition]
+    #[arg(long, value_name = "TIME", value_parser = time, requires = "on")]
+    pub time: Option<String>,
+    /// Number of cores of a task, which processes that many combinations in parallel
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024), requires = "on")]
+    pub cpus: u16,
+    /// Number of combinations of a task, or auto: as many as take about a minute, measured on this machine
+    #[arg(long, value_name = "CHUNK", default_value = "auto", value_parser = chunk, requires = "on")]
+    pub chunk: ChunkSize,
+    /// Largest number of tasks of an array job
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000), requires = "on")]
+    pub max_array: u32,
+    /// Write the plan and the script of the job, show the script, and submit nothing
+    #[arg(long, requires = "on")]
+    pub dry_run: bool,
+}
+
+fn partition(text: &str) -> Result<String, String> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.,".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        Ok(text.into())
+    } else {
+        Err("a partition has only letters, digits and _ - . ,".into())
+    }
+}
+
+fn time(text: &str) -> Result<String, String> {
+    let is_time = |c: char| c.is_ascii_digit() || ":-".contains(c);
+    if text.starts_with(|c: char| c.is_ascii_digit()) && text.chars().all(is_time) {
+        Ok(text.into())
+    } else {
+        Err("expected minutes, or a time such as 2:00:00 or 1-12".into())
+    }
+}
+
+fn chunk(text: &str) -> Result<ChunkSize, String> {
+    match text.parse() {
+        _ if text == "auto" => Ok(ChunkSize::Auto),
+        Ok(count) if count > 0 => Ok(ChunkSize::Combinations(count)),
+        _ => Err("expected auto, or a number of combinations of at least 1".into()),
+    }
+}

@@ -1,0 +1,92 @@
+//! Processing of one combination of a sweep.
+
+use crate::assess::Assessment;
+use crate::cli::commands::workcell;
+use crate::cli::json_text::sealed;
+use crate::cli::loading::FileSnapshot;
+use crate::cli::output_folder::OutputFolder;
+use crate::cli::results::{INPUTS, hashed};
+use crate::cli::sweep::{load, number};
+use crate::cli::{Exit, loading, output};
+use crate::files::shown;
+use crate::layout::Workcell;
+use crate::proof::{ProofOptions, prove};
+use crate::record::{HashedFile, SweepPlan, SweepRow};
+use crate::report;
+use crate::search;
+use crate::search::{SearchEnd, SearchJob, SearchRecord, Watch};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Sweep after all its combinations have been read and checked.
+pub struct CheckedSweep {
+    pub plan: SweepPlan,
+    pub kept: FileSnapshot,
+    pub folder: OutputFolder,
+    /// Name of the copy of the cell file in the folder of the inputs.
+    pub cell_name: String,
+    pub stop: Arc<AtomicBool>,
+}
+
+/// Processes one combination and writes its files. Writes nothing and returns false if the sweep is stopped.
+pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
+    let CheckedSweep { plan, kept, folder, .. } = sweep;
+    let loaded = load(plan, index, kept).map_err(|faults| {
+        output::faults(&faults);
+        Exit::BadInput
+    })?;
+    let workcell = workcell(loaded.cell, &plan.cell)?;
+    let record = if plan.search {
+        let Some(record) = searched(&workcell, &sweep.stop) else { return Ok(false) };
+        Some(record)
+    } else {
+        None
+    };
+    let layout = record.as_ref().map_or_else(|| workcell.cell.start(), |r| r.best.layout.clone());
+    let assessment = Assessment::new("best", &workcell, layout);
+    let mut row = SweepRow::new(&plan.sets, index, &assessment, record.as_ref());
+    if row.feasible {
+        row.files = write_cell(sweep, index, &assessment)?;
+    }
+    loading::write_whole(&folder.join(number(index) + ".json"), &sealed(&row)?)?;
+    Ok(true)
+}
+
+/// Proves the lower bound and then searches, as `search` does. Returns None if the sweep is stopped.
+fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
+    let proof = prove(workcell, &ProofOptions::default(), stop);
+    let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
+    let watch = Watch { progress: &|_| {}, stop };
+    let record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
+    // An interrupted proof would give another bound.
+    (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
+}
+
+/// Writes NNNN.toml, the cell with its layout fixed. Also writes a file with the settings of the combination
+/// to the folder of the inputs; NNNN.toml includes that file. Returns both files with their hashes.
+fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<Vec<HashedFile>, Exit> {
+    let settings = sweep.plan.settings(index);
+    let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();
+    let from = format!("from = \"{}\"\n{}\n", sweep.cell_name, lines.join("\n"));
+    let mut name = format!("set-{}.toml", number(index));
+    while sweep.plan.inputs.iter().any(|input| input.path == name) {
+        name.insert(0, '_');
+    }
+    let inside = format!("{INPUTS}/{name}");
+    let words: Vec<_> = settings.iter().map(|s| shown(&s.words())).collect();
+    let objective = a.objective().unwrap_or_default();
+    let comment = format!(
+        "{} with {}, sweetspot {}: objective {objective:.6} {}",
+        shown(&a.cell.name),
+        words.join(" "),
+        env!("CARGO_PKG_VERSION"),
+        a.cell.unit().word()
+    );
+    let text = report::toml::fixed(&inside, &comment, a.cell, &a.layout);
+    let files = [(inside, from), (number(index) + ".toml", text)];
+    let write = |(name, text): &(String, String)| {
+        loading::write_whole(&sweep.folder.join(name), text.as_bytes())?;
+        Ok(hashed(name, text.as_bytes()))
+    };
+    files.iter().map(write).collect()
+}

@@ -1,0 +1,182 @@
+//! `sweep --on slurm`: submits the combinations, follows their files, and submits again what is missing.
+
+use super::combination::CheckedSweep;
+use super::status::state;
+use super::worker::run_shared;
+use crate::cli::arguments::{ChunkSize, SweepArguments};
+use crate::cli::commands::suggest;
+use crate::cli::output::{counted, path_word, word};
+use crate::cli::slurm::{ArrayJob, QueueState, cancel, queue_state, write_script};
+use crate::cli::sweep::{StoredRow, row};
+use crate::cli::{Exit, output};
+use crate::record::SweepStatus;
+use crate::report;
+use indicatif::ProgressBar;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// Number of times that missing combinations are submitted again.
+const RETRIES: usize = 3;
+
+/// Time that a task should take, s. The scheduling of a task costs about one second.
+const TASK_SECONDS: f64 = 60.0;
+
+/// Time between two looks at the files.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Time between two questions to Slurm.
+const ASK: Duration = Duration::from_secs(3);
+
+/// Writes script and list of the first job, and shows the script.
+pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<Exit, Exit> {
+    let run = ClusterRun::new(sweep, missing, a)?;
+    output::data(&write_script(&sweep.folder, &a.engine, a.lease, true)?)?;
+    let command = ArrayJob::next(&sweep.folder)?.write(&run.chunks())?;
+    let words: Vec<String> = command.iter().map(|part| word(part)).collect();
+    output::talk(&format!("nothing is submitted; the job would be: {}", words.join(" ")));
+    suggest(&format!("sweep --resume {} --on slurm", path_word(&sweep.folder)));
+    Ok(Exit::Done)
+}
+
+/// Submits the missing combinations and waits for their files. Submits again what is missing after the job.
+///
+/// Returns early if a signal stops this program; the job goes on.
+pub fn run_on_slurm(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<(), Exit> {
+    let mut run = ClusterRun::new(sweep, missing, a)?;
+    write_script(&sweep.folder, &a.engine, a.lease, false)?;
+    if let Some(id) = ArrayJob::next(&sweep.folder)?.id_of_previous()
+        && queue_state(&id) == Ok(QueueState::Queued)
+    {
+        output::talk(&format!("job {id} of an earlier command goes on"));
+        run.follow(&id);
+    }
+    for _ in 0..=RETRIES {
+        if run.look() == 0 || run.is_stopped() {
+            break;
+        }
+        let (job, chunks) = (ArrayJob::next(&sweep.folder)?, run.chunks());
+        let id = job.submit(&job.write(&chunks)?)?;
+        let (tasks, combinations) =
+            (counted(chunks.len(), "task"), counted(run.missing.len(), "combination"));
+        output::talk(&format!("submitted job {id}: {combinations} in {tasks}"));
+        run.follow(&id);
+    }
+    run.bar.finish_and_clear();
+    let status = state(&sweep.folder, sweep.plan.combinations);
+    if run.is_stopped() {
+        output::talk("note: the job goes on; scancel ends it");
+        return Ok(());
+    }
+    if run.missing.is_empty() {
+        output::talk(report::text::sweep_status(&status).trim_end());
+        return Ok(());
+    }
+    Err(run.refuse(&status))
+}
+
+/// Submission of a sweep to a cluster.
+struct ClusterRun<'s> {
+    sweep: &'s CheckedSweep,
+    /// Combinations without a file.
+    missing: Vec<usize>,
+    /// Number of combinations that were missing at the start.
+    total: usize,
+    chunk: usize,
+    bar: ProgressBar,
+}
+
+impl<'s> ClusterRun<'s> {
+    /// Chooses the number of combinations of a task, so that all tasks fit into one array.
+    fn new(sweep: &'s CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<Self, Exit> {
+        let asked = match a.engine.chunk {
+            ChunkSize::Combinations(count) => count,
+            ChunkSize::Auto => {
+                let seconds = measured(sweep, &missing, a.lease)?;
+                (TASK_SECONDS / seconds * f64::from(a.engine.cpus)).ceil() as usize
+            }
+        };
+        let (total, bar) = (missing.len(), output::combinations_bar());
+        let chunk = asked.max(total.div_ceil(a.engine.max_array as usize)).max(1);
+        let mut run = Self { sweep, missing, total, chunk, bar };
+        run.look();
+        Ok(run)
+    }
+
+    fn chunks(&self) -> Vec<Vec<usize>> {
+        self.missing.chunks(self.chunk).map(<[usize]>::to_vec).collect()
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.sweep.stop.load(Ordering::Relaxed)
+    }
+
+    /// Forgets combinations that have their files now, and returns how many are missing.
+    fn look(&mut self) -> usize {
+        self.missing.retain(|index| !matches!(row(&self.sweep.folder, *index), StoredRow::Whole(_)));
+        let done = (self.total - self.missing.len()) as u64;
+        output::advance(&self.bar, done.saturating_sub(self.bar.position()), self.total as u64);
+        self.missing.len()
+    }
+
+    /// Waits until no combination is missing, or until Slurm has no task of the job any more.
+    fn follow(&mut self, id: &str) {
+        let (mut asked, mut is_told) = (Instant::now(), false);
+        while self.look() > 0 && !self.is_stopped() {
+            std::thread::sleep(LOOK);
+            if asked.elapsed() < ASK {
+                continue;
+            }
+            asked = Instant::now();
+            match queue_state(id) {
+                Ok(QueueState::Queued) => is_told = false,
+                Ok(QueueState::Gone) => break,
+                Ok(QueueState::Held) => {
+                    output::talk(&format!(
+                        "note: a node failed to start tasks of job {id}; they are cancelled"
+                    ));
+                    if let Err(why) = cancel(id) {
+                        output::talk(&format!("warning: {why}"));
+                    }
+                    break;
+                }
+                // The controller may be down for a while; its jobs go on.
+                Err(why) if !is_told => {
+                    output::talk(&format!(
+                        "note: Slurm does not answer, so the files alone are followed: {why}"
+                    ));
+                    is_told = true;
+                }
+                Err(_) => {}
+            }
+        }
+        self.look();
+    }
+
+    /// Reports which combinations are missing in the end, and why.
+    fn refuse(&self, status: &SweepStatus) -> Exit {
+        let missing = counted(self.missing.len(), "combination");
+        output::error(&format!("{missing} still missing after {RETRIES} retries"));
+        for index in &self.missing {
+            let failed = status.failed.iter().find(|failed| failed.index == *index);
+            let why = failed.map_or("no task has begun it", |failed| &failed.why);
+            output::talk(&format!("  {index:04}: {why}"));
+        }
+        let folder = path_word(&self.sweep.folder);
+        output::talk(&format!(
+            "  help: the logs are in {folder}/slurm; sweetspot sweep --resume {folder} --on slurm tries again"
+        ));
+        Exit::Limit
+    }
+}
+
+/// Returns the mean time of a finished combination, s. Processes one here if none is finished.
+fn measured(sweep: &CheckedSweep, missing: &[usize], lease: u16) -> Result<f64, Exit> {
+    let mean = || state(&sweep.folder, sweep.plan.combinations).mean_seconds();
+    let first = missing.first().copied();
+    let Some(index) = first.filter(|_| mean().is_none()) else { return Ok(mean().unwrap_or(TASK_SECONDS)) };
+    output::talk(&format!(
+        "note: combination {index} is processed here to measure its time; --chunk skips this"
+    ));
+    run_shared(sweep, vec![index], 1, lease)?;
+    Ok(mean().unwrap_or(TASK_SECONDS))
+}

@@ -1,0 +1,84 @@
+//! State of a sweep: which combinations are done, which ones run where, and which ones have failed.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the state of a sweep.
+pub const SWEEP_STATUS_SCHEMA: &str = "sweetspot/sweep-status/1";
+
+/// State of a sweep, which `sweep --status` prints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepStatus {
+    #[schemars(extend("const" = SWEEP_STATUS_SCHEMA))]
+    pub schema: String,
+    pub combinations: usize,
+    pub done: usize,
+    /// Number of combinations that nobody has begun.
+    pub free: usize,
+    pub running: Vec<RunningCombination>,
+    pub failed: Vec<FailedCombination>,
+    /// Estimated time until the last combination is done, if the workers that run now go on. Null if no worker
+    /// runs, or if none has finished a combination yet.
+    pub seconds_left: Option<f64>,
+    /// What each host has done. Only workers of `sweep --claim` leave this information.
+    pub hosts: Vec<HostWork>,
+    /// Whether the table is written.
+    pub complete: bool,
+}
+
+/// Combination that a worker processes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RunningCombination {
+    pub index: usize,
+    pub host: String,
+    pub process: u32,
+    /// Time since the worker began the combination, at its last heartbeat.
+    pub seconds: f64,
+    /// Time since the last heartbeat, by the clock of the file server.
+    pub seconds_since_heartbeat: f64,
+}
+
+/// Combination whose last worker did not finish it. A worker that looks for work takes it over, unless it is
+/// given up.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FailedCombination {
+    pub index: usize,
+    /// Host of the last worker; null if no worker of `sweep --claim` is known.
+    pub host: Option<String>,
+    pub process: Option<u32>,
+    pub why: String,
+    /// Whether so many workers have died at the combination that no worker of `sweep --claim` takes it over.
+    pub given_up: bool,
+}
+
+/// Combinations that the workers of one host have finished.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HostWork {
+    pub host: String,
+    pub combinations: Vec<usize>,
+    /// Sum of the times of all combinations of the host.
+    pub seconds: f64,
+}
+
+impl SweepStatus {
+    /// Returns the mean time of a finished combination; None if no worker of `sweep --claim` has finished one.
+    pub fn mean_seconds(&self) -> Option<f64> {
+        let finished: usize = self.hosts.iter().map(|host| host.combinations.len()).sum();
+        let seconds: f64 = self.hosts.iter().map(|host| host.seconds).sum();
+        (finished > 0).then(|| seconds / finished as f64)
+    }
+
+    /// Estimates the time left from the mean time of a finished combination and the number of those that run.
+    pub fn with_estimate(mut self) -> Self {
+        let spent: f64 = self.running.iter().map(|running| running.seconds).sum();
+        if let Some(mean) = self.mean_seconds().filter(|_| !self.running.is_empty()) {
+            let left = mean * (self.combinations - self.done) as f64 - spent;
+            self.seconds_left = Some(left.max(0.0) / self.running.len() as f64);
+        }
+        self
+    }
+}

@@ -1,0 +1,363 @@
+//! Tests workers that share the combinations of a sweep through a folder: they die, fail and come late, and the
+//! result has the bytes of a straight run.
+
+use crate::cli::sandbox::*;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const HEIGHTS: &str = "equipment.worktable.placement.z_mm=";
+
+/// Returns a sweep over heights of the table. One combination takes about 0.1 s.
+fn sweep(count: usize, more: &[&str]) -> Vec<String> {
+    let heights: Vec<String> = (0..count).map(|k| (500 + 5 * k).to_string()).collect();
+    let set = format!("{HEIGHTS}{}", heights.join(","));
+    let args = ["sweep", CELL, "--budget", "60", "--set", &set];
+    args.iter().chain(more).map(|word| word.to_string()).collect()
+}
+
+fn words(args: &[String]) -> Vec<&str> {
+    args.iter().map(String::as_str).collect()
+}
+
+/// Makes a sandbox with the plan of a sweep in the folder `shared`.
+fn planned(count: usize) -> Sandbox {
+    let shop = Sandbox::new();
+    shop.done(&words(&sweep(count, &["--out", "shared", "--plan-only"])));
+    shop
+}
+
+/// Returns every file of a folder with its bytes, without the claims.
+fn result(shop: &Sandbox, folder: &str) -> BTreeMap<String, Vec<u8>> {
+    let files = shop.files(folder).into_iter().filter(|f| !f.starts_with("claims/"));
+    files.map(|f| (f.clone(), shop.read(&format!("{folder}/{f}")))).collect()
+}
+
+/// Insists that the folder `shared` holds the files of a straight run, byte for byte.
+fn assert_whole(shop: &Sandbox, count: usize) {
+    shop.done(&words(&sweep(count, &["--out", "straight"])));
+    let (shared, straight) = (result(shop, "shared"), result(shop, "straight"));
+    assert_eq!(shared.keys().collect::<Vec<_>>(), straight.keys().collect::<Vec<_>>());
+    straight.iter().for_each(|(name, bytes)| assert!(shared[name] == *bytes, "{name} differs"));
+}
+
+/// Running worker. It is killed when the value is dropped.
+struct Worker(Option<Child>);
+
+impl Worker {
+    fn start(shop: &Sandbox, args: &[&str]) -> Self {
+        Self(Some(shop.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()))
+    }
+
+    fn id(&self) -> u32 {
+        self.0.as_ref().unwrap().id()
+    }
+
+    /// Waits for the end of the worker.
+    fn ended(mut self) -> RunOutput {
+        ran(self.0.take().unwrap().wait_with_output().unwrap())
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
+    let clock = Instant::now();
+    while !holds() {
+        assert!(clock.elapsed() < Duration::from_secs(120), "{what}: waited in vain");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn rows(shop: &Sandbox) -> usize {
+    let is_row = |f: &&String| f.len() == 9 && f.ends_with(".json") && f.as_bytes()[0].is_ascii_digit();
+    shop.files("shared").iter().filter(is_row).count()
+}
+
+/// Returns a claim as another host writes it.
+fn claim(state: &str, beat: u32, losses: u32) -> String {
+    format!(
+        "{{\"host\":\"elsewhere\",\"process\":7,\"state\":\"{state}\",\"beat\":{beat},\"lease\":1,\
+         \"losses\":{losses},\"seconds\":2.5,\"why\":null}}\n"
+    )
+}
+
+/// Returns how many combinations a worker says that it has processed.
+fn processed(worker: &RunOutput) -> usize {
+    let (_, count) = worker.err.split_once("this worker has processed ").unwrap();
+    count.split(' ').next().unwrap().parse().unwrap()
+}
+
+fn put_claim(shop: &Sandbox, name: &str, text: &str) {
+    std::fs::create_dir_all(shop.path("shared/claims")).unwrap();
+    shop.write(&format!("shared/claims/{name}"), text);
+}
+
+/// kill -9 hits one of four workers at 20 random moments, and a new worker takes its place. Each kill costs one
+/// combination at most.
+#[test]
+fn killed_workers_end_in_the_bytes_of_a_straight_run() {
+    const COMBINATIONS: usize = 64;
+    const KILLS: usize = 20;
+    let shop = planned(COMBINATIONS);
+    let worker = || Worker::start(&shop, &["sweep", "--claim", "shared", "--jobs", "1", "--lease", "2"]);
+    let mut workers: Vec<Worker> = (0..4).map(|_| worker()).collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(18);
+    for kill in 0..KILLS {
+        wait_until("progress", || rows(&shop) >= kill * 3);
+        std::thread::sleep(Duration::from_millis(rng.random_range(0..100)));
+        let k = rng.random_range(0..workers.len());
+        // Dropping a worker kills it.
+        drop(workers.swap_remove(k));
+        workers.push(worker());
+    }
+    for ran in workers.into_iter().map(Worker::ended) {
+        ran.no_panic();
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+    }
+    assert_whole(&shop, COMBINATIONS);
+    let begun = shop.files("shared/claims").len();
+    let again = begun - COMBINATIONS;
+    assert!((1..=KILLS).contains(&again), "{again} combinations were begun again after {KILLS} kills");
+    let status = shop.json(&["sweep", "--status", "shared"]);
+    assert_eq!((&status["done"], &status["complete"]), (&COMBINATIONS.into(), &true.into()), "{status}");
+    println!("{KILLS} kills: {again} of {COMBINATIONS} combinations were begun again");
+}
+
+/// No worker is the first: the same command starts the sweep or joins it.
+#[test]
+fn workers_that_start_at_the_same_time_share_the_work() {
+    let shop = Sandbox::new();
+    let command = sweep(12, &["--claim", "shared", "--jobs", "1"]);
+    let workers: Vec<Worker> = (0..4).map(|_| Worker::start(&shop, &words(&command))).collect();
+    let ended: Vec<RunOutput> = workers.into_iter().map(Worker::ended).collect();
+    ended.iter().for_each(|ran| assert_eq!(ran.code, Some(0), "{}", ran.err));
+    ended.iter().for_each(|ran| assert_eq!(ran.out, ended[0].out));
+    // No combination was processed twice.
+    assert_eq!(ended.iter().map(processed).sum::<usize>(), 12);
+    let claims: Vec<String> = (0..12).map(|k| format!("{k:04}-1")).collect();
+    assert_eq!(shop.files("shared/claims"), claims);
+    assert_whole(&shop, 12);
+    // A late worker finds the work done.
+    assert_eq!(shop.done(&["sweep", "--claim", "shared"]).out, ended[0].out);
+}
+
+/// A worker needs nothing but the shared folder.
+#[test]
+fn a_worker_needs_only_the_folder() {
+    let shop = planned(3);
+    std::fs::rename(shop.path("cells"), shop.path("elsewhere")).unwrap();
+    shop.done(&["sweep", "--claim", "shared", "--only", "0,2"]);
+    assert_eq!(rows(&shop), 2);
+    assert!(!shop.path("shared/table.csv").exists());
+    shop.done(&["sweep", "--claim", "shared"]);
+    std::fs::rename(shop.path("elsewhere"), shop.path("cells")).unwrap();
+    assert_whole(&shop, 3);
+}
+
+/// The clock of the dead owner does not matter: its claim may be dated in the future.
+#[test]
+fn a_claim_is_taken_over_only_after_its_heartbeat_stops() {
+    let shop = planned(2);
+    put_claim(&shop, "0001-1", &claim("running", 0, 0));
+    let worker = Worker::start(&shop, &["sweep", "--claim", "shared"]);
+    wait_until("the free combination", || rows(&shop) == 1);
+    let future = std::time::SystemTime::now() + Duration::from_secs(86_400);
+    // The heart of the other host beats for three leases.
+    for beat in 1..=30 {
+        put_claim(&shop, "0001-1", &claim("running", beat, 0));
+        let file = std::fs::File::options().write(true).open(shop.path("shared/claims/0001-1")).unwrap();
+        file.set_modified(future).unwrap();
+        std::thread::sleep(Duration::from_millis(100));
+        assert!(!shop.path("shared/claims/0001-2").exists(), "taken over at heartbeat {beat}");
+    }
+    let ended = worker.ended();
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let said = "combination 1 is taken over: process 7 on elsewhere has shown no heartbeat for 1 s";
+    assert!(ended.err.contains(said), "{}", ended.err);
+    assert_whole(&shop, 2);
+    assert_eq!(shop.files("shared/claims"), ["0000-1", "0001-1", "0001-2"]);
+}
+
+/// A worker that died before it wrote its name, and damaged files, do not stop the others.
+#[test]
+fn empty_claims_and_damaged_files_are_mended() {
+    let shop = planned(3);
+    put_claim(&shop, "0000-1", "");
+    shop.done(&["sweep", "--claim", "shared", "--lease", "1"]);
+    let whole = shop.text("shared/0002.toml");
+    shop.write("shared/0002.toml", &whole[..whole.len() / 2]);
+    let status = shop.json(&["sweep", "--status", "shared"]);
+    assert!(text(&status["failed"][0]["why"]).starts_with("0002.toml: its hash"), "{status}");
+    let ran = shop.done(&["sweep", "--claim", "shared"]);
+    assert!(ran.err.contains("combination 2 is computed again"), "{}", ran.err);
+    assert_eq!(shop.text("shared/0002.toml"), whole);
+    assert_whole(&shop, 3);
+}
+
+#[test]
+fn a_combination_that_kills_its_workers_is_given_up() {
+    let shop = planned(2);
+    put_claim(&shop, "0001-1", &claim("running", 3, 5));
+    let ran = shop.run(&["sweep", "--claim", "shared"]);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(4), ""), "{}", ran.err);
+    assert!(
+        ran.err.contains("1 combination given up, because 6 workers have died at each: 1"),
+        "{}",
+        ran.err
+    );
+    let status = shop.json(&["sweep", "--status", "shared"]);
+    assert_eq!((&status["done"], &status["failed"][0]["given_up"]), (&1.into(), &true.into()), "{status}");
+    shop.done(&["sweep", "--resume", "shared"]);
+    assert_whole(&shop, 2);
+}
+
+/// The first worker keeps its claim with heartbeats. When a signal stops it, the second one does not wait for the
+/// lease to end.
+#[cfg(unix)]
+#[test]
+fn a_worker_keeps_its_combination_until_it_is_stopped() {
+    let shop = Sandbox::new();
+    let height = format!("{HEIGHTS}600");
+    let args =
+        ["sweep", CELL, "--budget", "1000000000", "--set", &height, "--claim", "shared", "--lease", "1"];
+    let first = Worker::start(&shop, &args);
+    wait_until("a claim", || shop.path("shared/claims/0000-1").exists());
+    let second = Worker::start(&shop, &["sweep", "--claim", "shared"]);
+    let beat = |name: &str| {
+        let text = std::fs::read(shop.path(&format!("shared/claims/{name}"))).unwrap_or_default();
+        serde_json::from_slice(&text).map_or(0, |claim: Value| claim["beat"].as_u64().unwrap())
+    };
+    // Three leases.
+    wait_until("18 heartbeats", || beat("0000-1") >= 18);
+    assert_eq!(shop.files("shared/claims"), ["0000-1"]);
+    let status = shop.json(&["sweep", "--status", "shared"]);
+    assert_eq!(status["running"][0]["process"], first.id(), "{status}");
+    let stop = |worker: Worker| {
+        assert!(Command::new("kill").args(["-TERM", &worker.id().to_string()]).status().unwrap().success());
+        let ended = worker.ended();
+        assert_eq!(ended.code, Some(130), "{}", ended.err);
+        assert!(ended.err.contains("next: sweetspot sweep --claim shared"), "{}", ended.err);
+        ended.err
+    };
+    let process = first.id();
+    stop(first);
+    wait_until("the successor", || shop.path("shared/claims/0000-2").exists());
+    let said = stop(second);
+    assert!(said.contains("note: waiting for 1 combination of other workers"), "{said}");
+    assert!(said.contains(&format!("combination 0 is taken over: process {process} on ")), "{said}");
+    let status = shop.json(&["sweep", "--status", "shared"]);
+    assert!(text(&status["failed"][0]["why"]).ends_with("was stopped"), "{status}");
+}
+
+#[test]
+fn a_status_counts_what_is_done_running_and_free() {
+    let shop = planned(5);
+    shop.done(&["sweep", "--claim", "shared", "--only", "0-1"]);
+    put_claim(&shop, "0002-1", &claim("running", 4, 0).replace("\"lease\":1", "\"lease\":3600"));
+    put_claim(&shop, "0003-1", &claim("failed", 1, 0).replace("null", "\"error: the disk is full\""));
+    let status = shop.json(&["sweep", "--status", "shared"]);
+    assert_eq!(status["schema"], "sweetspot/sweep-status/1");
+    assert_eq!(
+        (&status["combinations"], &status["done"], &status["free"]),
+        (&5.into(), &2.into(), &1.into())
+    );
+    let running = &status["running"][0];
+    assert_eq!((text(&running["host"]), &running["process"]), ("elsewhere", &7.into()));
+    assert_eq!((&running["index"], &running["seconds"]), (&2.into(), &2.5.into()));
+    assert_eq!(text(&status["failed"][0]["why"]), "process 7 on elsewhere failed: error: the disk is full");
+    // Two combinations done by one host give the mean time of the three that are left.
+    let spent = number(&status["hosts"][0]["seconds"]);
+    assert_eq!(status["hosts"][0]["combinations"], serde_json::json!([0, 1]));
+    assert!((number(&status["seconds_left"]) - (1.5 * spent - 2.5).max(0.0)).abs() < 1e-9, "{status}");
+    let ran = shop.done(&["sweep", "--status", "shared"]);
+    let first = "2 of 5 combinations done, 1 running, 1 failed, 1 free; about ";
+    assert!(ran.out.starts_with(first) && ran.out.contains("elsewhere"), "{}", ran.out);
+    assert_eq!(shop.run(&["sweep", "--status", "cells"]).code, Some(2));
+}
+
+#[test]
+fn a_worker_refuses_another_plan_other_inputs_and_another_version() {
+    let shop = planned(2);
+    let refused = |args: &[&str], said: &str| {
+        let ran = shop.run(args);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{args:?}: {}", ran.err);
+        assert!(ran.err.contains(said) && ran.err.contains("help: "), "{args:?}: {}", ran.err);
+        assert_eq!(rows(&shop), 0);
+    };
+    refused(&words(&sweep(3, &["--claim", "shared"])), "these differ: the sets\n");
+    refused(&words(&sweep(2, &["--claim", "shared", "--seed", "4"])), "these differ: seed or budget\n");
+    let robot = "robots/hitachi_pw10.toml";
+    let was = shop.text(&format!("cells/{robot}"));
+    shop.write(&format!("cells/{robot}"), &(was.clone() + "# a remark\n"));
+    refused(&words(&sweep(2, &["--claim", "shared"])), &format!("these differ: {robot}\n"));
+    shop.write(&format!("cells/{robot}"), &was);
+    let join = ["sweep", "--claim", "shared"];
+    shop.write(&format!("shared/inputs/{robot}"), &(was.clone() + "# a remark\n"));
+    refused(&join, &format!("shared/inputs/{robot}: it has changed"));
+    std::fs::remove_file(shop.path(&format!("shared/inputs/{robot}"))).unwrap();
+    refused(&join, &format!("shared/inputs/{robot}: no such file"));
+    // The whole command writes the inputs again.
+    shop.done(&words(&sweep(2, &["--claim", "shared", "--only", "0"])));
+    assert_eq!(shop.text(&format!("shared/inputs/{robot}")), was);
+    std::fs::remove_file(shop.path("shared/0000.json")).unwrap();
+    let plan = shop.text("shared/plan.json");
+    let old = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    shop.write("shared/plan.json", &resealed(&plan.replace(&old, "\"version\": \"0.0.9\"")));
+    let said = format!("the version of the program ({}, not 0.0.9)\n", env!("CARGO_PKG_VERSION"));
+    refused(&join, &said);
+    refused(&["sweep", "--claim", "cells"], "cells has no plan.json");
+}
+
+/// Runs the script of a shell with a file system of its own on `shared`. Returns None where users may not mount.
+#[cfg(unix)]
+fn mounted(shop: &Sandbox, script: &str) -> Option<RunOutput> {
+    let mut command = Command::new("unshare");
+    command.args(["-Urm", "sh", "-c", script]).current_dir(shop.dir.path()).env("SWEETSPOT_CACHE", "off");
+    let ran = command.output().ok().map(ran)?;
+    (ran.code != Some(77)).then_some(ran)
+}
+
+/// A full disk and a read-only share are stated in plain words with exit code 3, and no file is half written.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_and_a_read_only_share_exit_3() {
+    let program = env!("CARGO_BIN_EXE_sweetspot");
+    let shop = planned(3);
+    let files = shop.files("shared");
+    let mount = |options: &str| {
+        format!(
+            "cp -r shared kept; mount -t tmpfs -o {options} none shared || exit 77; cp -r kept/* shared; "
+        )
+    };
+    let full = format!(
+        "{}mkdir shared/claims; dd if=/dev/zero of=shared/.sweetspot-filling bs=4096 2>/dev/null; \
+         {program} sweep --claim shared; code=$?; cat shared/claims/* >&2; exit $code",
+        mount("size=1m")
+    );
+    let Some(ran) = mounted(&shop, &full) else {
+        return println!("SKIPPED: this system lets no user mount a file system, so no disk can be full");
+    };
+    ran.no_panic();
+    assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
+    assert!(ran.err.contains("cannot write shared/") && ran.err.contains("the disk is full"), "{}", ran.err);
+    std::fs::remove_dir_all(shop.path("kept")).unwrap();
+    let read_only = format!("{}mount -o remount,ro shared; {program} sweep --claim shared", mount("size=1m"));
+    let ran = mounted(&shop, &read_only).unwrap();
+    ran.no_panic();
+    assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
+    assert!(ran.err.contains("the file system is mounted read-only"), "{}", ran.err);
+    assert_eq!(shop.files("shared"), files);
+    shop.done(&["sweep", "--claim", "shared"]);
+    assert_whole(&shop, 3);
+}
