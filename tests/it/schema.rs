@@ -104,7 +104,7 @@ const BEYOND: [(&str, &str); 6] = [
     ),
     (
         "the question has no answer",
-        "equipment_tolerance_read_signed robust_against_nothing robust_and_ideal senses_of_two_units tolerance_read_signed yield_without_limit",
+        "equipment_tolerance_read_signed robust_against_nothing robust_and_ideal senses_of_two_units tolerance_cost_of_a_sample tolerance_cost_without_limits tolerance_read_signed yield_without_limit",
     ),
     (
         "it is odd, not wrong",

@@ -29,7 +29,11 @@ const MAX_STEPS: usize = 60;
 const MAX_HALVINGS: i32 = 40;
 /// Relative gain of a step below which the dual has converged.
 const CONVERGED: f64 = 1e-12;
-/// Relative violation of a limit below which no sign pattern is added, as a share of the gap that is asked for.
+/// Derivative of the dual, which is the relative violation of a limit, at which a coarse ascent ends.
+const COARSE: f64 = 1e-2;
+/// Derivative at which the last ascent ends, and violation below which no sign pattern is added, as shares of the gap
+/// that is asked for.
+const FINE: f64 = 0.1;
 const VIOLATION: f64 = 0.01;
 
 /// Cheapest scales by dual ascent.
@@ -80,27 +84,31 @@ pub fn priced_scales(
     scratch: &mut FigureScratch,
 ) -> Option<PricedScales> {
     let mut terms: Vec<Term> = Vec::new();
+    // Coarse ascents find the sign patterns that bind.
+    let fine = FINE * gap;
+    let mut tolerance = COARSE.max(fine);
     for round in 0..MAX_ROUNDS {
-        let point = ascend(costs, &mut terms)?;
+        let point = ascend(costs, &mut terms, tolerance)?;
         let scales: Vec<f64> = point.scales.iter().map(|c| c.scale).collect();
+        let threshold = if tolerance > fine { tolerance } else { VIOLATION * gap };
         let (mut largest, mut is_new): (f64, bool) = (0.0, false);
         for (i, figure) in figures.iter().enumerate() {
             let (value, cut) = figure.cut(&scales, scratch);
             largest = largest.max(value);
-            if value > 1.0 + VIOLATION * gap
-                && !terms.iter().any(|own| own.figure == i && own.cut.is_same(&cut))
-            {
+            if value > 1.0 + threshold && !terms.iter().any(|own| own.figure == i && own.cut.is_same(&cut)) {
                 // The terms that this round has added may already keep this limit.
                 let y = first_multipliers(costs, &terms, &cut, &scales);
                 is_new |= y.is_some();
                 terms.extend(y.map(|y| Term { figure: i, cut: cut.into(), y }));
             }
         }
-        let is_last = !is_new || round + 1 == MAX_ROUNDS;
+        let is_last = !is_new && tolerance <= fine || round + 1 == MAX_ROUNDS;
         let shrink = |(u, cost): (&f64, &ToleranceCost)| (u / largest.max(1.0)).max(cost.range.0);
         let kept: Vec<f64> = scales.iter().zip(costs).map(shrink).collect();
         let cost: f64 = costs.iter().zip(&kept).map(|(cost, u)| cost.cost(*u)).sum();
-        if cost - point.value <= gap * cost.abs() || is_last {
+        // Scales at their least are not reduced, so a larger violation could remain.
+        let is_kept = largest <= 1.0 + gap;
+        if is_kept && cost - point.value <= gap * cost.abs() || is_last {
             let (mut prices, q) = charges(costs.len(), &terms);
             prices.iter_mut().zip(q.iter().zip(&scales)).for_each(|(p, (q, u))| *p += 2.0 * q * u);
             let mut shadow_prices = vec![0.0; figures.len()];
@@ -108,6 +116,9 @@ pub fn priced_scales(
             let (lower_bound, scales) = (point.value.min(cost), kept);
             let cuts = terms.into_iter().map(|term| (term.figure, Rc::unwrap_or_clone(term.cut))).collect();
             return Some(PricedScales { scales, cost, lower_bound, shadow_prices, prices, cuts });
+        }
+        if !is_new {
+            tolerance = fine;
         }
     }
     None
@@ -183,19 +194,23 @@ fn dual(costs: &[ToleranceCost], terms: &[Term]) -> DualPoint {
 
 /// Maximizes the dual over the multipliers of the terms; drops terms that do not bind. Returns None if a step cannot be
 /// computed.
-fn ascend(costs: &[ToleranceCost], terms: &mut Vec<Term>) -> Option<DualPoint> {
+fn ascend(costs: &[ToleranceCost], terms: &mut Vec<Term>, tolerance: f64) -> Option<DualPoint> {
     let mut point = dual(costs, terms);
     for _ in 0..MAX_STEPS {
         if terms.is_empty() {
             return Some(point);
         }
         let (gradient, hessian) = derivatives(terms, &point);
+        let largest = gradient.amax();
+        if largest <= tolerance {
+            return Some(point);
+        }
         let step = newton_step(hessian, &gradient)?;
         let gain = gradient.dot(&step);
         let is_near = gain <= CONVERGED * point.value.abs();
         let next = match is_near {
             // Rounding hides the gain, so the derivatives tell whether the step is good.
-            true => polished(costs, terms, &step, gradient.amax()),
+            true => polished(costs, terms, &step, largest),
             false => line_search(costs, terms, &step, (&point, gain)),
         };
         let Some((next, moved)) = next else { return Some(point) };

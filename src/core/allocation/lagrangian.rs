@@ -64,13 +64,20 @@ pub fn charged(cost: &ToleranceCost, p: f64, q: f64) -> Charged {
     if excess(low) >= 0.0 {
         return at_bound(low);
     }
+    let of_square = |q: f64| match cost.law {
+        // The cube root of the compiler is slower.
+        CostLaw::Reciprocal { at, power: 1.0 } => (at / (2.0 * q)).powf(1.0 / 3.0),
+        CostLaw::Reciprocal { at, power } => (power * at / (2.0 * q)).powf(1.0 / (power + 2.0)),
+        _ => low,
+    };
     // Each part of the price alone, doubled, has its stationary scale below the one that is sought.
     let mut u = match (q > 0.0, p > 0.0) {
         (false, _) => stationary(&cost.law, p),
-        (true, false) => low,
-        (true, true) => stationary(&cost.law, 2.0 * p).min(high).max(low),
+        (true, false) => of_square(q).clamp(low, high),
+        (true, true) => stationary(&cost.law, 2.0 * p).min(of_square(2.0 * q)).clamp(low, high),
     };
-    if q > 0.0 {
+    let is_exact = q <= 0.0 || p == 0.0 && matches!(cost.law, CostLaw::Reciprocal { .. });
+    if !is_exact {
         if excess(u) > 0.0 {
             u = low;
         }

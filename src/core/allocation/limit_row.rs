@@ -11,9 +11,8 @@ const MAX_STEPS: usize = 80;
 const WIDEST: f64 = 60.0;
 /// Longest step of the multiplier's logarithm.
 const LONGEST: f64 = 3.0;
-/// Largest number of steps of a quick bound, and the relative gain below which it ends.
-const QUICK_STEPS: usize = 8;
-const QUICK_GAIN: f64 = 1e-5;
+/// Relative gain below which the steps of a quick bound end.
+const QUICK_GAIN: f64 = 1e-4;
 /// Difference below which two values are the same but for rounding.
 const SAME: f64 = 1e-13;
 
@@ -76,9 +75,15 @@ impl LimitRow {
 
     /// Returns a lower bound of the cost from a few Newton steps for the multiplier, which starts at `x`, its
     /// logarithm; the steps move it. Writes the scales at these prices.
-    pub(super) fn quick_bound(&self, costs: &[ToleranceCost], x: &mut f64, scales: &mut Vec<f64>) -> f64 {
+    pub(super) fn quick_bound(
+        &self,
+        costs: &[ToleranceCost],
+        x: &mut f64,
+        steps: usize,
+        scales: &mut Vec<f64>,
+    ) -> f64 {
         let mut bound = f64::NEG_INFINITY;
-        for _ in 0..QUICK_STEPS {
+        for _ in 0..steps {
             let multiplier = x.exp();
             let (mut sum, mut slope, mut least) = (self.constant - 1.0, 0.0, 0.0);
             scales.clear();

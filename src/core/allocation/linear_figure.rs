@@ -28,6 +28,8 @@ pub struct FigureScratch {
     zonotope: ZonotopeScratch,
     columns: Vec<Vector6<f64>>,
     signs: Vec<f64>,
+    /// Constraint along one direction, and scales, for bounds.
+    pub(super) bound: (LimitRow, Vec<f64>),
 }
 
 impl LinearFigure {

@@ -93,7 +93,7 @@ impl NodeFigure<'_> {
         memory: &mut EvaluatorScratch,
     ) -> LinearFigure {
         let Self { evaluator, context, frames, .. } = self;
-        evaluator.prepare(context, frames, memory);
+        evaluator.prepare_effects(context, frames, memory);
         let measure = evaluator.measure(&evaluator.sense, context, frames);
         let (mut generators, mut fixed) = (vec![Vector6::zeros(); free.len()], Vec::new());
         for (k, source) in evaluator.sources.list.iter().enumerate() {
@@ -191,7 +191,7 @@ impl NodeFigure<'_> {
         let Self { evaluator, context, frames, .. } = self;
         let probability =
             Self::probability(evaluator, self.share).filter(|_| !evaluator.sources.has_bounded())?;
-        evaluator.prepare(context, frames, memory);
+        evaluator.prepare_effects(context, frames, memory);
         let measure = evaluator.measure(&evaluator.sense, context, frames);
         let effects = memory.effects();
         let sources = evaluator.sources.list.iter().enumerate().filter(|(_, s)| s.spread.is_some());

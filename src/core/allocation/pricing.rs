@@ -19,9 +19,9 @@ pub const DEFAULT_YIELD: f64 = 0.99;
 /// Relative gap between a price and its lower bound.
 const GAP: f64 = 1e-6;
 
-/// Largest number of directions of an error from which a bound is computed, and the relative gain that ends it.
-const MAX_DIRECTIONS: usize = 4;
-const SETTLED: f64 = 1e-4;
+/// Largest number of directions of an error from which a bound is computed, and of steps to the multiplier of each.
+const ROUGH: (usize, usize) = (1, 2);
+const SHARP: (usize, usize) = (4, 8);
 /// Relative amount by which rounding may raise a bound.
 const ROUNDING: f64 = 1e-9;
 
@@ -34,8 +34,9 @@ pub struct TolerancePricing {
     most: f64,
     /// Cost of the loosest tolerances.
     least: f64,
-    /// Cost of the present tolerances.
-    present: f64,
+    /// Logarithm of the multiplier from which bounds start: that of the present cost, about which it lies if the limits
+    /// are about the present figures.
+    first_multiplier: f64,
 }
 
 /// Tolerances of a cell with the limit of one operation.
@@ -60,9 +61,10 @@ impl TolerancePricing {
             }
         }
         let costs: Vec<ToleranceCost> = parameters.iter().map(|p| cell.tolerance_cost(*p)).collect();
-        let total = |end: fn(&ToleranceCost) -> f64| costs.iter().map(|c| c.cost(end(c))).sum();
+        let total = |end: fn(&ToleranceCost) -> f64| -> f64 { costs.iter().map(|c| c.cost(end(c))).sum() };
         let (most, least, present) = (total(|c| c.range.0), total(|c| c.range.1), total(|_| 1.0));
-        (!parameters.is_empty()).then_some(Self { parameters, costs, most, least, present })
+        let first_multiplier = present.clamp(f64::MIN_POSITIVE, most.max(f64::MIN_POSITIVE)).ln();
+        (!parameters.is_empty()).then_some(Self { parameters, costs, most, least, first_multiplier })
     }
 
     /// Returns the cost of the tightest tolerances. A greater price means that no tolerances keep the limits.
@@ -110,30 +112,37 @@ impl TolerancePricing {
         }
     }
 
-    /// Returns a lower bound of the price of one figure, from a few directions of the error.
+    /// Returns a lower bound of the price of one figure, from at most `directions` directions of the error.
     ///
     /// The direction of the worst case at the scales that a direction gives is a better one, and often the best.
-    fn bound(&self, figure: &LinearFigure, scratch: &mut FigureScratch) -> f64 {
-        let mut row = LimitRow::default();
-        let mut scales: Vec<f64> = self.costs.iter().map(|c| c.range.1.min(1.0)).collect();
-        let (mut best, mut x) = (f64::NEG_INFINITY, self.most.min(self.present).max(f64::MIN_POSITIVE).ln());
-        for _ in 0..MAX_DIRECTIONS {
+    fn bound(
+        &self,
+        figure: &LinearFigure,
+        (directions, steps): (usize, usize),
+        scratch: &mut FigureScratch,
+    ) -> f64 {
+        let (mut row, mut scales) = std::mem::take(&mut scratch.bound);
+        scales.clear();
+        scales.extend(self.costs.iter().map(|c| c.range.1.min(1.0)));
+        let (mut best, mut x) = (f64::NEG_INFINITY, self.first_multiplier);
+        for _ in 0..directions {
             figure.along_worst(&scales, &mut row, scratch);
             let tightest = row.sum(&self.costs, |c| c.range.0);
             if tightest > 1.0 {
-                return self.most * if row.linear.is_empty() { tightest.sqrt() } else { tightest };
+                best = self.most * if row.linear.is_empty() { tightest.sqrt() } else { tightest };
+                break;
             }
             if row.sum(&self.costs, |c| c.range.1) <= 1.0 {
-                return best.max(self.least);
+                best = best.max(self.least);
+                break;
             }
-            let bound = row.quick_bound(&self.costs, &mut x, &mut scales);
-            let is_settled = bound - best <= SETTLED * bound.abs();
-            best = best.max(bound);
-            if is_settled || row.linear.is_empty() {
+            best = best.max(row.quick_bound(&self.costs, &mut x, steps, &mut scales));
+            if row.linear.is_empty() {
                 break;
             }
         }
-        best
+        scratch.bound = (row, scales);
+        best * (1.0 - ROUNDING)
     }
 }
 
@@ -171,24 +180,41 @@ impl OperationPricing {
         let figure = self.figure(node, memory);
         let price = self.tolerances.price(&[figure], scratch);
         match self.least_ratio {
-            // The linear figure of a percentile may be below the bound, as both are below the percentile.
-            Some(ratio) if ratio != 1.0 => price.max(self.bound(node, memory, scratch)),
+            // The linear figure of a percentile may be below its bounds, as all are below the percentile.
+            Some(ratio) if ratio != 1.0 => {
+                let rough = self.rough_bound(node, memory, scratch);
+                price.max(rough).max(self.bound(node, memory, scratch))
+            }
             _ => price,
         }
     }
 
     /// Returns a lower bound of [`Self::price`] at little cost.
+    pub fn rough_bound(
+        &self,
+        node: &NodeFigure<'_>,
+        memory: &mut EvaluatorScratch,
+        scratch: &mut FigureScratch,
+    ) -> f64 {
+        self.tolerances.bound(&self.bounding_figure(node, memory), ROUGH, scratch)
+    }
+
+    /// Returns a lower bound of [`Self::price`] that is often nearly the price.
     pub fn bound(
         &self,
         node: &NodeFigure<'_>,
         memory: &mut EvaluatorScratch,
         scratch: &mut FigureScratch,
     ) -> f64 {
+        self.tolerances.bound(&self.bounding_figure(node, memory), SHARP, scratch)
+    }
+
+    /// Returns a figure that is never above the figure of a node, divided by the limit.
+    fn bounding_figure(&self, node: &NodeFigure<'_>, memory: &mut EvaluatorScratch) -> LinearFigure {
         let parameters = &self.tolerances.parameters;
-        let figure = match self.least_ratio {
+        match self.least_ratio {
             None => node.worst_case(parameters, memory).scaled(1.0 / self.limit),
             Some(ratio) => node.mean_square(parameters, ratio, memory).scaled(1.0 / self.limit),
-        };
-        self.tolerances.bound(&figure, scratch) * (1.0 - ROUNDING)
+        }
     }
 }

@@ -16,8 +16,17 @@ pub struct PostureCandidate {
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
     pub contact: ArmContact,
-    /// Whether the value of the spot is a lower bound.
-    pub is_bound: bool,
+    pub certainty: Certainty,
+}
+
+/// What the value of a candidate is: a lower bound at little cost, one at some cost, or the value.
+///
+/// Among equal values, a bound comes first, because the value may be anything above it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Certainty {
+    Value,
+    Bound,
+    RoughBound,
 }
 
 /// Known contacts of a posture.
@@ -45,7 +54,6 @@ impl Ord for PostureCandidate {
     fn cmp(&self, other: &Self) -> Ordering {
         let key = |c: &Self| (c.spot.node, c.spot.branch);
         let by_value = other.spot.value.total_cmp(&self.spot.value);
-        // A bound may become any value above it, so it comes first.
-        by_value.then(self.is_bound.cmp(&other.is_bound)).then_with(|| key(other).cmp(&key(self)))
+        by_value.then(self.certainty.cmp(&other.certainty)).then_with(|| key(other).cmp(&key(self)))
     }
 }

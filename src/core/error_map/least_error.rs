@@ -3,7 +3,7 @@
 //! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can still
 //! be the spot.
 
-use super::candidate::PostureCandidate;
+use super::candidate::{Certainty, PostureCandidate};
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
@@ -94,10 +94,15 @@ impl OperationQuery<'_> {
         let found = self.first_free(postures, |memory| {
             while let Some(candidate) = heap.pop() {
                 // A posture that cannot be used needs no value.
-                if !candidate.is_bound || !self.is_usable(&candidate, memory) {
+                let is_last = match candidate.certainty {
+                    Certainty::Value => true,
+                    Certainty::Bound => !self.is_usable(&candidate, memory),
+                    Certainty::RoughBound => false,
+                };
+                if is_last {
                     return Some(candidate);
                 }
-                heap.extend(self.valued(&candidate, memory));
+                heap.extend(self.sharpened(&candidate, memory));
             }
             None
         });

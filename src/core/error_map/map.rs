@@ -1,6 +1,6 @@
 //! Map of an operation: every node with its posture and errors, or the reason why it has none.
 
-use super::candidate::{ArmContact, PostureCandidate};
+use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::node_record::{NodeRecord, OperationMap, PostureRecord, Status};
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
@@ -65,8 +65,12 @@ impl PlacedLayout<'_> {
             let node = &mut map.nodes[spot.node];
             if node.posture.as_ref().is_some_and(|posture| posture.branch != spot.branch) {
                 let target = query.setup.grid.target(&query.at, spot.node);
-                let candidate =
-                    PostureCandidate { spot: *spot, target, contact: ArmContact::Unknown, is_bound: false };
+                let candidate = PostureCandidate {
+                    spot: *spot,
+                    target,
+                    contact: ArmContact::Unknown,
+                    certainty: Certainty::Value,
+                };
                 node.posture = query.record(context, &candidate, &mut memory);
             }
         }

@@ -1,6 +1,7 @@
 //! Operation of a cell, prepared for any layout: its nodes, its error evaluator and the points that teach its
 //! frame.
 
+use super::candidate::Certainty;
 use super::grid::Grid;
 use crate::allocation::{DEFAULT_YIELD, FigureScratch, NodeFigure, OperationPricing, TolerancePricing};
 use crate::cell::{Cell, NodeAggregation, Operation, Registration};
@@ -77,10 +78,20 @@ impl OperationSetup {
         }
     }
 
-    /// Returns a lower bound of [`Self::value`] if it costs much less than the value.
-    pub fn bound(&self, context: &WorkContext, frames: &Frames, memory: &mut ValueScratch) -> Option<f64> {
-        let pricing = self.pricing.as_ref()?;
-        Some(pricing.bound(&self.figure(context, frames), &mut memory.evaluator, &mut memory.figure))
+    /// Returns a lower bound of [`Self::value`], which costs much less if the value is a price; otherwise the value.
+    pub fn bound(
+        &self,
+        certainty: Certainty,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut ValueScratch,
+    ) -> f64 {
+        let Some(pricing) = &self.pricing else { return self.value(context, frames, memory) };
+        let (node, ValueScratch { evaluator, figure }) = (self.figure(context, frames), memory);
+        match certainty {
+            Certainty::RoughBound => pricing.rough_bound(&node, evaluator, figure),
+            _ => pricing.bound(&node, evaluator, figure),
+        }
     }
 
     /// Returns the figure of the operation at a posture.

@@ -5,7 +5,7 @@
 //! still win. The solids before the last joint are checked for contact once per family. The spot is bit-identical to
 //! the one that judging every posture finds.
 
-use super::candidate::{ArmContact, PostureCandidate};
+use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::family_queue::{FamilyQueue, SpinFamily};
 use super::outcome::{Outcome, Spot};
 use super::walk::OperationQuery;
@@ -92,7 +92,7 @@ impl OperationQuery<'_> {
                 chain.place(&posture, frames);
                 let value = evaluator.value(context, frames, &mut scratch.evaluator);
                 let spot = Spot { node, branch: first, value };
-                queue.judged.push(PostureCandidate { spot, target, contact, is_bound: false });
+                queue.judged.push(PostureCandidate { spot, target, contact, certainty: Certainty::Value });
             }
             return;
         }
@@ -115,7 +115,7 @@ impl OperationQuery<'_> {
             if evaluator.has_dear_spin_bound() {
                 let spot =
                     Spot { node, branch, value: evaluator.value(context, frames, &mut scratch.evaluator) };
-                queue.judged.push(PostureCandidate { spot, target, contact, is_bound: false });
+                queue.judged.push(PostureCandidate { spot, target, contact, certainty: Certainty::Value });
             } else {
                 let bound =
                     evaluator.least_over_spins(context, frames, &[(1.0, 0.0)], &mut scratch.evaluator);

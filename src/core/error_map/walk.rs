@@ -6,7 +6,7 @@
 //! takes candidates, best first, until one is free of collisions and allowed by the motion rules. Search, map
 //! and probe all use these functions, so they apply the same rules.
 
-use super::candidate::{ArmContact, PostureCandidate};
+use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::held_posture::HeldPosture;
 use super::node_record::Status;
 use super::operation_setup::OperationSetup;
@@ -153,6 +153,7 @@ impl<'a> OperationQuery<'a> {
         let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
         let mut reached = false;
         let takes_bounds = V::TAKES_BOUNDS && self.setup.pricing.is_some();
+        let certainty = if takes_bounds { Certainty::RoughBound } else { Certainty::Value };
         let mut before = None;
         let gap = arm.inverse.visit(&target, &self.attitudes, posture, |branch, posture| {
             reached = true;
@@ -160,22 +161,20 @@ impl<'a> OperationQuery<'a> {
                 arm.chain.place(posture, frames);
                 let value = match before {
                     Some((spun, value)) if self.differs_in_spin(&spun, frames) => value,
-                    _ if takes_bounds => {
-                        self.setup.bound(context, frames, scratch).unwrap_or(f64::NEG_INFINITY)
-                    }
+                    _ if takes_bounds => self.setup.bound(Certainty::RoughBound, context, frames, scratch),
                     _ => self.setup.value(context, frames, scratch),
                 };
                 before = self.setup.evaluator.ignores_spin().then_some((*frames, value));
                 let (spot, contact) = (Spot { node, branch, value }, ArmContact::Unknown);
-                visitor.candidate(PostureCandidate { spot, target, contact, is_bound: takes_bounds });
+                visitor.candidate(PostureCandidate { spot, target, contact, certainty });
             }
         });
         let missed = (!reached).then_some(gap);
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
     }
 
-    /// Replaces the lower bound of a candidate by its value.
-    pub fn valued(
+    /// Replaces the rough bound of a candidate by a bound, or its bound by the value.
+    pub fn sharpened(
         &self,
         candidate: &PostureCandidate,
         memory: &mut PostureMemory,
@@ -184,8 +183,14 @@ impl<'a> OperationQuery<'a> {
         let (arm, context) = (&self.placed.mapper.arm, self.context.as_ref().ok()?);
         let posture = arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch)?;
         arm.chain.place(&posture, frames);
-        let value = self.setup.value(context, frames, scratch);
-        Some(PostureCandidate { spot: Spot { value, ..candidate.spot }, is_bound: false, ..*candidate })
+        let (certainty, value) = match candidate.certainty {
+            Certainty::RoughBound => {
+                let bound = self.setup.bound(Certainty::Bound, context, frames, scratch);
+                (Certainty::Bound, bound.max(candidate.spot.value))
+            }
+            _ => (Certainty::Value, self.setup.value(context, frames, scratch)),
+        };
+        Some(PostureCandidate { spot: Spot { value, ..candidate.spot }, certainty, ..*candidate })
     }
 
     /// Returns whether two postures have the same frames, bit by bit, except for the rotation of the tool.

@@ -134,7 +134,7 @@ impl SpotQuery<'_> {
     pub fn needs_bound(&self) -> bool {
         let cell = &self.workcell.cell;
         let is_limited = cell.operations[self.operation].limit.is_some();
-        cell.search.robust || is_limited && !cell.search.prices_tolerances()
+        cell.search.robust || is_limited && cell.unit().is_error()
     }
 }
 

@@ -244,6 +244,11 @@ impl ErrorEvaluator {
         }
     }
 
+    /// Computes the first-order effects at a posture without the mean error.
+    pub fn prepare_effects(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) {
+        self.propagation().effects(context, frames, &mut memory.expansion, false, &mut memory.effects);
+    }
+
     /// Returns whether the sources vary about means that are not 0.
     pub fn has_mean(&self) -> bool {
         self.mean.is_some()

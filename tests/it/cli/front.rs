@@ -85,9 +85,9 @@ fn the_requested_number_of_layouts_is_kept() {
 fn invalid_pareto_goals_are_refused() {
     let shop = Sandbox::new();
     for (wrong, said) in [
-        ("--pareto=error", "2 to 6 goals"),
+        ("--pareto=error", "2 to 7 goals"),
         ("--pareto=error,error", "must not name a goal twice"),
-        ("--pareto=error,cost", "invalid value 'cost'"),
+        ("--pareto=error,price", "invalid value 'price'"),
         ("--pareto=error,clearence", "'clearance'"),
         ("--keep=0", "0"),
         ("--keep=101", "101"),

@@ -25,7 +25,7 @@ const NUMERIC: [(&str, &[&str]); 18] = [
 ];
 
 /// Placeholders of options whose values are no numbers.
-const OTHERS: [&str; 22] = [
+const OTHERS: [&str; 23] = [
     "CELL",
     "DIR",
     "ENGINE",

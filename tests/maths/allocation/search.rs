@@ -12,7 +12,7 @@ use sweetspot::search::{SearchRecord, SearchSpace, Watch, search};
 use sweetspot::units::m_from_mm;
 
 /// Returns a shipped cell that minimizes the cost of its tolerances, with the linear model and a limit in xy.
-fn priced(name: &str, (reading, quantity): (Reading, Quantity), limit_mm: f64) -> Cell {
+pub fn priced(name: &str, (reading, quantity): (Reading, Quantity), limit_mm: f64) -> Cell {
     let mut cell = shipped(name);
     (cell.model, cell.reading, cell.quantity) = (Model::Linear, reading, quantity);
     cell.search.objective = Objective::ToleranceCost;
@@ -30,7 +30,7 @@ fn allocated(workcell: &Workcell, layout: &Layout, nodes: AllocatedNodes) -> f64
     problem.solve().unwrap().found.allocation.cost
 }
 
-fn searched(workcell: &Workcell) -> SearchRecord {
+pub fn searched(workcell: &Workcell) -> SearchRecord {
     let watch = Watch { progress: &|_| {}, stop: &AtomicBool::new(false) };
     search(workcell, &workcell.cell.search, &watch)
 }
