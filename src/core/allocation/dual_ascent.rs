@@ -2,7 +2,7 @@
 //!
 //! A search prices thousands of nodes in every second, and a few requirements bind at each. The dual then has a
 //! handful of variables, while the minimum over each scale at given prices has a closed form or nearly so
-//! ([`charged`]):
+//! (`lagrangian`):
 //!
 //! ```text
 //! maximize  sum_k min_u (c_k(u) + p_k u + q_k u^2)  -  sum_i (|y_i| - y_i . f_i)  -  sum_j mu_j (1 - f_j^2)
@@ -14,7 +14,7 @@
 //! are, and the scales are reduced until they keep every limit, so the gap between both is known.
 
 use super::cone_cut::ConeCut;
-use super::lagrangian::{Charged, charged};
+use super::dual_terms::{DualPoint, Term, charges, crossings, derivatives, dual, stepped};
 use super::limit_row::LimitRow;
 use super::linear_figure::{FigureScratch, LinearFigure};
 use crate::cell::ToleranceCost;
@@ -57,21 +57,6 @@ impl PricedScales {
     pub fn gap(&self) -> f64 {
         (self.cost - self.lower_bound) / self.cost.abs().max(f64::MIN_POSITIVE)
     }
-}
-
-/// One constraint with its multipliers.
-#[derive(Debug, Clone)]
-struct Term {
-    figure: usize,
-    cut: Rc<ConeCut>,
-    /// Vector of a sign pattern in several axes; otherwise the multiplier is the first component.
-    y: Vector6<f64>,
-}
-
-/// Dual at one set of multipliers.
-struct DualPoint {
-    value: f64,
-    scales: Vec<Charged>,
 }
 
 /// Returns the cheapest scales for figures whose limits are 1, with a relative gap of `gap` if that can be reached.
@@ -144,54 +129,6 @@ fn first_multipliers(
     (size > 0.0).then(|| direction * size)
 }
 
-impl Term {
-    /// Returns the cost saved per relative increase of the limit.
-    fn shadow_price(&self) -> f64 {
-        match *self.cut {
-            ConeCut::Ellipsoid { .. } => 2.0 * self.y[0],
-            _ => self.y.norm(),
-        }
-    }
-
-    /// Returns the number of multipliers.
-    fn count(&self) -> usize {
-        match *self.cut {
-            ConeCut::Vertex { rows, .. } => rows,
-            _ => 1,
-        }
-    }
-}
-
-/// Returns the linear and the quadratic price of every scale.
-fn charges(count: usize, terms: &[Term]) -> (Vec<f64>, Vec<f64>) {
-    let (mut p, mut q) = (vec![0.0; count], vec![0.0; count]);
-    for Term { cut, y, .. } in terms {
-        match &**cut {
-            ConeCut::Row { columns, .. } => p.iter_mut().zip(columns).for_each(|(p, c)| *p += y[0] * c),
-            ConeCut::Vertex { columns, .. } => {
-                p.iter_mut().zip(columns).for_each(|(p, c)| *p += y.dot(c));
-            }
-            ConeCut::Ellipsoid { roots, .. } => {
-                q.iter_mut().zip(roots).for_each(|(q, r)| *q += y[0] * r * r);
-            }
-        }
-    }
-    (p, q)
-}
-
-/// Returns the value of the dual and the scales that attain it.
-fn dual(costs: &[ToleranceCost], terms: &[Term]) -> DualPoint {
-    let (p, q) = charges(costs.len(), terms);
-    let scales: Vec<Charged> =
-        costs.iter().zip(p.iter().zip(&q)).map(|(cost, (p, q))| charged(cost, *p, *q)).collect();
-    let limits = terms.iter().map(|Term { cut, y, .. }| match &**cut {
-        ConeCut::Row { constant, .. } => y[0] * (1.0 - constant),
-        ConeCut::Vertex { constant, .. } => y.norm() - y.dot(constant),
-        ConeCut::Ellipsoid { constant, .. } => y[0] * (1.0 - constant * constant),
-    });
-    DualPoint { value: scales.iter().map(|c| c.least).sum::<f64>() - limits.sum::<f64>(), scales }
-}
-
 /// Maximizes the dual over the multipliers of the terms; drops terms that do not bind. Returns None if a step cannot be
 /// computed.
 fn ascend(costs: &[ToleranceCost], terms: &mut Vec<Term>, tolerance: f64) -> Option<DualPoint> {
@@ -232,54 +169,6 @@ fn polished(
     is_better.then_some((next, moved))
 }
 
-/// Returns the first and the negative second derivatives of the dual by the multipliers.
-fn derivatives(terms: &[Term], point: &DualPoint) -> (DVector<f64>, DMatrix<f64>) {
-    let size: usize = terms.iter().map(Term::count).sum();
-    let mut gradient = DVector::zeros(size);
-    let mut hessian = DMatrix::zeros(size, size);
-    // Slopes of the constraints by each scale.
-    let mut slopes = DMatrix::zeros(size, point.scales.len());
-    let mut at = 0;
-    for term in terms {
-        let scales = point.scales.iter().map(|u| u.scale);
-        match &*term.cut {
-            ConeCut::Row { columns, constant } => {
-                gradient[at] = constant - 1.0;
-                for (k, (c, u)) in columns.iter().zip(scales).enumerate() {
-                    gradient[at] += c * u;
-                    slopes[(at, k)] = *c;
-                }
-            }
-            ConeCut::Vertex { columns, constant, rows } => {
-                let length = term.y.norm();
-                let unit = term.y / length;
-                let vertex = constant + columns.iter().zip(scales).map(|(c, u)| c * u).sum::<Vector6<f64>>();
-                for r in 0..*rows {
-                    gradient[at + r] = vertex[r] - unit[r];
-                    columns.iter().enumerate().for_each(|(k, c)| slopes[(at + r, k)] = c[r]);
-                    for s in 0..*rows {
-                        let same = if r == s { 1.0 } else { 0.0 };
-                        hessian[(at + r, at + s)] += (same - unit[r] * unit[s]) / length;
-                    }
-                }
-            }
-            ConeCut::Ellipsoid { roots, constant } => {
-                gradient[at] = constant * constant - 1.0;
-                for (k, (root, u)) in roots.iter().zip(scales).enumerate() {
-                    gradient[at] += (root * u).powi(2);
-                    slopes[(at, k)] = 2.0 * root * root * u;
-                }
-            }
-        }
-        at += term.count();
-    }
-    for (k, u) in point.scales.iter().enumerate().filter(|(_, u)| u.curvature.is_finite()) {
-        let column = slopes.column(k);
-        hessian.ger(1.0 / u.curvature, &column, &column, 1.0);
-    }
-    (gradient, hessian)
-}
-
 /// Solves for the Newton step, with a ridge if the second derivatives are singular.
 fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector<f64>> {
     let size = hessian.trace() / hessian.nrows() as f64;
@@ -318,35 +207,4 @@ fn line_search(
         }
     }
     None
-}
-
-/// Returns the lengths below 1 at which a multiplier passes 0, the longest first.
-fn crossings(terms: &[Term], step: &DVector<f64>) -> Vec<f64> {
-    let (mut at, mut found) = (0, Vec::new());
-    for term in terms {
-        let along: f64 = (0..term.count()).map(|r| term.y[r] * step[at + r]).sum();
-        let size = term.y.norm_squared();
-        at += term.count();
-        if size + along < 0.0 {
-            // A little beyond, so that rounding does not keep the term.
-            found.push(-size / along * (1.0 + 1e-9));
-        }
-    }
-    found.sort_by(|a, b| b.total_cmp(a));
-    found
-}
-
-/// Returns the terms with their multipliers moved by a step; those that would pass 0 are left out.
-fn stepped(terms: &[Term], step: &DVector<f64>, length: f64) -> Vec<Term> {
-    let mut at = 0;
-    let mut moved = Vec::with_capacity(terms.len());
-    for term in terms {
-        let mut y = term.y;
-        (0..term.count()).for_each(|r| y[r] += length * step[at + r]);
-        at += term.count();
-        if y.dot(&term.y) > 0.0 {
-            moved.push(Term { y, ..term.clone() });
-        }
-    }
-    moved
 }

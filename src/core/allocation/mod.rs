@@ -29,6 +29,7 @@ mod cone_cut;
 mod cone_program;
 mod cutting_planes;
 mod dual_ascent;
+mod dual_terms;
 mod grade_choice;
 mod judged;
 mod lagrangian;

@@ -1,7 +1,7 @@
 //! Prices of nodes: what the cheapest tolerances cost with which an operation keeps its limit at a node.
 //!
 //! A search compares thousands of nodes, so a price takes the linear error model. [`super::allocate_judged`] judges
-//! the layout that is found by the full model. Errors are linear in the tolerances but for some 0.1 %.
+//! the layout that is found by the full model, which differs by a few per cent if the tolerances are wide.
 
 use super::dual_ascent::priced_scales;
 use super::limit_row::LimitRow;

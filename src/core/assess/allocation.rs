@@ -1,22 +1,16 @@
 //! Tolerance allocation of a cell: the cheapest tolerances with which its operations keep their limits.
 
-use super::SAMPLES;
 use super::allocated_nodes::{AllocatedNodes, chosen};
 use crate::allocation::{
-    AllocationFailure, FigureScratch, JudgedAllocation, LinearFigure, NodeFigure, ToleranceJudge,
-    ToleranceProblem, ToleranceRequirement, ToleranceShortfall, allocate, allocate_judged,
+    FigureScratch, JudgedAllocation, LinearFigure, NodeFigure, ToleranceProblem, ToleranceRequirement,
+    ToleranceShortfall, allocate,
 };
 use crate::cell::{Cell, Layout, Parameter, Quantity, Reading, ToleranceCost, Unit};
 use crate::error_map::OperationMap;
 use crate::layout::Workcell;
-use crate::reading::{Estimate, MonteCarlo, SampleSpace, SampledPosture};
 use crate::safe_text::shown;
 use crate::units::mm_from_m;
 
-/// Largest number of requirements that Monte Carlo samples check: those nearest to their limits.
-const MAX_SAMPLED: usize = 4;
-/// Largest number of allocations that Monte Carlo samples may correct.
-const MAX_SAMPLED_ROUNDS: usize = 4;
 /// Relative distance from the limit at which a requirement counts as binding.
 const BINDING: f64 = 1e-4;
 
@@ -53,27 +47,7 @@ pub struct CellAllocation<'a> {
     pub fixed: Vec<Parameter>,
     pub requirements: Vec<NodeRequirement>,
     /// Yield that is demanded if the quantity is the yield, 0 to 1.
-    share: f64,
-}
-
-/// Monte Carlo check of one requirement at the tolerances found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SampledRequirement {
-    pub requirement: usize,
-    /// Figure of the requirement by the samples of the nonlinear model, m or rad.
-    pub figure: Estimate,
-    /// Whether the samples confirm the first-order figure.
-    pub confirmed: bool,
-}
-
-/// Cheapest tolerances of a cell.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CheapestTolerances {
-    pub found: JudgedAllocation,
-    /// Monte Carlo checks; empty unless the reading is statistical.
-    pub sampled: Vec<SampledRequirement>,
-    /// Number of allocations after the first that the samples caused.
-    pub sampled_rounds: usize,
+    pub(super) share: f64,
 }
 
 /// Reason why a cell has no cheapest tolerances.
@@ -162,36 +136,6 @@ impl<'a> CellAllocation<'a> {
         Err(NoAllocation::Question { why, help })
     }
 
-    /// Finds the cheapest tolerances.
-    ///
-    /// # Errors
-    /// Returns the reason if there are none.
-    pub fn solve(&self) -> Result<CheapestTolerances, NoAllocation> {
-        let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
-        let mut limits: Vec<f64> = self.requirements.iter().map(|r| r.limit).collect();
-        for round in 0..MAX_SAMPLED_ROUNDS {
-            let mut judge = CellJudge { problem: self, scales: Vec::new(), scaled: None, values: Vec::new() };
-            let found = allocate_judged(&costs, &limits, &mut judge);
-            let found = found.map_err(|why| match why {
-                AllocationFailure::Infeasible(shortfalls) => NoAllocation::Infeasible(shortfalls),
-                AllocationFailure::NotSolved => NoAllocation::NotSolved,
-            })?;
-            let sampled = self.sampled(&found)?;
-            let mut is_kept = true;
-            for check in sampled.iter().filter(|check| !check.confirmed) {
-                let (k, value) = (check.requirement, check.figure.value);
-                if value > self.requirements[k].limit {
-                    limits[k] *= self.requirements[k].limit / value;
-                    is_kept = false;
-                }
-            }
-            if is_kept || round + 1 == MAX_SAMPLED_ROUNDS {
-                return Ok(CheapestTolerances { found, sampled, sampled_rounds: round });
-            }
-        }
-        Err(NoAllocation::NotSolved)
-    }
-
     /// Keeps for each operation only the node at which its limit alone costs least, by the linear model.
     fn keep_cheapest_nodes(&mut self) -> Result<(), NoAllocation> {
         let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
@@ -248,7 +192,7 @@ impl<'a> CellAllocation<'a> {
     }
 
     /// Returns the workcell with the tolerances at some scales.
-    fn scaled(&self, scales: &[f64]) -> Result<Workcell, NoAllocation> {
+    pub(super) fn scaled(&self, scales: &[f64]) -> Result<Workcell, NoAllocation> {
         let scaled = self.workcell.with_scaled_tolerances(&|parameter| self.scale(parameter, scales));
         scaled.map_err(NoAllocation::Unusable)
     }
@@ -259,7 +203,7 @@ impl<'a> CellAllocation<'a> {
     }
 
     /// Calls `each` for some requirements in a workcell.
-    fn visit<T>(
+    pub(super) fn visit<T>(
         &self,
         workcell: &Workcell,
         which: impl Iterator<Item = usize>,
@@ -280,79 +224,8 @@ impl<'a> CellAllocation<'a> {
     }
 
     /// Returns the figure of every requirement in a workcell.
-    fn figures(&self, workcell: &Workcell) -> Result<Vec<f64>, NoAllocation> {
+    pub(super) fn figures(&self, workcell: &Workcell) -> Result<Vec<f64>, NoAllocation> {
         let all = 0..self.requirements.len();
         self.visit(workcell, all, |_, figure| figure.value(&mut figure.evaluator.memory()))
-    }
-
-    /// Checks the requirements nearest to their limits by Monte Carlo samples of the nonlinear model.
-    fn sampled(&self, found: &JudgedAllocation) -> Result<Vec<SampledRequirement>, NoAllocation> {
-        let cell = &self.workcell.cell;
-        if cell.reading != Reading::Statistical {
-            return Ok(Vec::new());
-        }
-        let used = |k: usize| found.judged[k] / self.requirements[k].limit;
-        let mut order: Vec<usize> = (0..self.requirements.len()).collect();
-        order.sort_by(|&a, &b| used(b).total_cmp(&used(a)).then(a.cmp(&b)));
-        order.truncate(MAX_SAMPLED);
-        let scaled = self.scaled(&found.allocation.scales)?;
-        let space = SampleSpace::of_cell(&scaled.cell);
-        self.visit(&scaled, order.into_iter(), |requirement, figure| {
-            let value = found.judged[requirement];
-            let NodeFigure { evaluator, context, frames, .. } = *figure;
-            let posture = SampledPosture { evaluator, context, frames, p95: value };
-            let samples = posture.monte_carlo(&space, SAMPLES, cell.search.seed);
-            self.check(requirement, value, &samples)
-        })
-    }
-
-    /// Compares a first-order figure with samples. For the yield, the share of samples within the limit counts.
-    fn check(&self, requirement: usize, value: f64, samples: &MonteCarlo) -> SampledRequirement {
-        let figure = match self.workcell.cell.quantity {
-            Quantity::Rms => samples.rms,
-            Quantity::Mean => samples.mean,
-            Quantity::P95 => samples.p95,
-            Quantity::P99 => samples.p99,
-            Quantity::Yield => {
-                let confirmed = samples.success.is_none_or(|success| success.high >= self.share);
-                let value = samples.histogram.quantile(self.share);
-                let figure = Estimate { value, low: value, high: value };
-                return SampledRequirement { requirement, figure, confirmed };
-            }
-        };
-        SampledRequirement { requirement, figure, confirmed: figure.agrees(value) }
-    }
-}
-
-/// Judge of the tolerances of a cell by its error model.
-struct CellJudge<'p, 'a> {
-    problem: &'p CellAllocation<'a>,
-    /// Scales that were judged last, with the workcell and the figures there.
-    scales: Vec<f64>,
-    scaled: Option<Workcell>,
-    values: Vec<f64>,
-}
-
-impl ToleranceJudge for CellJudge<'_, '_> {
-    fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>> {
-        let scaled = self.problem.scaled(scales).ok()?;
-        self.values = self.problem.figures(&scaled).ok()?;
-        self.scales = scales.to_vec();
-        self.scaled = Some(scaled);
-        Some(self.values.clone())
-    }
-
-    fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>> {
-        let free: Vec<Parameter> = self.problem.parameters.iter().map(|p| p.parameter).collect();
-        let linear = self.problem.visit(self.scaled.as_ref()?, which.iter().copied(), |k, figure| {
-            figure.linear(&free, &self.scales, self.values[k], &mut figure.evaluator.memory())
-        });
-        linear.ok()
-    }
-
-    fn is_bounded_by_linear(&self) -> bool {
-        let workcell = self.problem.workcell;
-        let first = self.problem.visit(workcell, std::iter::once(0), |_, figure| figure.is_convex());
-        first.is_ok_and(|convex| convex == [true])
     }
 }

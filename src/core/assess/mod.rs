@@ -8,6 +8,7 @@
 mod allocated_nodes;
 mod allocation;
 mod budget;
+mod cheapest_tolerances;
 mod corrections;
 mod distribution;
 mod ending_tolerance;
@@ -20,13 +21,13 @@ mod posture_check;
 mod posture_context;
 mod readings;
 mod remedies;
+mod sampled_allocation;
 mod sampled_spots;
 
 pub use allocated_nodes::AllocatedNodes;
-pub use allocation::{
-    AllocatedParameter, CellAllocation, CheapestTolerances, NoAllocation, NodeRequirement, SampledRequirement,
-};
+pub use allocation::{AllocatedParameter, CellAllocation, NoAllocation, NodeRequirement};
 pub use budget::{BudgetReport, Tighter};
+pub use cheapest_tolerances::CheapestTolerances;
 pub use corrections::{CorrectedTarget, OperationCorrector, StatedTarget};
 pub use distribution::ErrorDistribution;
 pub use envelope_study::{EnvelopeQuery, Reachable, RobotDataSheet, SheetEnvelope, step_of, tolerance_of};
@@ -38,6 +39,7 @@ pub use posture_check::PostureCheck;
 pub use posture_context::{NoPosture, NodeChoice, PostureContext};
 pub use readings::{ReadingChoice, ReadingRow, Readings};
 pub use remedies::{Remedies, Remedy};
+pub use sampled_allocation::SampledRequirement;
 pub use sampled_spots::SAMPLES;
 use sampled_spots::{SampledSpots, take_over};
 

@@ -20,6 +20,7 @@ mod demand;
 mod every_node;
 mod extrapolation;
 mod family_queue;
+mod first_free;
 mod free_spots;
 mod grid;
 mod held;

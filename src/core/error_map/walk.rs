@@ -10,27 +10,14 @@ use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::held_posture::HeldPosture;
 use super::node_record::Status;
 use super::operation_setup::OperationSetup;
-use super::outcome::{Outcome, Spot, Unjudged};
+use super::outcome::{Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::workspace::PostureMemory;
 use crate::cell::Placement;
-use crate::certificate::NotCertified;
-use crate::clearance::ArmPart;
-use crate::motion::PostureRefusal;
-use crate::reach::{Branch, Cost, Gap, Reach, ToolAttitudes};
+use crate::reach::{Branch, Gap, Reach, ToolAttitudes};
 use crate::reading::WorkContext;
 use crate::robot::Frames;
 use nalgebra::Vector3;
-
-/// Returns the largest number of candidates that are tried in vain before an operation counts as not certified.
-///
-/// A certificate takes about a microsecond, which matters only for an arm that is solved as fast.
-fn most_uncertain(cost: Cost) -> usize {
-    match cost {
-        Cost::Low | Cost::Numeric => 16,
-        Cost::Middle | Cost::High => 256,
-    }
-}
 
 /// One operation in one placed layout, ready to judge postures.
 pub struct OperationQuery<'a> {
@@ -75,19 +62,6 @@ pub struct VisitedNode {
     pub missed: Option<Gap>,
 }
 
-/// Result of checking candidates, best first, until one can be used.
-#[derive(Default)]
-pub struct FirstFree {
-    /// The first candidate that can be used.
-    pub free: Option<PostureCandidate>,
-    /// The first candidate, usable or not.
-    pub nearest: Option<PostureCandidate>,
-    /// The first collision-free candidate that the motion rules refuse, and the reason.
-    pub refused: Option<(Spot, PostureRefusal)>,
-    /// The first candidate that can be used in the layout as drawn but is not certified, and the reason.
-    pub uncertain: Option<(Spot, NotCertified)>,
-}
-
 impl PostureVisitor for Vec<PostureCandidate> {
     fn candidate(&mut self, candidate: PostureCandidate) {
         self.push(candidate);
@@ -97,18 +71,6 @@ impl PostureVisitor for Vec<PostureCandidate> {
 impl PostureVisitor for std::collections::BinaryHeap<PostureCandidate> {
     fn candidate(&mut self, candidate: PostureCandidate) {
         self.push(candidate);
-    }
-}
-
-impl FirstFree {
-    /// Returns the outcome of the operation after all necessary checks; None if there was no candidate.
-    pub fn outcome(&self) -> Option<Outcome> {
-        match (self.free, self.uncertain, self.refused) {
-            (Some(free), ..) => Some(Outcome::Found(free.spot)),
-            (None, Some((nearest, why)), _) => Some(Outcome::Uncertain { nearest, why }),
-            (None, None, Some((nearest, refusal))) => Some(Outcome::Refused { nearest, refusal }),
-            (None, None, None) => self.nearest.map(|nearest| Outcome::AllCollide { nearest: nearest.spot }),
-        }
     }
 }
 
@@ -200,107 +162,9 @@ impl<'a> OperationQuery<'a> {
         a.links[..last] == b.links[..last] && a.tcp.translation == b.tcp.translation
     }
 
-    /// Checks the candidates that `next` returns, best first, until one can be used.
-    ///
-    /// If the layout must withstand misplacements, a candidate must be certified, too. The search gives up after
-    /// [`most_uncertain`] candidates without a certificate.
-    ///
-    /// The inverse kinematics of a candidate is solved again here. That costs less than storing the postures
-    /// of all nodes, because few candidates are checked.
-    pub fn first_free(
-        &self,
-        memory: &mut PostureMemory,
-        mut next: impl FnMut(&mut PostureMemory) -> Option<PostureCandidate>,
-    ) -> FirstFree {
-        let (mut found, mut uncertain) = (FirstFree::default(), 0);
-        while let Some(candidate) = next(memory) {
-            let PostureCandidate { spot, target, .. } = candidate;
-            found.nearest.get_or_insert(candidate);
-            if !self.is_free(&candidate, memory) {
-                continue;
-            }
-            if let Some(refusal) = self.refusal(&target, spot.branch) {
-                found.refused = found.refused.or(Some((spot, refusal)));
-                continue;
-            }
-            let Some(why) = self.uncertainty(&target, spot.branch, memory) else {
-                found.free = Some(candidate);
-                break;
-            };
-            found.uncertain = found.uncertain.or(Some((spot, why)));
-            uncertain += 1;
-            if uncertain == most_uncertain(self.placed.mapper.arm.inverse.cost()) {
-                break;
-            }
-        }
-        found
-    }
-
-    /// Returns whether [`Self::first_free`] would take a candidate.
-    pub fn is_usable(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
-        let PostureCandidate { spot, target, .. } = candidate;
-        self.is_free(candidate, memory)
-            && self.refusal(target, spot.branch).is_none()
-            && self.uncertainty(target, spot.branch, memory).is_none()
-    }
-
-    /// Returns whether the posture of a candidate is free of collisions.
-    fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
-        let PostureMemory { frames, contacts, .. } = memory;
-        let PlacedLayout { mapper, solids, .. } = self.placed;
-        let part = match candidate.contact {
-            ArmContact::Unknown => ArmPart::Whole,
-            ArmContact::OnlyBehindLastJoint => ArmPart::BehindLastJoint,
-            ArmContact::BeforeLastJoint => return false,
-        };
-        let posture = mapper.arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch);
-        posture.is_some_and(|posture| {
-            mapper.arm.chain.place(&posture, frames);
-            mapper.scene.is_part_free(part, solids, &frames.links, Some(self.operation), contacts)
-        })
-    }
-
     /// Returns a branch at a target.
     pub fn branch_at(&self, target: &Vector3<f64>, branch: u64) -> Option<Branch> {
         self.placed.mapper.branch_at(target, &self.attitudes, branch, self.kept.as_ref())
-    }
-
-    /// Returns why the motion rules refuse a collision-free posture; None if they allow it.
-    fn refusal(&self, target: &Vector3<f64>, branch: u64) -> Option<PostureRefusal> {
-        let PlacedLayout { mapper, solids, .. } = self.placed;
-        let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
-        let joints = self.branch_at(target, branch)?.joints;
-        guard.admits(&mapper.scene, solids, self.operation, &joints).err()
-    }
-
-    /// Returns why a posture within the joint limits cannot be used; None if it can.
-    ///
-    /// `memory` must hold the frames of the posture.
-    pub fn refusal_status(
-        &self,
-        target: &Vector3<f64>,
-        branch: u64,
-        memory: &PostureMemory,
-    ) -> Option<Status> {
-        let PlacedLayout { mapper, solids, .. } = self.placed;
-        let hit = mapper.scene.hit(solids, &memory.frames.links, Some(self.operation));
-        let collision = hit.map(|hit| Status::Collision { hit });
-        collision.or_else(|| self.refusal(target, branch).map(Status::Refused))
-    }
-
-    /// Returns why none of the candidates of one target can be used: the reason that applies to the best
-    /// candidate.
-    pub fn why_none(&self, target: &Vector3<f64>, found: &FirstFree, memory: &mut PostureMemory) -> Status {
-        let arm = &self.placed.mapper.arm;
-        let refusal_status = found.nearest.and_then(|PostureCandidate { spot, .. }| {
-            if let Some((_, refusal)) = found.refused.filter(|(refused, _)| refused.branch == spot.branch) {
-                return Some(Status::Refused(refusal));
-            }
-            let posture = arm.inverse.posture(target, &self.attitudes, spot.branch)?;
-            arm.chain.place(&posture, &mut memory.frames);
-            self.refusal_status(target, spot.branch, memory)
-        });
-        refusal_status.unwrap_or_else(|| self.why_unreached(target))
     }
 
     /// Returns why no branch reaches a target within the joint limits.
