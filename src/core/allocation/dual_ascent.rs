@@ -14,7 +14,7 @@
 //! are, and the scales are reduced until they keep every limit, so the gap between both is known.
 
 use super::cone_cut::ConeCut;
-use super::dual_terms::{DualPoint, Term, charges, crossings, derivatives, dual, stepped};
+use super::dual_terms::{DualPoint, DualTerm, charges, crossings, derivatives, dual, stepped};
 use super::limit_row::LimitRow;
 use super::linear_figure::{FigureScratch, LinearFigure};
 use crate::cell::ToleranceCost;
@@ -27,6 +27,8 @@ const MAX_ROUNDS: usize = 40;
 const MAX_STEPS: usize = 60;
 /// Largest number of halvings of one step.
 const MAX_HALVINGS: i32 = 40;
+/// Ratio of each ridge that is tried to the one before.
+const RIDGE_GROWTH: f64 = 1000.0;
 /// Relative gain of a step below which the dual has converged.
 const CONVERGED: f64 = 1e-12;
 /// Derivative of the dual, which is the relative violation of a limit, at which a coarse ascent ends.
@@ -68,7 +70,7 @@ pub fn priced_scales(
     gap: f64,
     scratch: &mut FigureScratch,
 ) -> Option<PricedScales> {
-    let mut terms: Vec<Term> = Vec::new();
+    let mut terms: Vec<DualTerm> = Vec::new();
     // Coarse ascents find the sign patterns that bind.
     let fine = FINE * gap;
     let mut tolerance = COARSE.max(fine);
@@ -84,7 +86,7 @@ pub fn priced_scales(
                 // The terms that this round has added may already keep this limit.
                 let y = first_multipliers(costs, &terms, &cut, &scales);
                 is_new |= y.is_some();
-                terms.extend(y.map(|y| Term { figure: i, cut: cut.into(), y }));
+                terms.extend(y.map(|y| DualTerm { figure: i, cut: cut.into(), y }));
             }
         }
         let is_last = !is_new && tolerance <= fine || round + 1 == MAX_ROUNDS;
@@ -113,7 +115,7 @@ pub fn priced_scales(
 /// `u`, while the other terms stay; None if these keep it.
 fn first_multipliers(
     costs: &[ToleranceCost],
-    others: &[Term],
+    others: &[DualTerm],
     cut: &ConeCut,
     u: &[f64],
 ) -> Option<Vector6<f64>> {
@@ -131,7 +133,7 @@ fn first_multipliers(
 
 /// Maximizes the dual over the multipliers of the terms; drops terms that do not bind. Returns None if a step cannot be
 /// computed.
-fn ascend(costs: &[ToleranceCost], terms: &mut Vec<Term>, tolerance: f64) -> Option<DualPoint> {
+fn ascend(costs: &[ToleranceCost], terms: &mut Vec<DualTerm>, tolerance: f64) -> Option<DualPoint> {
     let mut point = dual(costs, terms);
     for _ in 0..MAX_STEPS {
         if terms.is_empty() {
@@ -159,10 +161,10 @@ fn ascend(costs: &[ToleranceCost], terms: &mut Vec<Term>, tolerance: f64) -> Opt
 /// Returns the terms after a whole step if it at least halves the largest derivative.
 fn polished(
     costs: &[ToleranceCost],
-    terms: &[Term],
+    terms: &[DualTerm],
     step: &DVector<f64>,
     largest: f64,
-) -> Option<(DualPoint, Vec<Term>)> {
+) -> Option<(DualPoint, Vec<DualTerm>)> {
     let moved = stepped(terms, step, 1.0);
     let next = dual(costs, &moved);
     let is_better = moved.len() == terms.len() && derivatives(&moved, &next).0.amax() <= 0.5 * largest;
@@ -182,7 +184,7 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
                 return Some(step);
             }
         }
-        ridge *= 1e3;
+        ridge *= RIDGE_GROWTH;
     }
     None
 }
@@ -192,10 +194,10 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
 /// The sequence has the lengths at which a multiplier reaches 0; its term is then dropped.
 fn line_search(
     costs: &[ToleranceCost],
-    terms: &[Term],
+    terms: &[DualTerm],
     step: &DVector<f64>,
     (point, gain): (&DualPoint, f64),
-) -> Option<(DualPoint, Vec<Term>)> {
+) -> Option<(DualPoint, Vec<DualTerm>)> {
     let ends = crossings(terms, step);
     let shortest = ends.last().copied().unwrap_or(1.0);
     let halved = (1..=MAX_HALVINGS).map(|k| shortest * 0.5_f64.powi(k));

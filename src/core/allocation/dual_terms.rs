@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 /// One constraint with its multipliers.
 #[derive(Debug, Clone)]
-pub struct Term {
+pub struct DualTerm {
     pub figure: usize,
     pub cut: Rc<ConeCut>,
     /// Vector of a sign pattern in several axes; otherwise the multiplier is the first component.
@@ -21,7 +21,7 @@ pub struct DualPoint {
     pub scales: Vec<Charged>,
 }
 
-impl Term {
+impl DualTerm {
     /// Returns the cost saved per relative increase of the limit.
     pub fn shadow_price(&self) -> f64 {
         match *self.cut {
@@ -40,9 +40,9 @@ impl Term {
 }
 
 /// Returns the linear and the quadratic price of every scale.
-pub fn charges(count: usize, terms: &[Term]) -> (Vec<f64>, Vec<f64>) {
+pub fn charges(count: usize, terms: &[DualTerm]) -> (Vec<f64>, Vec<f64>) {
     let (mut p, mut q) = (vec![0.0; count], vec![0.0; count]);
-    for Term { cut, y, .. } in terms {
+    for DualTerm { cut, y, .. } in terms {
         match &**cut {
             ConeCut::Row { columns, .. } => p.iter_mut().zip(columns).for_each(|(p, c)| *p += y[0] * c),
             ConeCut::Vertex { columns, .. } => {
@@ -57,11 +57,11 @@ pub fn charges(count: usize, terms: &[Term]) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Returns the value of the dual and the scales that attain it.
-pub fn dual(costs: &[ToleranceCost], terms: &[Term]) -> DualPoint {
+pub fn dual(costs: &[ToleranceCost], terms: &[DualTerm]) -> DualPoint {
     let (p, q) = charges(costs.len(), terms);
     let scales: Vec<Charged> =
         costs.iter().zip(p.iter().zip(&q)).map(|(cost, (p, q))| charged(cost, *p, *q)).collect();
-    let limits = terms.iter().map(|Term { cut, y, .. }| match &**cut {
+    let limits = terms.iter().map(|DualTerm { cut, y, .. }| match &**cut {
         ConeCut::Row { constant, .. } => y[0] * (1.0 - constant),
         ConeCut::Vertex { constant, .. } => y.norm() - y.dot(constant),
         ConeCut::Ellipsoid { constant, .. } => y[0] * (1.0 - constant * constant),
@@ -70,8 +70,8 @@ pub fn dual(costs: &[ToleranceCost], terms: &[Term]) -> DualPoint {
 }
 
 /// Returns the first and the negative second derivatives of the dual by the multipliers.
-pub fn derivatives(terms: &[Term], point: &DualPoint) -> (DVector<f64>, DMatrix<f64>) {
-    let size: usize = terms.iter().map(Term::count).sum();
+pub fn derivatives(terms: &[DualTerm], point: &DualPoint) -> (DVector<f64>, DMatrix<f64>) {
+    let size: usize = terms.iter().map(DualTerm::count).sum();
     let mut gradient = DVector::zeros(size);
     let mut hessian = DMatrix::zeros(size, size);
     // Slopes of the constraints by each scale.
@@ -118,7 +118,7 @@ pub fn derivatives(terms: &[Term], point: &DualPoint) -> (DVector<f64>, DMatrix<
 }
 
 /// Returns the lengths below 1 at which a multiplier passes 0, the longest first.
-pub fn crossings(terms: &[Term], step: &DVector<f64>) -> Vec<f64> {
+pub fn crossings(terms: &[DualTerm], step: &DVector<f64>) -> Vec<f64> {
     let (mut at, mut found) = (0, Vec::new());
     for term in terms {
         let along: f64 = (0..term.count()).map(|r| term.y[r] * step[at + r]).sum();
@@ -134,7 +134,7 @@ pub fn crossings(terms: &[Term], step: &DVector<f64>) -> Vec<f64> {
 }
 
 /// Returns the terms with their multipliers moved by a step; those that would pass 0 are left out.
-pub fn stepped(terms: &[Term], step: &DVector<f64>, length: f64) -> Vec<Term> {
+pub fn stepped(terms: &[DualTerm], step: &DVector<f64>, length: f64) -> Vec<DualTerm> {
     let mut at = 0;
     let mut moved = Vec::with_capacity(terms.len());
     for term in terms {
@@ -142,7 +142,7 @@ pub fn stepped(terms: &[Term], step: &DVector<f64>, length: f64) -> Vec<Term> {
         (0..term.count()).for_each(|r| y[r] += length * step[at + r]);
         at += term.count();
         if y.dot(&term.y) > 0.0 {
-            moved.push(Term { y, ..term.clone() });
+            moved.push(DualTerm { y, ..term.clone() });
         }
     }
     moved

@@ -102,6 +102,28 @@ impl TolerancePricing {
         priced.unwrap_or_else(|| self.solved(figures))
     }
 
+    /// Returns the scales of the cheapest tolerances that keep every limit; None if an ascent does not find them.
+    pub fn scales(&self, figures: &[LinearFigure], scratch: &mut FigureScratch) -> Option<Vec<f64>> {
+        let is_continuous = self.costs.iter().all(|cost| cost.grades().is_empty());
+        let found = priced_scales(&self.costs, figures, GAP, scratch).filter(|_| is_continuous)?;
+        Some(found.scales).filter(|scales| self.reduced_cost(figures, scales, scratch).is_some())
+    }
+
+    /// Returns the cost of given scales, reduced until they keep every limit; None if they cannot keep one.
+    pub fn reduced_cost(
+        &self,
+        figures: &[LinearFigure],
+        scales: &[f64],
+        scratch: &mut FigureScratch,
+    ) -> Option<f64> {
+        let largest = figures.iter().map(|figure| figure.value(scales, scratch)).fold(0.0, f64::max);
+        let reduced: Vec<f64> = scales.iter().map(|u| u / largest.max(1.0)).collect();
+        let is_kept = self.costs.iter().zip(&reduced).all(|(cost, u)| *u >= cost.range.0);
+        // Errors that no tolerance changes do not shrink with the scales.
+        let is_kept = is_kept && figures.iter().all(|figure| figure.value(&reduced, scratch) <= 1.0 + GAP);
+        is_kept.then(|| self.costs.iter().zip(&reduced).map(|(cost, u)| cost.cost(*u)).sum())
+    }
+
     /// Returns the cost that the cone programs find.
     fn solved(&self, figures: &[LinearFigure]) -> f64 {
         let requirement = |figure: &LinearFigure| ToleranceRequirement { figure: figure.clone(), limit: 1.0 };

@@ -1,5 +1,6 @@
 //! Postures that an operation keeps while the layout changes.
 
+use super::candidate::Certainty;
 use super::held_posture::HeldPosture;
 use super::node_record::Status;
 use super::outcome::Spot;
@@ -79,7 +80,10 @@ impl OperationQuery<'_> {
         let PostureMemory { frames, scratch, .. } = memory;
         let context = self.context.as_ref().map_err(|why| Status::Unjudged(*why))?;
         self.placed.mapper.arm.chain.place(posture, frames);
-        Ok(self.setup.value(context, frames, scratch))
+        Ok(match self.placed.takes_bounds {
+            true => self.setup.bound(Certainty::Bound, context, frames, scratch),
+            false => self.setup.value(context, frames, scratch),
+        })
     }
 }
 

@@ -4,52 +4,70 @@ use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
 use super::workspace::{MapperWorkspace, PostureMemory};
-use crate::allocation::{FigureScratch, LinearFigure, OperationPricing};
-use crate::cell::Cell;
+use crate::allocation::{FigureScratch, LinearFigure};
 
 impl PlacedLayout<'_> {
     /// Returns the cost of the cheapest tolerances with which every operation keeps its limit at its spot, or at all
     /// nodes if it happens at every node.
     ///
     /// Returns None if the cell does not price tolerances, an operation has no limit, or a posture cannot be posed.
-    pub fn joint_price(
+    pub fn joint_price(&self, spots: &[Option<Spot>], workspace: &mut MapperWorkspace) -> Option<f64> {
+        let figures = self.joint_figures(spots, workspace)?;
+        Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut FigureScratch::default()))
+    }
+
+    /// Returns the scales of the cheapest tolerances; None as in [`Self::joint_price`], or if an ascent does not find
+    /// them.
+    pub fn joint_scales(&self, spots: &[Option<Spot>], workspace: &mut MapperWorkspace) -> Option<Vec<f64>> {
+        let figures = self.joint_figures(spots, workspace)?;
+        self.mapper.tolerances.as_ref()?.scales(&figures, &mut FigureScratch::default())
+    }
+
+    /// Returns the joint price if it exceeds `most`; otherwise a number between the price and `most`.
+    ///
+    /// Tolerances with the scales `near`, which suit a similar layout, are tried first.
+    pub fn joint_price_within(
         &self,
-        cell: &Cell,
         spots: &[Option<Spot>],
+        (near, most): (&[f64], f64),
         workspace: &mut MapperWorkspace,
     ) -> Option<f64> {
+        let (figures, mut scratch) = (self.joint_figures(spots, workspace)?, FigureScratch::default());
         let tolerances = self.mapper.tolerances.as_ref()?;
+        let reduced = tolerances.reduced_cost(&figures, near, &mut scratch).filter(|cost| *cost <= most);
+        Some(reduced.unwrap_or_else(|| tolerances.price(&figures, &mut scratch)))
+    }
+
+    /// Returns the figures of all operations, each divided by its limit.
+    fn joint_figures(
+        &self,
+        spots: &[Option<Spot>],
+        workspace: &mut MapperWorkspace,
+    ) -> Option<Vec<LinearFigure>> {
         let mut figures: Vec<LinearFigure> = Vec::new();
-        for (k, operation) in cell.operations.iter().enumerate() {
-            let evaluator = self.mapper.evaluator(k);
-            let pricing = OperationPricing::new(tolerances.clone(), operation, evaluator)?;
-            let nodes = match operation.over.needs_every_node() {
+        for (k, setup) in self.mapper.setups.iter().enumerate() {
+            let nodes = match setup.over.needs_every_node() {
                 true => self.every_free(k, spots, workspace).ok()?,
                 false => vec![(*spots.get(k)?)?],
             };
             let query = OperationQuery::new(self, k, spots);
             let memory = workspace.of(self.mapper, k).postures;
             for spot in &nodes {
-                figures.push(query.priced_figure(&pricing, spot, memory)?);
+                figures.push(query.priced_figure(spot, memory)?);
             }
         }
-        Some(tolerances.price(&figures, &mut FigureScratch::default()))
+        Some(figures)
     }
 }
 
 impl OperationQuery<'_> {
     /// Returns the figure of the operation at a spot, divided by its limit.
-    fn priced_figure(
-        &self,
-        pricing: &OperationPricing,
-        spot: &Spot,
-        memory: &mut PostureMemory,
-    ) -> Option<LinearFigure> {
+    fn priced_figure(&self, spot: &Spot, memory: &mut PostureMemory) -> Option<LinearFigure> {
         let target = self.setup.grid.target(&self.at, spot.node);
         let posture = self.branch_at(&target, spot.branch)?.posture;
         let PostureMemory { frames, scratch, .. } = memory;
         self.placed.mapper.arm.chain.place(&posture, frames);
         let node = self.setup.figure(self.context.as_ref().ok()?, frames);
-        Some(pricing.figure(&node, &mut scratch.evaluator))
+        Some(self.setup.pricing.as_ref()?.figure(&node, &mut scratch.evaluator))
     }
 }

@@ -142,7 +142,7 @@ impl OperationQuery<'_> {
             linear_off: off(&judged.linear),
             second_order_off: off(&judged.second_order),
             touched: context.touches(&candidate.target),
-            value: if self.setup.pricing.is_some() { candidate.spot.value } else { judged.value },
+            value: if self.setup.is_priced { candidate.spot.value } else { judged.value },
             figures: judged.figures,
             success: judged.success,
         })

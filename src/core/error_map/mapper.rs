@@ -54,13 +54,14 @@ impl Mapper {
         let arm = ArmKinematics { chain, inverse };
         let mut setups: Vec<_> = cell.operations.iter().map(|o| OperationSetup::new(cell, o)).collect();
         let tolerances = tolerances(cell, &setups)?;
-        if let Some(tolerances) = tolerances.as_ref().filter(|_| cell.unit() == Unit::Cost) {
-            setups.iter_mut().zip(&cell.operations).for_each(|(setup, o)| setup.price(tolerances, o));
+        if let Some(tolerances) = &tolerances {
+            let is_priced = cell.unit() == Unit::Cost;
+            setups.iter_mut().zip(&cell.operations).for_each(|(s, o)| s.price(tolerances, o, is_priced));
         }
         let shells = cell.operations.iter().map(|operation| shell(&arm.inverse, operation)).collect();
-        let ranker = |s: &OperationSetup| match &s.pricing {
-            None => Ranker::new(&arm.inverse, &s.evaluator, &s.grid),
-            Some(_) => None,
+        let ranker = |s: &OperationSetup| match s.is_priced {
+            true => None,
+            false => Ranker::new(&arm.inverse, &s.evaluator, &s.grid),
         };
         let rankers = setups.iter().map(ranker).collect();
         let guard = Guard::new(cell);

@@ -17,8 +17,10 @@ pub struct OperationSetup {
     /// Rule that combines the values of the nodes.
     pub over: NodeAggregation,
     pub evaluator: ErrorEvaluator,
-    /// Prices of the nodes, if the search minimizes the cost of the tolerances instead of the error.
+    /// Cost of the tolerances with which the operation keeps its limit, if the search takes it into account.
     pub pricing: Option<OperationPricing>,
+    /// Whether the value of a node is this cost instead of an error.
+    pub is_priced: bool,
     /// Index of the operation that picks the part; None if this operation places no picked part.
     pub relative_to: Option<usize>,
     pub teach: TeachPoints,
@@ -48,6 +50,7 @@ impl OperationSetup {
             over: operation.over,
             evaluator: ErrorEvaluator::new(cell, operation),
             pricing: None,
+            is_priced: false,
             relative_to: operation.relative_to,
             grid,
             teach,
@@ -62,14 +65,20 @@ pub struct ValueScratch {
 }
 
 impl OperationSetup {
-    /// Lets the operation minimize the cost of the tolerances with which it keeps its limit.
-    pub fn price(&mut self, tolerances: &Arc<TolerancePricing>, operation: &Operation) {
+    /// Prepares the cost of the tolerances; `is_priced` states whether it is the value of a node.
+    pub fn price(&mut self, tolerances: &Arc<TolerancePricing>, operation: &Operation, is_priced: bool) {
         self.pricing = OperationPricing::new(tolerances.clone(), operation, &self.evaluator);
+        self.is_priced = is_priced && self.pricing.is_some();
+    }
+
+    /// Returns the prices of the nodes, if these are their values.
+    fn prices(&self) -> Option<&OperationPricing> {
+        self.pricing.as_ref().filter(|_| self.is_priced)
     }
 
     /// Returns what the search minimizes: an error (m or rad), a share of failures, or a cost of tolerances.
     pub fn value(&self, context: &WorkContext, frames: &Frames, memory: &mut ValueScratch) -> f64 {
-        match &self.pricing {
+        match self.prices() {
             None => self.evaluator.value(context, frames, &mut memory.evaluator),
             Some(pricing) => {
                 let node = self.figure(context, frames);
@@ -86,7 +95,7 @@ impl OperationSetup {
         frames: &Frames,
         memory: &mut ValueScratch,
     ) -> f64 {
-        let Some(pricing) = &self.pricing else { return self.value(context, frames, memory) };
+        let Some(pricing) = self.prices() else { return self.value(context, frames, memory) };
         let (node, ValueScratch { evaluator, figure }) = (self.figure(context, frames), memory);
         match certainty {
             Certainty::RoughBound => pricing.rough_bound(&node, evaluator, figure),

@@ -21,6 +21,8 @@ pub struct PlacedLayout<'a> {
     pub(super) demand: Option<Demand<'a>>,
     /// Posture that each operation keeps, for spots with the branch index [`crate::reach::CONTINUED`].
     pub(super) kept: &'a [Option<HeldPosture>],
+    /// Whether the value of a held posture may be a lower bound, if the value costs much more.
+    pub(super) takes_bounds: bool,
 }
 
 /// Surface of one operation in one layout, described in the robot base frame.
@@ -42,7 +44,7 @@ impl<'a> PlacedLayout<'a> {
     /// Poses the solids of a layout, reusing the memory of another layout's solids.
     pub fn reusing(mapper: &'a Mapper, layout: &'a Layout, mut solids: PlacedSolids) -> Self {
         mapper.scene.place(layout, &mut solids);
-        Self { mapper, layout, solids, demand: None, kept: &[] }
+        Self { mapper, layout, solids, demand: None, kept: &[], takes_bounds: false }
     }
 
     /// Returns this layout with a demand: only certified postures are used.
@@ -58,6 +60,12 @@ impl<'a> PlacedLayout<'a> {
     #[must_use]
     pub fn keeping(self, kept: &'a [Option<HeldPosture>]) -> Self {
         Self { kept, ..self }
+    }
+
+    /// Returns this layout with lower bounds instead of values of held postures, if the values cost much more.
+    #[must_use]
+    pub fn bounding(self) -> Self {
+        Self { takes_bounds: true, ..self }
     }
 
     /// Returns the demand that every posture must meet at all misplacements.

@@ -61,7 +61,7 @@ impl Mapper {
     pub(super) fn lacks_families(&self, operation: usize, attitudes: &ToolAttitudes) -> Option<&'static str> {
         if !self.ranks {
             Some("ranking is switched off")
-        } else if self.setups[operation].pricing.is_some() {
+        } else if self.setups[operation].is_priced {
             Some("prices of tolerances have no bound over spins")
         } else if self.arm.inverse.cost() == Cost::Numeric {
             Some("the inverse kinematics of the arm is numeric")

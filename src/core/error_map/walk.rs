@@ -114,7 +114,7 @@ impl<'a> OperationQuery<'a> {
         let context = self.context.as_ref().ok();
         let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
         let mut reached = false;
-        let takes_bounds = V::TAKES_BOUNDS && self.setup.pricing.is_some();
+        let takes_bounds = V::TAKES_BOUNDS && self.setup.is_priced;
         let certainty = if takes_bounds { Certainty::RoughBound } else { Certainty::Value };
         let mut before = None;
         let gap = arm.inverse.visit(&target, &self.attitudes, posture, |branch, posture| {

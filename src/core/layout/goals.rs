@@ -92,12 +92,11 @@ impl<'a> WorkingPostures<'a> {
     }
 
     fn cost(&self) -> f64 {
-        let Workcell { cell, .. } = self.workcell;
-        if cell.unit() == Unit::Cost {
+        if self.workcell.cell.unit() == Unit::Cost {
             return self.evaluation.objective.unwrap_or(f64::NAN);
         }
         let mut memory = MapperWorkspace::default();
-        self.placed.joint_price(cell, &self.found, &mut memory).unwrap_or(f64::NAN)
+        self.placed.joint_price(&self.found, &mut memory).unwrap_or(f64::NAN)
     }
 
     fn travel(&self) -> f64 {

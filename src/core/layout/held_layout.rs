@@ -8,7 +8,7 @@ use super::evaluation::{Evaluation, evaluate};
 use super::objective::combined;
 use super::spot_choice::{Judge, Loss, SpotMemory, SpotQuery, SpotValue};
 use super::workcell::Workcell;
-use crate::cell::{Cell, Layout};
+use crate::cell::{Cell, Layout, Unit};
 use crate::certificate::{Misplacements, NotCertified};
 use crate::clearance::{Overlap, PlacedSolids};
 use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayout, Spot, Status};
@@ -72,6 +72,8 @@ pub struct HeldLayout<'a> {
     spots: Vec<HeldSpot>,
     /// Posture of each operation that has a spot.
     kept: Vec<Option<HeldPosture>>,
+    /// Scales of the cheapest tolerances, if the objective is their cost.
+    scales: Option<Vec<f64>>,
 }
 
 /// Spot and value of one operation.
@@ -126,7 +128,9 @@ impl<'a> HeldLayout<'a> {
             HeldSpot::EveryNode => None,
         };
         let kept = spots.iter().map(posture).collect();
-        Some(Self { workcell, layout, objective, spots, kept })
+        let is_priced = workcell.cell.unit() == Unit::Cost;
+        let scales = is_priced.then(|| placed.joint_scales(&all, &mut MapperWorkspace::default())).flatten();
+        Some(Self { workcell, layout, objective, spots, kept, scales })
     }
 
     /// Returns the workcell of the layout.
@@ -139,7 +143,8 @@ impl<'a> HeldLayout<'a> {
         self.layout
     }
 
-    /// Judges another layout with these spots. Returns its objective (m, rad or a share).
+    /// Judges another layout with these spots. Returns its objective (m, rad or a share). A cost of tolerances may be
+    /// overstated, but not beyond `most`.
     ///
     /// # Errors
     /// Returns the first reason why the layout does not work, misses a limit, or has an objective above `most`.
@@ -217,14 +222,19 @@ impl<'a> HeldLayout<'a> {
         });
         let placed =
             PlacedLayout::reusing(&workcell.mapper, layout, std::mem::take(solids)).demanding(demand);
-        let placed = placed.keeping(&self.kept);
+        let placed = placed.keeping(&self.kept).bounding();
         let judgement = Judgement { held: self, placed: &placed, most, known };
         let found = judgement.values(&mut memory.choice, &mut memory.bounds);
         let found = found.map(|values| {
             let spots: Vec<Option<Spot>> = values.iter().map(|v| Some(v.spot)).collect();
             let each: Vec<f64> = values.iter().map(|v| v.value).collect();
-            let objective = workcell.objective(&placed, &spots, &each, &mut memory.bounds);
-            (values, objective)
+            let bound = combined(&workcell.cell, &each);
+            let objective = match (&self.scales, workcell.cell.unit()) {
+                (Some(near), _) => placed.joint_price_within(&spots, (near, most), &mut memory.bounds),
+                (None, Unit::Cost) => placed.joint_price(&spots, &mut memory.bounds),
+                _ => None,
+            };
+            (values, objective.map_or(bound, |objective| objective.max(bound)))
         });
         memory.solids = placed.into_solids();
         found

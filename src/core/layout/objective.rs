@@ -54,7 +54,7 @@ impl Workcell {
             && (values.len() > 1 || self.cell.operations.iter().any(|o| o.over.needs_every_node()));
         match is_joint {
             // One set of tolerances must serve all operations.
-            true => placed.joint_price(&self.cell, spots, memory).map_or(bound, |joint| joint.max(bound)),
+            true => placed.joint_price(spots, memory).map_or(bound, |joint| joint.max(bound)),
             false => bound,
         }
     }
