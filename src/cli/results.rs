@@ -190,7 +190,7 @@ fn check_layouts(folder: &Path, record: &SearchRecord, best: &Assessment<'_>) ->
     let count = record.alternatives.len();
     record.alternatives.iter().enumerate().try_for_each(|(k, alternative)| {
         let file = folder.join(crate::record::goals::file_name(k, count));
-        written_layout::check_alternative(&file, &packages, &alternative.candidate)
+        written_layout::check_alternative(&file, &packages, best.cell, &alternative.candidate)
     })
 }
 

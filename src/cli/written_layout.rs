@@ -4,8 +4,9 @@ use super::output::path_word;
 use super::packages::PackageFolders;
 use super::{Exit, cache, loading, output};
 use crate::assess::Assessment;
+use crate::cell::Cell;
 use crate::files::shown;
-use crate::layout::{Workcell, evaluate};
+use crate::layout::{Evaluation, Workcell, evaluate};
 use crate::search::EvaluatedLayout;
 use std::path::Path;
 
@@ -13,13 +14,9 @@ use std::path::Path;
 pub fn check_best(file: &Path, packages: &PackageFolders, best: &Assessment<'_>) -> Result<(), Exit> {
     let workcell = read_again(file, packages)?;
     let again = Assessment::new(&best.label, &workcell, workcell.cell.start());
-    // A search with the goal `cost` does not compare the error at the present tolerances with the limits. The file does
-    // not state the goals of a flag, so the penalty of a missed limit may differ.
-    let mut evaluation = again.evaluation.clone();
-    if best.cell.search.prices_tolerances() {
-        evaluation.cost = best.evaluation.cost;
-    }
-    let is_same = again.layout == best.layout && evaluation == best.evaluation && again.maps == best.maps;
+    let is_same = again.layout == best.layout
+        && is_same_evaluation(best.cell, &again.evaluation, &best.evaluation)
+        && again.maps == best.maps;
     is_same.then_some(()).ok_or_else(|| refused(file, "it gives another error map"))
 }
 
@@ -27,12 +24,23 @@ pub fn check_best(file: &Path, packages: &PackageFolders, best: &Assessment<'_>)
 pub fn check_alternative(
     file: &Path,
     packages: &PackageFolders,
+    cell: &Cell,
     alternative: &EvaluatedLayout,
 ) -> Result<(), Exit> {
     let workcell = read_again(file, packages)?;
     let layout = workcell.cell.start();
-    let is_same = layout == alternative.layout && evaluate(&workcell, &layout) == alternative.evaluation;
+    let again = evaluate(&workcell, &layout);
+    let is_same = layout == alternative.layout && is_same_evaluation(cell, &again, &alternative.evaluation);
     is_same.then_some(()).ok_or_else(|| refused(file, "it gives another error"))
+}
+
+/// Compares two evaluations of a layout, the second of which is that of the search in `cell`.
+///
+/// A search with the goal `cost` does not compare the error at the present tolerances with the limits. The file does not
+/// state the goals of a flag, so the penalty of a missed limit may differ.
+fn is_same_evaluation(cell: &Cell, again: &Evaluation, searched: &Evaluation) -> bool {
+    let cost = if cell.search.prices_tolerances() { searched.cost } else { again.cost };
+    Evaluation { cost, ..again.clone() } == *searched
 }
 
 /// Reads a layout file back.

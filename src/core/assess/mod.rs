@@ -235,13 +235,15 @@ impl<'a> Assessment<'a> {
     /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
     /// yield, whose definition already contains the limit.
     ///
-    /// If the value is the cost of tolerances, the limit is the cost of the tightest ones.
+    /// If the value is the cost of tolerances, the limit is the cost of the tightest ones. If that cost is only one of
+    /// several goals, the limits bound the tolerances, and no error at the present ones.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
             return Some(Requirement { limit, margin: limit - value, known: true });
         }
-        let limit = self.cell.operations[operation].limit.filter(|_| self.cell.unit().is_error())?;
+        let is_compared = self.cell.unit().is_error() && !self.cell.search.prices_tolerances();
+        let limit = self.cell.operations[operation].limit.filter(|_| is_compared)?;
         let drawn = self.maps[operation].value?;
         let (value, known) = match &self.certificate {
             None => (drawn, true),
