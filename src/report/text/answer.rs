@@ -5,7 +5,7 @@ use super::compare::margin;
 use super::table::TextTable;
 use super::{buildability, fixed};
 use crate::assess::Assessment;
-use crate::cell::{Coordinate, Placement, Role};
+use crate::cell::{Coordinate, Placement, Role, Unit};
 use crate::files::shown;
 use crate::record::{PlacementEntry, RegionEntry, TurnEntry, value_word};
 use crate::region::MovableBody;
@@ -52,11 +52,17 @@ fn operations(a: &Assessment<'_>) -> String {
     let figure = |value: Option<f64>| value.map_or("-".into(), |v| fixed(unit.from_si(v), 4));
     let certified = a.certificate.as_ref().is_some_and(|certificate| certificate.holds());
     let mut table = TextTable::new(1);
-    let mut head = vec!["operation".to_string(), format!("{} {}", value_word(a.cell), unit.word())];
+    let value = match unit {
+        Unit::Cost => value_word(a.cell).to_string(),
+        _ => format!("{} {}", value_word(a.cell), unit.word()),
+    };
+    let mut head = vec!["operation".to_string(), value];
     if certified {
         head.push("misplaced at most".into());
     }
-    head.extend(["limit".to_string(), "requirement".into()]);
+    // The limit of a cost is that of the tightest tolerances.
+    let limit = if unit == Unit::Cost { "tightest" } else { "limit" };
+    head.extend([limit.to_string(), "requirement".into()]);
     table.row(head);
     for (k, operation) in a.cell.operations.iter().enumerate() {
         let mut row = vec![shown(&operation.name), figure(a.maps[k].value)];
