@@ -52,6 +52,8 @@ pub struct PricedScales {
     pub(super) prices: Vec<f64>,
     /// Constraints that bind, each with the index of its figure.
     pub(super) cuts: Vec<(usize, ConeCut)>,
+    /// Multiplier vector of each of these constraints, with the index of its figure.
+    pub(super) multipliers: Vec<(usize, Vector6<f64>)>,
 }
 
 impl PricedScales {
@@ -101,8 +103,17 @@ pub fn priced_scales(
             let mut shadow_prices = vec![0.0; figures.len()];
             terms.iter().for_each(|term| shadow_prices[term.figure] += term.shadow_price());
             let (lower_bound, scales) = (point.value.min(cost), kept);
+            let multipliers = terms.iter().map(|term| (term.figure, term.y)).collect();
             let cuts = terms.into_iter().map(|term| (term.figure, Rc::unwrap_or_clone(term.cut))).collect();
-            return Some(PricedScales { scales, cost, lower_bound, shadow_prices, prices, cuts });
+            return Some(PricedScales {
+                scales,
+                cost,
+                lower_bound,
+                shadow_prices,
+                prices,
+                cuts,
+                multipliers,
+            });
         }
         if !is_new {
             tolerance = fine;

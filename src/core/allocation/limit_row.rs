@@ -45,6 +45,15 @@ impl LimitRow {
         }
     }
 
+    /// Makes the row one of zeros with a left side of 0.
+    pub(super) fn clear(&mut self, count: usize) {
+        for list in [&mut self.linear, &mut self.squares] {
+            list.clear();
+            list.resize(count, 0.0);
+        }
+        self.constant = 0.0;
+    }
+
     fn at(&self, k: usize) -> (f64, f64) {
         let of = |list: &[f64]| list.get(k).copied().unwrap_or(0.0);
         (of(&self.linear), of(&self.squares))

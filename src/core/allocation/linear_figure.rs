@@ -93,6 +93,23 @@ impl LinearFigure {
         }
     }
 
+    /// Adds the figure along a multiplier vector to a row; the vector's length is the weight of the limit.
+    ///
+    /// The sum along a vector of length 1 never exceeds a worst case. The weight of a squared root sum square is the
+    /// first component.
+    pub(super) fn add_along(&self, y: &Vector6<f64>, row: &mut LimitRow) {
+        match self {
+            Self::RootSumSquare { squares, constant } => {
+                row.squares.iter_mut().zip(squares).for_each(|(sum, w)| *sum += w * y[0]);
+                row.constant += constant * y[0];
+            }
+            Self::WorstCase { generators, fixed, .. } => {
+                row.linear.iter_mut().zip(generators).for_each(|(sum, g)| *sum += g.dot(y).abs());
+                row.constant += fixed.iter().map(|f| f.dot(y).abs()).sum::<f64>();
+            }
+        }
+    }
+
     /// Applies the signs of the last [`Self::value`].
     fn signed(&self, scratch: &FigureScratch) -> (Vec<Vector6<f64>>, Vector6<f64>) {
         let Self::WorstCase { generators, fixed, .. } = self else { return (Vec::new(), Vector6::zeros()) };

@@ -17,13 +17,13 @@ use std::sync::Arc;
 pub const DEFAULT_YIELD: f64 = 0.99;
 
 /// Relative gap between a price and its lower bound.
-const GAP: f64 = 1e-6;
+pub(super) const GAP: f64 = 1e-6;
 
 /// Largest number of directions of an error from which a bound is computed, and of steps to the multiplier of each.
 const ROUGH: (usize, usize) = (1, 2);
 const SHARP: (usize, usize) = (4, 8);
 /// Relative amount by which rounding may raise a bound.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Tolerances of a cell with their cost models.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,6 +67,11 @@ impl TolerancePricing {
         (!parameters.is_empty()).then_some(Self { parameters, costs, most, least, first_multiplier })
     }
 
+    /// Returns the cost model of every tolerance.
+    pub fn costs(&self) -> &[ToleranceCost] {
+        &self.costs
+    }
+
     /// Returns the cost of the tightest tolerances. A greater price means that no tolerances keep the limits.
     pub fn most(&self) -> f64 {
         self.most
@@ -100,28 +105,6 @@ impl TolerancePricing {
             }
         };
         priced.unwrap_or_else(|| self.solved(figures))
-    }
-
-    /// Returns the scales of the cheapest tolerances that keep every limit; None if an ascent does not find them.
-    pub fn scales(&self, figures: &[LinearFigure], scratch: &mut FigureScratch) -> Option<Vec<f64>> {
-        let is_continuous = self.costs.iter().all(|cost| cost.grades().is_empty());
-        let found = priced_scales(&self.costs, figures, GAP, scratch).filter(|_| is_continuous)?;
-        Some(found.scales).filter(|scales| self.reduced_cost(figures, scales, scratch).is_some())
-    }
-
-    /// Returns the cost of given scales, reduced until they keep every limit; None if they cannot keep one.
-    pub fn reduced_cost(
-        &self,
-        figures: &[LinearFigure],
-        scales: &[f64],
-        scratch: &mut FigureScratch,
-    ) -> Option<f64> {
-        let largest = figures.iter().map(|figure| figure.value(scales, scratch)).fold(0.0, f64::max);
-        let reduced: Vec<f64> = scales.iter().map(|u| u / largest.max(1.0)).collect();
-        let is_kept = self.costs.iter().zip(&reduced).all(|(cost, u)| *u >= cost.range.0);
-        // Errors that no tolerance changes do not shrink with the scales.
-        let is_kept = is_kept && figures.iter().all(|figure| figure.value(&reduced, scratch) <= 1.0 + GAP);
-        is_kept.then(|| self.costs.iter().zip(&reduced).map(|(cost, u)| cost.cost(*u)).sum())
     }
 
     /// Returns the cost that the cone programs find.

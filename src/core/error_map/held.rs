@@ -33,22 +33,46 @@ impl OperationQuery<'_> {
     /// # Errors
     /// Returns the status of the point if no posture within the joint limits continues the held one.
     pub fn held(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<f64, Status> {
+        let posture = self.held_posture(held)?;
+        self.value(&posture, memory)
+    }
+
+    /// Finds the posture that continues a held one.
+    ///
+    /// # Errors
+    /// Returns the status of the point if no posture within the joint limits continues the held one.
+    fn held_posture(&mut self, held: &HeldPosture) -> Result<Posture, Status> {
         self.kept = Some(*held);
         let target = self.target(held.at);
         let inverse = &self.placed.mapper.arm.inverse;
         if inverse.cost() == Cost::Numeric {
             return match held.continued(inverse, &target, &self.attitudes) {
-                Ok(found) => self.value(&found.posture, memory),
+                Ok(found) => Ok(found.posture),
                 Err(PoseMiss { position, angle }) => Err(Status::NotConverged { position, angle }),
             };
         }
-        match inverse.usable(&target, &self.attitudes, held.branch) {
-            Some(posture) => self.value(&posture, memory),
-            None => Err(match inverse.branch_beyond_limits(&target, &self.attitudes, held.branch) {
+        inverse.usable(&target, &self.attitudes, held.branch).ok_or_else(|| {
+            match inverse.branch_beyond_limits(&target, &self.attitudes, held.branch) {
                 Ok(branch) => least_violation(&[branch]),
                 Err(by) => Status::OutOfReach { by },
-            }),
-        }
+            }
+        })
+    }
+
+    /// Checks that the posture which continues a held one is free of collisions and allowed by the motion rules.
+    ///
+    /// # Errors
+    /// Returns the status of the point if the posture cannot be held.
+    pub fn keeps_free(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<(), Status> {
+        let posture = self.held_posture(held)?;
+        self.placed.mapper.arm.chain.place(&posture, &mut memory.frames);
+        self.refused(held, memory)
+    }
+
+    /// Returns the refusal of a held posture whose frames are in `memory`, if there is one.
+    fn refused(&self, held: &HeldPosture, memory: &PostureMemory) -> Result<(), Status> {
+        let branch = held.branch_elsewhere(&self.placed.mapper.arm.inverse);
+        self.refusal_status(&self.target(held.at), branch, memory).map_or(Ok(()), Err)
     }
 
     /// Computes the value like [`Self::held`]; the posture must be free of collisions and allowed by the motion rules.
@@ -57,8 +81,7 @@ impl OperationQuery<'_> {
     /// Returns the status of the point if the posture cannot be held.
     pub fn holding(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<f64, Status> {
         let value = self.held(held, memory)?;
-        let branch = held.branch_elsewhere(&self.placed.mapper.arm.inverse);
-        self.refusal_status(&self.target(held.at), branch, memory).map_or(Ok(value), Err)
+        self.refused(held, memory).map(|()| value)
     }
 
     /// Finds the branch of a held posture.
@@ -94,9 +117,7 @@ impl PlacedLayout<'_> {
     }
 
     /// Computes the value of an operation in this layout in a held posture; `spots` holds the spots of the earlier
-    /// operations.
-    ///
-    /// If `is_free`, the posture must be free of collisions and allowed by the motion rules, too.
+    /// operations. Collisions and motion rules are not checked.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -105,14 +126,52 @@ impl PlacedLayout<'_> {
         operation: usize,
         spots: &[Option<Spot>],
         held: &HeldPosture,
-        is_free: bool,
         workspace: &mut MapperWorkspace,
     ) -> Result<f64, Status> {
+        self.asking(operation, spots, workspace, |query, memory| query.held(held, memory))
+    }
+
+    /// Checks that an operation can keep a held posture in this layout, apart from collisions and motion rules.
+    ///
+    /// # Errors
+    /// Returns the status of the point if the posture cannot be held.
+    pub fn keeps(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        held: &HeldPosture,
+        workspace: &mut MapperWorkspace,
+    ) -> Result<(), Status> {
+        self.asking(operation, spots, workspace, |query, _| query.held_posture(held).map(drop))
+    }
+
+    /// Checks that an operation can keep a held posture in this layout, free of collisions and allowed by the motion
+    /// rules.
+    ///
+    /// # Errors
+    /// Returns the status of the point if the posture cannot be held.
+    pub fn keeps_free(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        held: &HeldPosture,
+        workspace: &mut MapperWorkspace,
+    ) -> Result<(), Status> {
+        self.asking(operation, spots, workspace, |query, memory| query.keeps_free(held, memory))
+    }
+
+    /// Asks one operation with the memory of a workspace.
+    fn asking<T>(
+        &self,
+        operation: usize,
+        spots: &[Option<Spot>],
+        workspace: &mut MapperWorkspace,
+        ask: impl FnOnce(&mut OperationQuery<'_>, &mut PostureMemory) -> T,
+    ) -> T {
         let attitudes = std::mem::take(&mut workspace.attitudes);
         let mut query = OperationQuery::reusing(self, &self.surface(operation), spots, attitudes);
-        let memory = workspace.of(self.mapper, operation).postures;
-        let found = if is_free { query.holding(held, memory) } else { query.held(held, memory) };
+        let answer = ask(&mut query, workspace.of(self.mapper, operation).postures);
         workspace.attitudes = query.attitudes;
-        found
+        answer
     }
 }

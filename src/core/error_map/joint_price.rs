@@ -4,7 +4,7 @@ use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
 use super::workspace::{MapperWorkspace, PostureMemory};
-use crate::allocation::{FigureScratch, LinearFigure};
+use crate::allocation::{LinearFigure, NearbyPrice};
 
 impl PlacedLayout<'_> {
     /// Returns the cost of the cheapest tolerances with which every operation keeps its limit at its spot, or at all
@@ -13,29 +13,29 @@ impl PlacedLayout<'_> {
     /// Returns None if the cell does not price tolerances, an operation has no limit, or a posture cannot be posed.
     pub fn joint_price(&self, spots: &[Option<Spot>], workspace: &mut MapperWorkspace) -> Option<f64> {
         let figures = self.joint_figures(spots, workspace)?;
-        Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut FigureScratch::default()))
+        Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))
     }
 
-    /// Returns the scales of the cheapest tolerances; None as in [`Self::joint_price`], or if an ascent does not find
-    /// them.
-    pub fn joint_scales(&self, spots: &[Option<Spot>], workspace: &mut MapperWorkspace) -> Option<Vec<f64>> {
+    /// Returns the cheapest tolerances; None as in [`Self::joint_price`], or if an ascent does not find them.
+    pub fn nearby_price(
+        &self,
+        spots: &[Option<Spot>],
+        workspace: &mut MapperWorkspace,
+    ) -> Option<NearbyPrice> {
         let figures = self.joint_figures(spots, workspace)?;
-        self.mapper.tolerances.as_ref()?.scales(&figures, &mut FigureScratch::default())
+        NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns the joint price if it exceeds `most`; otherwise a number between the price and `most`.
-    ///
-    /// Tolerances with the scales `near`, which suit a similar layout, are tried first.
+    /// Returns a number between the joint price and `most`; None as in [`Self::joint_price`], or if the price exceeds
+    /// `most`. `near` is the price of a similar layout.
     pub fn joint_price_within(
         &self,
         spots: &[Option<Spot>],
-        (near, most): (&[f64], f64),
+        (near, most): (&NearbyPrice, f64),
         workspace: &mut MapperWorkspace,
     ) -> Option<f64> {
-        let (figures, mut scratch) = (self.joint_figures(spots, workspace)?, FigureScratch::default());
-        let tolerances = self.mapper.tolerances.as_ref()?;
-        let reduced = tolerances.reduced_cost(&figures, near, &mut scratch).filter(|cost| *cost <= most);
-        Some(reduced.unwrap_or_else(|| tolerances.price(&figures, &mut scratch)))
+        let figures = self.joint_figures(spots, workspace)?;
+        near.within(self.mapper.tolerances.as_ref()?, &figures, most, &mut workspace.price)
     }
 
     /// Returns the figures of all operations, each divided by its limit.

@@ -8,7 +8,7 @@ use super::node_record::Status;
 use super::outcome::{Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
 use super::walk::OperationQuery;
-use super::workspace::PostureMemory;
+use super::workspace::{MapperWorkspace, WalkMemory};
 use crate::cell::JointVector;
 use crate::certificate::{NoValueBound, NotCertified, ValueBound};
 use crate::reach::Inverse;
@@ -18,8 +18,7 @@ use nalgebra::Vector3;
 /// One operation in one placed layout, ready to be judged point by point.
 pub struct Probe<'a> {
     query: OperationQuery<'a>,
-    memory: PostureMemory,
-    candidates: Vec<PostureCandidate>,
+    memory: WalkMemory<'a>,
 }
 
 impl<'a> Probe<'a> {
@@ -31,10 +30,11 @@ impl<'a> Probe<'a> {
         placed: &'a PlacedLayout<'a>,
         operation: usize,
         spots: &[Option<Spot>],
+        workspace: &'a mut MapperWorkspace,
     ) -> Result<Self, Unjudged> {
         let query = OperationQuery::new(placed, operation, spots);
         query.context.as_ref().map_err(|why| *why)?;
-        Ok(Self { query, memory: PostureMemory::new(placed.mapper, operation), candidates: Vec::new() })
+        Ok(Self { query, memory: workspace.of(placed.mapper, operation) })
     }
 
     /// Returns the TCP target over a point of the surface, base frame, m.
@@ -66,9 +66,9 @@ impl<'a> Probe<'a> {
         if self.context()?.touches(&target) {
             return Err(Status::Unjudged(Unjudged::OnlyTouched));
         }
-        let Self { query, memory, candidates } = self;
+        let Self { query, memory: WalkMemory { postures: memory, candidates, .. } } = self;
         candidates.clear();
-        query.visit(0, target, memory, candidates);
+        query.visit(0, target, memory, *candidates);
         candidates.sort_by(|a, b| b.cmp(a));
         let mut next = candidates.iter().copied();
         let found = query.first_free(memory, |_| next.next());
@@ -89,7 +89,15 @@ impl<'a> Probe<'a> {
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
     pub fn holding(&mut self, held: &HeldPosture) -> Result<f64, Status> {
-        self.query.holding(held, &mut self.memory)
+        self.query.holding(held, self.memory.postures)
+    }
+
+    /// Checks that a held posture is free of collisions and allowed by the motion rules in the layout of this probe.
+    ///
+    /// # Errors
+    /// Returns the status of the point if the posture cannot be held.
+    pub fn keeps_free(&mut self, held: &HeldPosture) -> Result<(), Status> {
+        self.query.keeps_free(held, self.memory.postures)
     }
 
     /// Computes the operation's value ([`Spot::value`]) in a held posture, even if this posture collides.
@@ -97,7 +105,7 @@ impl<'a> Probe<'a> {
     /// The posture may also exceed a joint limit if the inverse kinematics is in closed form.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.query.branch_beyond_limits(held)?;
-        self.query.value(&branch.posture, &mut self.memory).ok()
+        self.query.value(&branch.posture, self.memory.postures).ok()
     }
 
     /// Returns a posture that the operation can keep; None if the branch does not exist at the point.
@@ -118,7 +126,7 @@ impl<'a> Probe<'a> {
         let Some(demand) = self.query.placed.demand else { return Ok(None) };
         self.query.kept = Some(*held);
         let (target, branch) = (self.target(held.at), held.branch_elsewhere(self.inverse()));
-        self.query.certify(&target, branch, &Demand { value, ..demand }, &mut self.memory)
+        self.query.certify(&target, branch, &Demand { value, ..demand }, self.memory.postures)
     }
 
     /// Computes the joint coordinates of a held posture in the layout of this probe, at the point of `held`.

@@ -17,6 +17,8 @@ pub struct MapperWorkspace {
     pub(super) families: Vec<SpinFamily>,
     pub(super) attitudes: ToolAttitudes,
     pub(super) ranking: Ranking,
+    /// Memory of the joint price of all operations.
+    pub(super) price: FigureScratch,
     /// Memory of each operation.
     postures: Vec<PostureMemory>,
 }

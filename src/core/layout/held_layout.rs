@@ -8,6 +8,7 @@ use super::evaluation::{Evaluation, evaluate};
 use super::objective::combined;
 use super::spot_choice::{Judge, Loss, SpotMemory, SpotQuery, SpotValue};
 use super::workcell::Workcell;
+use crate::allocation::NearbyPrice;
 use crate::cell::{Cell, Layout, Unit};
 use crate::certificate::{Misplacements, NotCertified};
 use crate::clearance::{Overlap, PlacedSolids};
@@ -72,8 +73,8 @@ pub struct HeldLayout<'a> {
     spots: Vec<HeldSpot>,
     /// Posture of each operation that has a spot.
     kept: Vec<Option<HeldPosture>>,
-    /// Scales of the cheapest tolerances, if the objective is their cost.
-    scales: Option<Vec<f64>>,
+    /// Cheapest tolerances, if the objective is their cost.
+    price: Option<NearbyPrice>,
 }
 
 /// Spot and value of one operation.
@@ -129,8 +130,8 @@ impl<'a> HeldLayout<'a> {
         };
         let kept = spots.iter().map(posture).collect();
         let is_priced = workcell.cell.unit() == Unit::Cost;
-        let scales = is_priced.then(|| placed.joint_scales(&all, &mut MapperWorkspace::default())).flatten();
-        Some(Self { workcell, layout, objective, spots, kept, scales })
+        let price = is_priced.then(|| placed.nearby_price(&all, &mut MapperWorkspace::default())).flatten();
+        Some(Self { workcell, layout, objective, spots, kept, price })
     }
 
     /// Returns the workcell of the layout.
@@ -196,13 +197,6 @@ impl<'a> HeldLayout<'a> {
         Ok(objective)
     }
 
-    /// Checks that a lower bound of the objective is at most `most`.
-    fn within(&self, values: &[OperationValue], most: f64) -> Result<(), Ending> {
-        let values: Vec<f64> = values.iter().map(|v| v.value).collect();
-        let bound = combined(&self.workcell.cell, &values);
-        if bound > most { Err(Ending::Objective) } else { Ok(()) }
-    }
-
     /// Returns spot and values of every operation in another layout, and the objective. Limits are not checked.
     fn values(
         &self,
@@ -225,17 +219,6 @@ impl<'a> HeldLayout<'a> {
         let placed = placed.keeping(&self.kept).bounding();
         let judgement = Judgement { held: self, placed: &placed, most, known };
         let found = judgement.values(&mut memory.choice, &mut memory.bounds);
-        let found = found.map(|values| {
-            let spots: Vec<Option<Spot>> = values.iter().map(|v| Some(v.spot)).collect();
-            let each: Vec<f64> = values.iter().map(|v| v.value).collect();
-            let bound = combined(&workcell.cell, &each);
-            let objective = match (&self.scales, workcell.cell.unit()) {
-                (Some(near), _) => placed.joint_price_within(&spots, (near, most), &mut memory.bounds),
-                (None, Unit::Cost) => placed.joint_price(&spots, &mut memory.bounds),
-                _ => None,
-            };
-            (values, objective.map_or(bound, |objective| objective.max(bound)))
-        });
         memory.solids = placed.into_solids();
         found
     }
@@ -265,7 +248,39 @@ struct Judgement<'j, 'a> {
 }
 
 impl Judgement<'_, '_> {
+    /// Returns spot and values of every operation, and the objective.
     fn values(
+        &self,
+        choice: &mut SpotMemory,
+        bounds: &mut MapperWorkspace,
+    ) -> Result<(Vec<OperationValue>, f64), Ending> {
+        let mut values = self.drawn(choice, bounds)?;
+        let spots: Vec<Option<Spot>> = values.iter().map(|v| Some(v.spot)).collect();
+        // Errors and prices cost less than collisions and certificates, so they come first.
+        let price = self.held.price.as_ref().map(|near| {
+            let price = self.placed.joint_price_within(&spots, (near, self.most), bounds);
+            price.unwrap_or(f64::INFINITY)
+        });
+        if price.unwrap_or(self.combined(&values)) > self.most {
+            return Err(Ending::Objective);
+        }
+        self.check(&mut values, &spots, bounds)?;
+        let is_unpriced = price.is_none() && self.held.workcell.cell.unit() == Unit::Cost;
+        let price = if is_unpriced { self.placed.joint_price(&spots, bounds) } else { price };
+        let objective = self.combined(&values);
+        Ok((values, price.map_or(objective, |price| price.max(objective))))
+    }
+
+    /// Combines the values of the operations.
+    fn combined(&self, values: &[OperationValue]) -> f64 {
+        let values: Vec<f64> = values.iter().map(|v| v.value).collect();
+        combined(&self.held.workcell.cell, &values)
+    }
+
+    /// Returns spot and value of every operation as drawn, apart from collisions and certificates.
+    ///
+    /// The value is 0, a lower bound, if the joint price needs no costs of single operations.
+    fn drawn(
         &self,
         choice: &mut SpotMemory,
         bounds: &mut MapperWorkspace,
@@ -273,12 +288,14 @@ impl Judgement<'_, '_> {
         let count = self.held.spots.len();
         let mut spots: Vec<Option<Spot>> = Vec::with_capacity(count);
         let mut values: Vec<OperationValue> = Vec::with_capacity(count);
-        // Values are computed first, because they cost less than collisions.
         for (k, held) in self.held.spots.iter().enumerate() {
             let found = match (self.known(k), held) {
                 (Some(known), _) => known,
                 (None, HeldSpot::Spot { node, posture }) => {
-                    let found = self.placed.held(k, &spots, posture, false, bounds);
+                    let found = match &self.held.price {
+                        Some(_) => self.placed.keeps(k, &spots, posture, bounds).map(|()| 0.0),
+                        None => self.placed.held(k, &spots, posture, bounds),
+                    };
                     let value = found.map_err(|status| Ending::Posture(k, status))?;
                     let branch = posture.branch_elsewhere(self.held.workcell.inverse());
                     OperationValue { spot: Spot { node: *node, branch, value }, value, worst: value }
@@ -294,22 +311,32 @@ impl Judgement<'_, '_> {
             spots.push(Some(found.spot));
             values.push(found);
         }
-        self.held.within(&values, self.most)?;
+        Ok(values)
+    }
+
+    /// Certifies the spots and checks collisions and moves. Values that count at the misplacements replace those as
+    /// drawn.
+    fn check(
+        &self,
+        values: &mut [OperationValue],
+        spots: &[Option<Spot>],
+        bounds: &mut MapperWorkspace,
+    ) -> Result<(), Ending> {
         for (k, held) in self.held.spots.iter().enumerate() {
             let (HeldSpot::Spot { posture, .. }, None) = (held, self.known(k)) else { continue };
-            if let Some((value, worst)) = self.certified(k, &spots, &values[k].spot, bounds)? {
+            if let Some((value, worst)) = self.certified(k, spots, &values[k].spot, bounds)? {
                 values[k] = OperationValue { value, worst, ..values[k] };
             }
             // A certified posture can be used in the layout as drawn, which an estimate takes for granted.
             if self.known.is_none() || self.placed.demand().is_none() {
-                let free = self.placed.held(k, &spots, posture, true, bounds);
+                let free = self.placed.keeps_free(k, spots, posture, bounds);
                 free.map_err(|status| Ending::Posture(k, status))?;
             }
         }
         if self.known.is_none() {
-            self.placed.transfers(&spots).map_err(Ending::Transfer)?;
+            self.placed.transfers(spots).map_err(Ending::Transfer)?;
         }
-        Ok(values)
+        Ok(())
     }
 
     /// Returns the known value of an operation that the moved body does not carry.

@@ -15,7 +15,7 @@
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
 use crate::certificate::Misplacements;
-use crate::error_map::{HeldPosture, OperationMap, PointSpot, Probe, Status};
+use crate::error_map::{HeldPosture, MapperWorkspace, OperationMap, PointSpot, Probe, Status};
 use nalgebra::Vector3;
 
 /// Greatest number of nodes from which searches start.
@@ -81,13 +81,14 @@ impl Workcell {
         let demand = self.certifies().then(|| self.demand(&misplacements));
         let placed = self.placed(layout).demanding(demand);
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
+        let mut memory = MapperWorkspace::default();
         let refine = |map: &OperationMap| {
             let operation = &self.cell.operations[map.operation];
             let Place::Grid { area, divisions } = &operation.place else { return None };
             if operation.over.needs_every_node() {
                 return None;
             }
-            let probe = Probe::new(&placed, map.operation, &spots).ok()?;
+            let probe = Probe::new(&placed, map.operation, &spots, &mut memory).ok()?;
             self.refine(map, probe, area, *divisions)
         };
         maps.iter().map(refine).collect()

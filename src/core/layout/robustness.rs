@@ -25,7 +25,7 @@ use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
 use crate::cell::{Layout, Slot};
-use crate::error_map::{HeldPosture, OperationMap, Probe, Spot, Status};
+use crate::error_map::{HeldPosture, MapperWorkspace, OperationMap, Probe, Spot, Status};
 use crate::units::rad_from_deg;
 use rayon::prelude::*;
 
@@ -127,6 +127,9 @@ impl Robustness {
     }
 }
 
+/// Question about a held posture, answered by a value or a reason.
+type AskHeld = fn(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>;
+
 /// One operation with the postures that it keeps while bodies are misplaced.
 struct HeldOperation<'a> {
     workcell: &'a Workcell,
@@ -165,7 +168,7 @@ impl Workcell {
         moves: &[(Slot, f64)],
     ) -> Result<f64, Status> {
         let spots: Vec<_> = maps.iter().map(OperationMap::spot).collect();
-        self.held(layout, &maps[operation], &spots).value(moves)
+        self.held(layout, &maps[operation], &spots).value(moves, &mut MapperWorkspace::default())
     }
 
     fn held<'a>(
@@ -189,7 +192,8 @@ impl HeldOperation<'_> {
         let uphill = uphill(&tolerance, &gradient);
         corners.extend((!boxes.is_whole()).then(|| uphill.clone()));
         let (mut worst, mut lost) = (None::<Corner>, Vec::new());
-        let values: Vec<_> = corners.par_iter().map(|moves| self.value(moves)).collect();
+        let judge = |memory: &mut MapperWorkspace, moves: &Moves| self.value(moves, memory);
+        let values: Vec<_> = corners.par_iter().map_init(Default::default, judge).collect();
         for (moves, value) in corners.iter().zip(values) {
             match value {
                 Ok(value) if worst.as_ref().is_none_or(|w| value > w.value) => {
@@ -235,36 +239,56 @@ impl HeldOperation<'_> {
 
     /// Returns the first misplacement that is not allowed, with the reason; None if all are allowed.
     fn first_end(&self, all: &[Moves]) -> Option<MisplacementEnd> {
-        all.par_iter().find_map_first(|moves| match self.value(moves) {
+        // Without a limit, only the postures count.
+        let ask: AskHeld = match self.limit {
+            Some(_) => |probe, held| probe.holding(held),
+            None => |probe, held| probe.keeps_free(held).map(|()| 0.0),
+        };
+        let end = |memory: &mut MapperWorkspace, moves: &Moves| match self.asked(moves, memory, ask) {
             Err(status) => Some(MisplacementEnd::Lost(Lost { moves: moves.clone(), status })),
             Ok(value) => self
                 .limit
                 .filter(|limit| value > *limit)
                 .map(|_| MisplacementEnd::Limit(Corner { moves: moves.clone(), value })),
-        })
+        };
+        all.par_iter().map_init(Default::default, end).find_map_first(|end| end)
     }
 
     /// Computes the value at a misplacement.
     ///
     /// # Errors
     /// Returns the status if floor spaces overlap or the posture cannot be used there.
-    fn value(&self, moves: &[(Slot, f64)]) -> Result<f64, Status> {
+    fn value(&self, moves: &[(Slot, f64)], memory: &mut MapperWorkspace) -> Result<f64, Status> {
+        self.asked(moves, memory, |probe, held| probe.holding(held))
+    }
+
+    /// Asks about every held posture at a misplacement. Returns the answers combined.
+    ///
+    /// # Errors
+    /// Returns the status if floor spaces overlap or the posture cannot be used there.
+    fn asked(
+        &self,
+        moves: &[(Slot, f64)],
+        memory: &mut MapperWorkspace,
+        ask: AskHeld,
+    ) -> Result<f64, Status> {
         let layout = self.workcell.cell.misplaced(self.layout, moves);
         let mut overlaps = Vec::new();
         self.workcell.plan.overlaps(&layout, &mut overlaps);
         if let Some(overlap) = overlaps.into_iter().find(is_between_solids) {
             return Err(Status::Overlap(overlap));
         }
-        self.probed(&layout, |probe, held| probe.holding(held))
+        self.probed(&layout, memory, ask)
     }
 
     fn probed(
         &self,
         layout: &Layout,
+        memory: &mut MapperWorkspace,
         mut ask: impl FnMut(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>,
     ) -> Result<f64, Status> {
         let placed = self.workcell.placed(layout);
-        let mut probe = Probe::new(&placed, self.operation, &self.spots).map_err(Status::Unjudged)?;
+        let mut probe = Probe::new(&placed, self.operation, &self.spots, memory).map_err(Status::Unjudged)?;
         let values: Result<Vec<f64>, Status> = self.held.iter().map(|held| ask(&mut probe, held)).collect();
         Ok(self.workcell.cell.operations[self.operation].over.of(&mut values?))
     }
@@ -272,12 +296,13 @@ impl HeldOperation<'_> {
     fn gradient(&self, tolerance: &[(Slot, f64)]) -> Vec<(Slot, Option<f64>)> {
         let own = (0..4).map(|axis| self.equipment(axis));
         let others = tolerance.iter().map(|(slot, _)| *slot).filter(|slot| !own.clone().any(|o| o == *slot));
-        let slope = |slot: Slot| {
+        let mut memory = MapperWorkspace::default();
+        let mut slope = |slot: Slot| {
             let [high, low] = [DIFFERENCE_STEP, -DIFFERENCE_STEP].map(|by| {
                 let layout = self.workcell.cell.misplaced(self.layout, &[(slot, by)]);
                 // The best spot is often at a joint limit, so the derivative ignores joint limits.
                 let missing = Status::OutOfReach { by: 0.0 };
-                self.probed(&layout, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
+                self.probed(&layout, &mut memory, |probe, held| probe.beyond_limits(held).ok_or(missing)).ok()
             });
             Some((high? - low?) / (2.0 * DIFFERENCE_STEP))
         };

@@ -183,7 +183,8 @@ impl<'a, 'm> Judge<'a, 'm> {
             None => {
                 let grid = workcell.mapper.grid(operation);
                 let held = |spot: &Spot| placed.hold(operation, grid.local(spot.node), spot.branch);
-                Corners::new(self.query).worst(drawn, &at.iter().filter_map(held).collect::<Vec<_>>())
+                let held: Vec<HeldPosture> = at.iter().filter_map(held).collect();
+                Corners::new(self.query).worst(drawn, &held, self.memory)
             }
         };
         match worst {
@@ -213,13 +214,13 @@ impl<'a> Corners<'a> {
     ///
     /// # Errors
     /// Returns the loss if a posture cannot be used at some corner.
-    fn worst(&self, drawn: f64, held: &[HeldPosture]) -> Result<f64, Loss> {
+    fn worst(&self, drawn: f64, held: &[HeldPosture], memory: &mut MapperWorkspace) -> Result<f64, Loss> {
         let SpotQuery { workcell, operation, spots, .. } = *self.query;
         let over = workcell.cell.operations[operation].over;
         let mut worst = drawn;
         for layout in &self.layouts {
             let placed = workcell.placed(layout);
-            let values: Result<Vec<f64>, Status> = Probe::new(&placed, operation, spots)
+            let values: Result<Vec<f64>, Status> = Probe::new(&placed, operation, spots, memory)
                 .map_err(|why: Unjudged| Status::Unjudged(why))
                 .and_then(|mut probe| held.iter().map(|held| probe.holding(held)).collect());
             worst = worst.max(over.of(&mut values.map_err(|_| Loss::Corner)?));

@@ -42,15 +42,16 @@ const PARALLEL_SINE: f64 = 1e-13;
 /// Cosine below which directions count as perpendicular.
 const PERPENDICULAR: f64 = 1e-14;
 
-/// Working memory of the functions `farthest_2` to `farthest_6`, about 20 kB; its content does not affect
-/// results.
+/// Working memory of the functions `farthest_2` to `farthest_6`; its content does not affect results.
+///
+/// The parts have tens of kilobytes, so they are on the heap: whoever owns this memory moves pointers alone.
 #[derive(Default)]
 pub struct ZonotopeScratch {
-    walk: CircleWalk,
-    table: SignTable<3>,
-    merged: MergedGenerators<3>,
-    branch: BranchAndBound,
-    merged_6: MergedGenerators<6>,
+    walk: Box<CircleWalk>,
+    table: Box<SignTable<3>>,
+    merged: Box<MergedGenerators<3>>,
+    branch: Box<BranchAndBound>,
+    merged_6: Box<MergedGenerators<6>>,
 }
 
 /// Result of the maximization of `|sum s_k g_k|` over all signs `s`.

@@ -1,0 +1,93 @@
+//! Price of figures that differ a little from figures whose cheapest tolerances are known.
+//!
+//! The known scales, reduced until they keep the limits of the new figures, give an upper bound of the new price. The
+//! known multipliers give a lower bound, which differs from the price by about the square of the change. Together they
+//! compare most prices with a limit, at a tenth of the effort of an ascent.
+
+use super::dual_ascent::{PricedScales, priced_scales};
+use super::linear_figure::{FigureScratch, LinearFigure};
+use super::pricing::{GAP, ROUNDING, TolerancePricing};
+use crate::cell::ToleranceCost;
+use nalgebra::Vector6;
+
+/// Largest number of steps to a common factor of the multipliers.
+const STEPS: usize = 3;
+
+/// Cheapest tolerances that keep the limits of some figures. They bound the prices of similar figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NearbyPrice {
+    /// Scale of every tolerance.
+    scales: Vec<f64>,
+    /// Multiplier vectors, each with the index of its figure. That of a root sum square is its first component.
+    multipliers: Vec<(usize, Vector6<f64>)>,
+}
+
+impl NearbyPrice {
+    /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure; None if an ascent does not find
+    /// them.
+    pub fn new(
+        costs: &[ToleranceCost],
+        figures: &[LinearFigure],
+        scratch: &mut FigureScratch,
+    ) -> Option<Self> {
+        let is_continuous = costs.iter().all(|cost| cost.grades().is_empty());
+        let found = priced_scales(costs, figures, GAP, scratch).filter(|_| is_continuous)?;
+        let PricedScales { scales, multipliers, .. } = found;
+        let near = Self { scales, multipliers };
+        near.reduced_cost(costs, figures, scratch).map(|_| near)
+    }
+
+    /// Returns a number between the price of figures and `most`; None if the price exceeds `most`.
+    pub fn within(
+        &self,
+        tolerances: &TolerancePricing,
+        figures: &[LinearFigure],
+        most: f64,
+        scratch: &mut FigureScratch,
+    ) -> Option<f64> {
+        let reduced = self.reduced_cost(tolerances.costs(), figures, scratch).filter(|cost| *cost <= most);
+        reduced.or_else(|| {
+            let is_below = self.bound(tolerances.costs(), figures, scratch) <= most;
+            is_below.then(|| tolerances.price(figures, scratch)).filter(|price| *price <= most)
+        })
+    }
+
+    /// Returns the cost of the scales, reduced until they keep every limit of other figures; None if they cannot keep
+    /// one.
+    pub fn reduced_cost(
+        &self,
+        costs: &[ToleranceCost],
+        figures: &[LinearFigure],
+        scratch: &mut FigureScratch,
+    ) -> Option<f64> {
+        let largest = figures.iter().map(|figure| figure.value(&self.scales, scratch)).fold(0.0, f64::max);
+        let reduced: Vec<f64> = self.scales.iter().map(|u| u / largest.max(1.0)).collect();
+        let is_kept = costs.iter().zip(&reduced).all(|(cost, u)| *u >= cost.range.0);
+        // Errors that no tolerance changes do not shrink with the scales.
+        let is_kept = is_kept && figures.iter().all(|figure| figure.value(&reduced, scratch) <= 1.0 + GAP);
+        is_kept.then(|| costs.iter().zip(&reduced).map(|(cost, u)| cost.cost(*u)).sum())
+    }
+
+    /// Returns a lower bound of the price of other figures.
+    pub fn bound(
+        &self,
+        costs: &[ToleranceCost],
+        figures: &[LinearFigure],
+        scratch: &mut FigureScratch,
+    ) -> f64 {
+        let size: f64 = self.multipliers.iter().map(|(_, y)| y.norm()).sum();
+        if size <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        let (mut row, mut scales) = std::mem::take(&mut scratch.bound);
+        row.clear(costs.len());
+        for (i, y) in &self.multipliers {
+            if let Some(figure) = figures.get(*i) {
+                figure.add_along(&(y / size), &mut row);
+            }
+        }
+        let bound = row.quick_bound(costs, &mut size.ln(), STEPS, &mut scales);
+        scratch.bound = (row, scales);
+        bound * (1.0 - ROUNDING)
+    }
+}
