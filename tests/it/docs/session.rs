@@ -12,6 +12,9 @@ use std::time::{Duration, Instant};
 /// Time within which a server must print its address.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Duration above which a command is named: the book must stay cheap to check.
+const SLOW: Duration = Duration::from_secs(3);
+
 /// Scratch folder in which the commands of one page run, with the faults that were found.
 pub struct Session<'a> {
     page: &'a Path,
@@ -56,7 +59,9 @@ impl<'a> Session<'a> {
             }));
             lines.extend(shown);
         }
-        self.check_pictures(block);
+        if cheaper(block).is_none() {
+            self.check_pictures(block);
+        }
         if writes() {
             block.lines = lines;
         }
@@ -70,21 +75,25 @@ impl<'a> Session<'a> {
             return Vec::new();
         }
         self.commands += 1;
-        let (arguments, target) = match words.iter().position(|word| word == ">") {
+        let (arguments, target) = match words.iter().position(|word| word == ">>") {
             Some(at) => (&words[1..at], words.get(at + 1)),
             None => (&words[1..], None),
         };
         let mut command = self.sandbox.command(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
-        let is_cheaper = block.option("budget").filter(|_| !writes());
-        if let Some(budget) = is_cheaper {
+        let budget = cheaper(block);
+        if let Some(budget) = budget {
             command.args(["--budget", budget]);
         }
+        let start = Instant::now();
         let (code, text) = self.ran(command, target.map(|file| self.sandbox.path(file)), block.has("serves"));
+        if start.elapsed() > SLOW {
+            println!("{:.1} s: {}", start.elapsed().as_secs_f64(), words.join(" "));
+        }
         let wanted = block.option("exit").map_or(0, |code| code.parse().unwrap());
         if !block.has("serves") && code != Some(wanted) {
             self.fault(block, &format!("`{}` ends with {code:?} instead of {wanted}:\n{text}", words.join(" ")));
         }
-        if block.has("silent") || block.has("serves") || is_cheaper.is_some() {
+        if block.has("silent") || block.has("serves") || budget.is_some() {
             return Vec::new();
         }
         let shown = self.excerpt(block, &text);
@@ -101,7 +110,8 @@ impl<'a> Session<'a> {
         let both = self.sandbox.path(".output");
         let stream = std::fs::File::create(&both).unwrap();
         let errors = stream.try_clone().unwrap();
-        let out = target.map_or(stream, |file| std::fs::File::create(file).unwrap());
+        let append = |file: PathBuf| std::fs::File::options().append(true).create(true).open(file).unwrap();
+        let out = target.map_or(stream, append);
         let mut child = command.stdout(out).stderr(errors).stdin(Stdio::null()).spawn().unwrap();
         if serves {
             stop_after_address(&mut child, &both);
@@ -164,6 +174,11 @@ impl<'a> Session<'a> {
     fn fault(&mut self, block: &Block, what: &str) {
         self.faults.push(format!("{}:{}: {what}", name(self.page), block.line));
     }
+}
+
+/// Returns the smaller budget with which the commands of a block run when they are only checked.
+fn cheaper(block: &Block) -> Option<&str> {
+    block.option("budget").filter(|_| !writes())
 }
 
 /// Waits until a server has printed its address, and ends it.
