@@ -29,7 +29,8 @@ pub fn markdown(name: &str, schema: &Value) -> String {
 fn add_fields(text: &mut String, schema: &Value) {
     let Some(fields) = schema["properties"].as_object() else { return };
     *text += "\n| Field | Value | Meaning |\n|---|---|---|\n";
-    let is_required = |name: &str| schema["required"].as_array().is_some_and(|all| all.iter().any(|n| n == name));
+    let is_required =
+        |name: &str| schema["required"].as_array().is_some_and(|all| all.iter().any(|n| n == name));
     for (name, field) in fields {
         let optional = if is_required(name) { "" } else { "; may be missing" };
         let value = value(field).replace('|', "\\|");
@@ -55,7 +56,9 @@ fn value(schema: &Value) -> String {
     }
     let named = |name: &str| match name {
         "array" => match schema.get("items") {
-            Some(Value::Array(items)) => format!("list: {}", items.iter().map(value).collect::<Vec<_>>().join(", ")),
+            Some(Value::Array(items)) => {
+                format!("list: {}", items.iter().map(value).collect::<Vec<_>>().join(", "))
+            }
             Some(items) => format!("list of {}", value(items)),
             None => "list".to_string(),
         },
@@ -67,7 +70,9 @@ fn value(schema: &Value) -> String {
     };
     match &schema["type"] {
         Value::String(name) => named(name),
-        Value::Array(names) => names.iter().filter_map(Value::as_str).map(named).collect::<Vec<_>>().join(" or "),
+        Value::Array(names) => {
+            names.iter().filter_map(Value::as_str).map(named).collect::<Vec<_>>().join(" or ")
+        }
         _ => "any value".into(),
     }
 }

@@ -20,7 +20,8 @@ pub fn man(a: &ManArguments) -> Result<Exit, Exit> {
     if let Some(folder) = &a.out {
         loading::make_folder(folder)?;
         let pages = std::iter::once(&program).chain(program.get_subcommands());
-        let pages: Vec<_> = pages.map(|command| Ok((file_name(command), page(command)?))).collect::<Result<_, Exit>>()?;
+        let pages: Vec<_> =
+            pages.map(|command| Ok((file_name(command), page(command)?))).collect::<Result<_, Exit>>()?;
         for (name, text) in &pages {
             loading::write_whole(&folder.join(name), text)?;
         }

@@ -34,7 +34,8 @@ fn every_command_has_a_manual_page_with_its_options_and_the_exit_codes() {
         let page = shop.text(&format!("pages/man1/sweetspot-{command}.1"));
         assert_eq!(shop.done(&["man", command]).out, page);
         assert!(page.contains(&format!(".TH sweetspot-{command} 1")), "{page}");
-        for part in ["\n.SH NAME", "\n.SH SYNOPSIS", "\n.SH EXAMPLE", "\n.SH \"EXIT STATUS\"", "\\fB130\\fR"] {
+        for part in ["\n.SH NAME", "\n.SH SYNOPSIS", "\n.SH EXAMPLE", "\n.SH \"EXIT STATUS\"", "\\fB130\\fR"]
+        {
             assert!(page.contains(part), "{command}: no {part}: {page}");
         }
         for option in options(&shop, command) {
@@ -50,10 +51,14 @@ fn the_reference_of_commands_has_every_command_option_and_value() {
     let shop = Sandbox::new();
     let text = shop.done(&["man", "--markdown"]).out;
     for command in commands(&shop) {
-        let section = text.split(&format!("\n## sweetspot {command}\n")).nth(1).unwrap_or_else(|| panic!("{command}"));
+        let section =
+            text.split(&format!("\n## sweetspot {command}\n")).nth(1).unwrap_or_else(|| panic!("{command}"));
         let section = section.split("\n## ").next().unwrap();
         for option in options(&shop, &command).iter().filter(|option| *option != "--help") {
-            assert!(section.lines().any(|line| line.starts_with("| `") && line.contains(option.as_str())), "{option}");
+            assert!(
+                section.lines().any(|line| line.starts_with("| `") && line.contains(option.as_str())),
+                "{option}"
+            );
         }
     }
     assert!(text.contains("Values: `nonlinear`, `linear`, `second-order`."));

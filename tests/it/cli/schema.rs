@@ -69,7 +69,11 @@ fn the_reference_of_a_document_has_every_field() {
         }
         for link in text.split("](#").skip(1).map(|rest| rest.split(')').next().unwrap()) {
             let headings = text.lines().filter_map(|line| line.strip_prefix("## "));
-            assert!(headings.map(str::to_lowercase).any(|heading| heading == link), "{}: {link}", kind.name());
+            assert!(
+                headings.map(str::to_lowercase).any(|heading| heading == link),
+                "{}: {link}",
+                kind.name()
+            );
         }
     }
 }

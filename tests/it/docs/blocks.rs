@@ -53,7 +53,8 @@ impl Block {
 impl Step {
     /// Returns the words of the command without its comment, with quotes taken off.
     pub fn words(&self) -> Vec<String> {
-        let text: String = self.typed.iter().map(|line| line.trim_end_matches('\\').to_string() + " ").collect();
+        let text: String =
+            self.typed.iter().map(|line| line.trim_end_matches('\\').to_string() + " ").collect();
         let text = text.split(" # ").next().unwrap().to_string() + " ";
         let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
         for c in text.chars() {

@@ -58,13 +58,16 @@ pub fn faults(page: &Path, count: &mut usize) -> Vec<String> {
         }
         *count += 1;
         let (file, heading) = target.split_once('#').unwrap_or((&target, ""));
-        let path = if file.is_empty() { page.to_path_buf() } else { plain(&page.parent().unwrap().join(file)) };
+        let path =
+            if file.is_empty() { page.to_path_buf() } else { plain(&page.parent().unwrap().join(file)) };
         let mut fault = |what: &str| faults.push(format!("{}: {target}: {what}", name(page)));
         if !path.exists() {
             fault("the file does not exist");
         } else if page.starts_with(&book) && !path.starts_with(&book) {
             fault("a page of the book can link only to its own files");
-        } else if !heading.is_empty() && !anchors(&std::fs::read_to_string(&path).unwrap()).contains(&heading.into()) {
+        } else if !heading.is_empty()
+            && !anchors(&std::fs::read_to_string(&path).unwrap()).contains(&heading.into())
+        {
             fault("the page has no such heading");
         }
     }

@@ -71,7 +71,10 @@ impl<'a> Session<'a> {
     fn output(&mut self, block: &Block, step: &Step) -> Vec<String> {
         let words = step.words();
         if words.first().is_none_or(|word| word != "sweetspot") {
-            self.fault(block, "only commands of sweetspot can be run; others belong in a block of the language sh");
+            self.fault(
+                block,
+                "only commands of sweetspot can be run; others belong in a block of the language sh",
+            );
             return Vec::new();
         }
         self.commands += 1;
@@ -91,7 +94,10 @@ impl<'a> Session<'a> {
         }
         let wanted = block.option("exit").map_or(0, |code| code.parse().unwrap());
         if !block.has("serves") && code != Some(wanted) {
-            self.fault(block, &format!("`{}` ends with {code:?} instead of {wanted}:\n{text}", words.join(" ")));
+            self.fault(
+                block,
+                &format!("`{}` ends with {code:?} instead of {wanted}:\n{text}", words.join(" ")),
+            );
         }
         if block.has("silent") || block.has("serves") || budget.is_some() {
             return Vec::new();
@@ -125,10 +131,13 @@ impl<'a> Session<'a> {
     /// Returns the lines of an output that a block shows, without what differs from run to run.
     fn excerpt(&self, block: &Block, text: &str) -> Vec<String> {
         let folder = self.sandbox.dir.path().to_string_lossy().into_owned();
-        let own = text.replace(&folder, "/home/you/work").replace(env!("CARGO_BIN_EXE_sweetspot"), "sweetspot");
+        let own =
+            text.replace(&folder, "/home/you/work").replace(env!("CARGO_BIN_EXE_sweetspot"), "sweetspot");
         let lines = own.lines().filter(|line| !line.starts_with("{\"schema\":\"sweetspot/progress"));
         let lines: Vec<String> = lines.map(|line| line.trim_end().to_string()).collect();
-        let Some((first, last)) = block.option("lines").and_then(|range| range.split_once('-')) else { return lines };
+        let Some((first, last)) = block.option("lines").and_then(|range| range.split_once('-')) else {
+            return lines;
+        };
         let (first, last): (usize, usize) = (first.parse().unwrap(), last.parse().unwrap_or(usize::MAX));
         let mut shown: Vec<String> = lines.iter().take(last).skip(first - 1).cloned().collect();
         if first > 1 {
@@ -166,7 +175,8 @@ impl<'a> Session<'a> {
         let charts = text.split("<svg").skip(1).filter_map(|rest| rest.split_once("</svg>"));
         let label = words.replace('-', " ");
         let is_it = |chart: &&str| chart.split('>').next().is_some_and(|tag| tag.contains(&label));
-        let chart = charts.map(|(chart, _)| chart).find(is_it).unwrap_or_else(|| panic!("{page} has no {label}"));
+        let chart =
+            charts.map(|(chart, _)| chart).find(is_it).unwrap_or_else(|| panic!("{page} has no {label}"));
         self.sandbox.write(&format!("{words}.svg"), &format!("<svg{chart}</svg>\n"));
         self.sandbox.path(&format!("{words}.svg"))
     }
@@ -186,7 +196,11 @@ fn stop_after_address(child: &mut Child, output: &Path) {
     let start = Instant::now();
     while !std::fs::read_to_string(output).unwrap_or_default().contains("http://127.0.0.1") {
         assert!(start.elapsed() < PATIENCE, "no address after {PATIENCE:?}");
-        assert!(child.try_wait().unwrap().is_none(), "the server ended: {:?}", std::fs::read_to_string(output));
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "the server ended: {:?}",
+            std::fs::read_to_string(output)
+        );
         std::thread::sleep(Duration::from_millis(20));
     }
     child.kill().unwrap();
