@@ -103,10 +103,10 @@ impl<'a> Session<'a> {
             return Vec::new();
         }
         let shown = self.excerpt(block, &text);
-        if !writes() {
-            if let Some(difference) = same::difference(&step.shown, &shown) {
-                self.fault(block, &format!("`{}` prints something else:\n{difference}", words.join(" ")));
-            }
+        if !writes()
+            && let Some(difference) = same::difference(&step.shown, &shown)
+        {
+            self.fault(block, &format!("`{}` prints something else:\n{difference}", words.join(" ")));
         }
         shown
     }
