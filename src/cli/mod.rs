@@ -6,7 +6,9 @@ mod arguments;
 mod asked;
 mod cache;
 mod checkpoint;
+mod command_reference;
 mod commands;
+mod document_reference;
 mod first_cells;
 mod folder_lock;
 mod imported_robot;
@@ -58,6 +60,27 @@ pub enum Exit {
     Interrupted = 130,
 }
 
+impl Exit {
+    /// All exit codes, in the order of their numbers.
+    const ALL: [Self; 6] =
+        [Self::Done, Self::AnswerIsNo, Self::BadInput, Self::Io, Self::Limit, Self::Interrupted];
+
+    /// Returns what the exit code says about the run.
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Done => "The command is done.",
+            Self::AnswerIsNo => {
+                "The command ran, and the answer is no: no layout is feasible, a limit is missed, the layout is not \
+                 robust, or the given node cannot be used."
+            }
+            Self::BadInput => "The usage or the input is invalid. Nothing was done.",
+            Self::Io => "A file could not be read or written.",
+            Self::Limit => "A limit of time or of attempts was reached. The command can be resumed.",
+            Self::Interrupted => "Ctrl-C or SIGTERM stopped the command. The results so far are written.",
+        }
+    }
+}
+
 /// Runs the command line and returns its exit code.
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -92,6 +115,8 @@ pub fn run() -> ExitCode {
         Command::Schema(a) => commands::schema(&a),
         Command::Figures(a) => commands::figures(&a),
         Command::Init(a) => commands::init(&a),
+        Command::Man(a) => commands::man(&a),
+        Command::Completions(a) => commands::completions(&a),
     };
     code(exit.unwrap_or_else(|exit| exit))
 }

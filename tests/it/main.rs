@@ -11,6 +11,7 @@ mod charts;
 mod cli;
 #[path = "../common/mod.rs"]
 mod common;
+mod docs;
 mod fuzz;
 mod hostile_numbers;
 mod records;

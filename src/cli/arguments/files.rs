@@ -8,7 +8,7 @@ use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 
 /// Returns the names of all schemas.
-fn kinds() -> impl Iterator<Item = &'static str> {
+pub fn kinds() -> impl Iterator<Item = &'static str> {
     FileKind::ALL.into_iter().map(FileKind::name).chain(DocumentKind::ALL.into_iter().map(DocumentKind::name))
 }
 
@@ -22,7 +22,7 @@ pub struct SchemaArguments {
         conflicts_with = "out"
     )]
     pub kind: String,
-    /// Print the reference of all keys of an input file as Markdown
+    /// Print the reference of all keys of a file, or of all fields of a document, as Markdown
     #[arg(long)]
     pub markdown: bool,
     /// Write all schemas to this folder (with --markdown, all references); existing files are replaced

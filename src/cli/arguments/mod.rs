@@ -8,6 +8,7 @@ mod errors;
 mod files;
 mod index_ranges;
 mod layouts;
+mod manual;
 mod measured;
 mod measuring_plan;
 mod outputs;
@@ -23,11 +24,12 @@ pub use calibrate::CalibrateArguments;
 pub use correct::{CorrectArguments, TargetFrame};
 pub use engine::{ChunkSize, EngineFlags};
 pub use errors::{AccuracyBase, ErrorsArguments};
-pub use files::{InitArguments, SchemaArguments};
+pub use files::{InitArguments, SchemaArguments, kinds};
 pub use index_ranges::IndexRanges;
 pub use layouts::{
     CheckArguments, CompareArguments, MapArguments, ReadingsArguments, RemedySearchFlags, RobustArguments,
 };
+pub use manual::{CompletionsArguments, ManArguments};
 pub use measured::MeasuredFlags;
 pub use outputs::{ExportArguments, ExportFormat, FiguresArguments, ReportArguments, ViewArguments};
 pub use postures::{BudgetArguments, ExplainArguments};
@@ -126,6 +128,12 @@ pub enum Command {
     /// Write a first cell for your own robot (a URDF) or a built-in one, commented and ready to run
     #[command(before_help = "Example: sweetspot init my_robot.urdf")]
     Init(InitArguments),
+    /// Print the manual page of a command, or write all manual pages
+    #[command(before_help = "Example: sweetspot man --out ~/.local/share/man/man1")]
+    Man(ManArguments),
+    /// Print the completions of commands and options for a shell
+    #[command(before_help = "Example: sweetspot completions bash > sweetspot.bash")]
+    Completions(CompletionsArguments),
 }
 
 /// Returns the command line that the user typed.

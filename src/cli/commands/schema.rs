@@ -1,10 +1,9 @@
-//! `schema`: JSON Schemas of files and documents, and a readable reference of all keys.
+//! `schema`: JSON Schemas of files and documents, and a readable reference of all keys and fields.
 
 use super::suggest;
-use crate::cli::arguments::SchemaArguments;
-use crate::cli::lookup::unknown;
+use crate::cli::arguments::{SchemaArguments, kinds};
 use crate::cli::output::path_word;
-use crate::cli::{Exit, json_text, loading, output};
+use crate::cli::{Exit, document_reference, json_text, loading, output};
 use crate::files;
 use crate::files::FileKind;
 use crate::record::DocumentKind;
@@ -36,25 +35,29 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Prints the reference of the keys of one kind of file, or writes all references into a folder.
+/// Prints the reference of one kind of file or document, or writes all references into a folder.
 fn references(a: &SchemaArguments) -> Result<Exit, Exit> {
     let Some(folder) = &a.out else {
-        let Some(kind) = FileKind::ALL.into_iter().find(|kind| kind.name() == a.kind) else {
-            let what = format!("`{}` has no reference of keys, because a command writes such files", a.kind);
-            return Err(unknown(&what, &a.kind, FileKind::ALL.into_iter().map(FileKind::name)));
-        };
-        output::data(&files::reference(kind))?;
+        output::data(&reference_of(&a.kind))?;
         suggest("schema --markdown --out reference");
         return Ok(Exit::Done);
     };
     loading::make_folder(folder)?;
-    for kind in FileKind::ALL {
-        let path = folder.join(format!("{}.md", kind.name()));
-        loading::write_whole(&path, files::reference(kind).as_bytes())?;
+    let names: Vec<_> = kinds().collect();
+    for name in &names {
+        loading::write_whole(&folder.join(format!("{name}.md")), reference_of(name).as_bytes())?;
     }
-    output::talk(&format!("wrote {} references into {}", FileKind::ALL.len(), path_word(folder)));
+    output::talk(&format!("wrote {} references into {}", names.len(), path_word(folder)));
     suggest("init");
     Ok(Exit::Done)
+}
+
+/// Returns the reference of the keys of an input file, or of the fields of a written document.
+fn reference_of(name: &str) -> String {
+    match FileKind::ALL.into_iter().find(|kind| kind.name() == name) {
+        Some(kind) => files::reference(kind),
+        None => document_reference::markdown(name, &schema_of(name)),
+    }
 }
 
 /// Returns the schema of the kind of file or document with the given name.

@@ -16,6 +16,7 @@ mod front;
 mod init;
 mod jobs;
 mod lock;
+mod manual;
 mod measured_comparison;
 mod measured_files;
 mod measuring_plan;

@@ -46,12 +46,36 @@ fn the_reference_of_keys_is_printed_and_written() {
         "{cell}"
     );
     shop.done(&["schema", "--markdown", "--out", "reference"]);
-    assert_eq!(shop.files("reference").len(), KINDS.len());
-    for kind in KINDS {
+    assert_eq!(shop.files("reference").len(), KINDS.len() + DocumentKind::ALL.len());
+    for kind in KINDS.into_iter().chain(DocumentKind::ALL.map(DocumentKind::name)) {
         let written = shop.text(&format!("reference/{kind}.md"));
         assert_eq!(written, shop.done(&["schema", kind, "--markdown"]).out);
     }
-    assert_eq!(shop.run(&["schema", "search-result", "--markdown"]).code, Some(2));
+}
+
+/// The reference of a document names every field of its schema, and every link in it has its heading.
+#[test]
+fn the_reference_of_a_document_has_every_field() {
+    let shop = Sandbox::new();
+    for kind in DocumentKind::ALL {
+        let text = shop.done(&["schema", kind.name(), "--markdown"]).out;
+        let schema = kind.schema();
+        let definitions = schema["definitions"].as_object().into_iter().flat_map(|all| all.iter());
+        for (name, definition) in definitions.chain([(&"".to_string(), &schema)]) {
+            assert!(name.is_empty() || text.contains(&format!("\n## {name}\n")), "{}: {name}", kind.name());
+            for field in definition["properties"].as_object().into_iter().flat_map(|all| all.keys()) {
+                assert!(text.contains(&format!("\n| `{field}` | ")), "{}: {name}.{field}", kind.name());
+            }
+        }
+        for link in text.split("](#").skip(1).map(|rest| rest.split(')').next().unwrap()) {
+            let headings = text.lines().filter_map(|line| line.strip_prefix("## "));
+            assert!(
+                headings.map(str::to_lowercase).any(|heading| heading == link),
+                "{}: {link}",
+                kind.name()
+            );
+        }
+    }
 }
 
 #[test]
