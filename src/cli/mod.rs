@@ -9,6 +9,7 @@ mod checkpoint;
 mod commands;
 mod first_cells;
 mod folder_lock;
+pub mod front_end;
 mod imported_robot;
 mod json_text;
 mod library;
