@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use std::sync::Arc;
-use sweetspot::cell::{Cell, Unit};
+use sweetspot::cell::{Cell, Operation, Unit};
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::Evaluation;
 use sweetspot::record::nine_digits;
@@ -24,9 +24,11 @@ pub struct Evaluated {
 }
 
 impl Evaluated {
-    pub fn new(evaluation: &Evaluation, unit: Unit, reasons: Vec<String>) -> Self {
-        let in_unit = |si: f64| nine_digits(unit.from_si(si));
-        let value = |outcome: &Outcome| match outcome {
+    pub fn new(evaluation: &Evaluation, cell: &Cell, reasons: Vec<String>) -> Self {
+        let in_unit = |si: f64| nine_digits(cell.unit().from_si(si));
+        let value = |(outcome, operation): (&Outcome, &Operation)| match outcome {
+            // As in a map, nothing can be done on equipment that overlaps.
+            _ if evaluation.overlaps.iter().any(|overlap| overlap.concerns(operation.equipment)) => None,
             Outcome::Found(spot) => Some(in_unit(spot.value)),
             _ => None,
         };
@@ -34,7 +36,7 @@ impl Evaluated {
             cost: in_unit(evaluation.cost),
             objective: evaluation.objective.map(in_unit),
             is_accepted: evaluation.is_accepted(),
-            values: evaluation.outcomes.iter().map(value).collect(),
+            values: evaluation.outcomes.iter().zip(&cell.operations).map(value).collect(),
             reasons,
         }
     }

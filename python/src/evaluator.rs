@@ -125,7 +125,6 @@ impl Evaluator {
 
     /// Evaluates layouts on all cores.
     fn evaluated(&self, rows: &[f64], units: bool, reasons: bool, stop: &AtomicBool) -> Vec<Evaluated> {
-        let unit = self.workcell.cell.unit();
         let one = |workspace: &mut Borrowed<'_>, row: &[f64]| {
             if stop.load(Ordering::Relaxed) {
                 return Evaluated::default();
@@ -134,7 +133,7 @@ impl Evaluator {
             let evaluation = evaluate_in(&self.workcell, &layout, workspace);
             let is_asked = reasons && evaluation.objective.is_none();
             let why = is_asked.then(|| Feasibility::new(&self.workcell, &layout).reasons);
-            Evaluated::new(&evaluation, unit, why.unwrap_or_default())
+            Evaluated::new(&evaluation, &self.workcell.cell, why.unwrap_or_default())
         };
         let borrow = || Borrowed::new(&self.workspaces);
         let dim = self.dim();

@@ -22,6 +22,7 @@ from sweetspot._native import (
     robots,
     schema,
 )
+from sweetspot import records
 from sweetspot.errors import Fault, InputError, InputWarning, NoAnswerError, SweetspotError, UnreadableError
 
 __all__ = [
@@ -44,6 +45,7 @@ __all__ = [
     "calibrate",
     "compare",
     "evaluator",
+    "records",
     "robot",
     "robots",
     "schema",
