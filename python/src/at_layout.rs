@@ -11,6 +11,15 @@ use sweetspot::report;
 /// Name of the text that adds the keys of `--set` to the cell file.
 const WITH_SETS: &str = ".with-settings.toml";
 
+/// Returns a name that none of the files has: `name`, or `name` after underscores.
+fn unused(name: &str, files: &[(String, Vec<u8>)]) -> String {
+    let mut name = name.to_string();
+    while files.iter().any(|(known, _)| known.eq_ignore_ascii_case(&name)) {
+        name.insert(0, '_');
+    }
+    name
+}
+
 /// Returns a cell whose start is this layout of `cell`. The text of its file begins with `comment`.
 ///
 /// It has the bits of the layout file that `sweetspot search` writes, because the same text is read.
@@ -23,12 +32,13 @@ pub fn at_layout(py: Python<'_>, cell: &Cell, layout: &Layout, name: &str, comme
     let from = if lines.is_empty() {
         file
     } else {
-        let text = format!("from = {}\n{}\n", toml_string(&file), lines.join("\n"));
-        files.push((WITH_SETS.to_string(), text.into_bytes()));
-        WITH_SETS.to_string()
+        let (name, text) =
+            (unused(WITH_SETS, &files), format!("from = {}\n{}\n", toml_string(&file), lines.join("\n")));
+        files.push((name.clone(), text.into_bytes()));
+        name
     };
-    let text = report::toml::fixed(&from, comment, cell.cell(), layout);
-    files.push((name.to_string(), text.into_bytes()));
+    let (name, text) = (unused(name, &files), report::toml::fixed(&from, comment, cell.cell(), layout));
+    files.push((name.clone(), text.into_bytes()));
     let origin = CellOrigin {
         path: cell.origin.path.with_file_name(name),
         packages: cell.origin.packages.clone(),

@@ -97,6 +97,9 @@ impl Evaluator {
     fn rows(&self, given: &Given<'_>) -> PyResult<Rows> {
         let (shape, dim) = (given.shape(), self.dim());
         let is_one = shape.len() == 1;
+        if dim == 0 {
+            return Err(PyValueError::new_err("the cell has no free coordinate: its layout is fixed"));
+        }
         if !(1..=2).contains(&shape.len()) || shape.last() != Some(&dim) {
             let message = format!("expected layouts of shape (n, {dim}) or ({dim},), not {shape:?}");
             return Err(PyValueError::new_err(message));
@@ -266,15 +269,16 @@ impl Evaluator {
             let layout = self.layout(row, false);
             free.iter().map(|(slot, _)| from_si(*slot, layout.value(cell, *slot))).collect::<Vec<_>>()
         };
-        matrix(py, rows.values.chunks(self.dim().max(1)).map(values).collect(), self.dim())
+        matrix(py, rows.values.chunks(self.dim()).map(values).collect(), self.dim())
     }
 
     /// Returns the points of the unit cube of layouts whose coordinates, mm and degrees, are inside the bounds.
-    fn from_units<'py>(&self, py: Python<'py>, layouts: Given<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    #[pyo3(name = "from_units")]
+    fn points<'py>(&self, py: Python<'py>, layouts: Given<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.rows(&layouts)?;
         let space = SearchSpace::new(&self.workcell.cell);
         let point = |row: &[f64]| space.point(&self.layout(row, true));
-        matrix(py, rows.values.chunks(self.dim().max(1)).map(point).collect(), self.dim())
+        matrix(py, rows.values.chunks(self.dim()).map(point).collect(), self.dim())
     }
 
     /// Returns the cell at one layout.

@@ -70,6 +70,10 @@ def test_searches(command: Run, tmp_path: Any) -> None:
         "cell": search.cell.name
     }
     assert len(search.cells) == len(said["front"])
+    # A search from the best layout of another search, with settings that no layout file states.
+    ranged = search.cell.with_({"equipment.worktable.placement.x_mm": {"min": -900, "max": 900}, "guard_percent": 2})
+    again = ranged.search(seed=1, budget=200)
+    assert again.cell.map().objective == again.objective and ss.evaluator(again.cell).dim == 0
 
 
 def test_other_questions(command: Run) -> None:

@@ -100,3 +100,5 @@ def test_units_and_points_convert(points: np.ndarray) -> None:
     assert len(f.names) == f.dim == 7 and f.unit == "mm"
     fixed = ss.Cell.read(HITACHI).with_({path: float(v) for path, v in zip(f.names, values[0])})
     assert ss.evaluator(fixed).dim == 0
+    with pytest.raises(ValueError, match="no free coordinate"):
+        ss.evaluator(fixed)([])

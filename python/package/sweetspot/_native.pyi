@@ -1,6 +1,7 @@
 """Types of the native module."""
 
 from os import PathLike
+from pathlib import Path
 from typing import Any, Callable, Literal, Mapping, TypedDict
 
 import numpy as np
@@ -128,7 +129,7 @@ class Cell:
     @property
     def name(self) -> str: ...
     @property
-    def path(self) -> Any: ...
+    def path(self) -> Path: ...
     @property
     def robot(self) -> Robot: ...
     @property
