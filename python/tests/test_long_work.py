@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 import time
+from typing import Iterator
 
 import numpy as np
 import pytest
@@ -14,6 +15,14 @@ from conftest import CELLS
 import sweetspot as ss
 
 UR = CELLS / "ur_cell.toml"
+
+
+@pytest.fixture(autouse=True)
+def _sigint_raises() -> Iterator[None]:
+    """A shell starts jobs of the background with SIGINT ignored, which Python then leaves so."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def interrupt_after(seconds: float) -> threading.Timer:
@@ -31,7 +40,7 @@ def test_ctrl_c_ends_a_search_with_what_was_found() -> None:
         if len(seen) == 4:
             os.kill(os.getpid(), signal.SIGINT)
 
-    search = cell.search(seed=1, budget=10_000_000, progress=tell)
+    search = cell.search(seed=1, budget=10_000_000, time=300, progress=tell)
     assert search.ended == "interrupted" and search.evaluations >= seen[-1][0] > 0
     assert search.objective is not None and search.cell.map().objective == search.objective
     assert seen[0][1] == 10_000_000

@@ -183,8 +183,8 @@ def main() -> None:
     versions = {kind: importlib.metadata.version(package) for kind, package in PACKAGES.items()} if not options.speed else {}
     results = {
         "versions": {"sweetspot": ss.__version__, **versions},
-        "speeds": [speed(name) for name in CELLS],
         "studies": [] if options.speed else [study(name, seeds) for name in CELLS],
+        "speeds": [speed(name) for name in CELLS],
     }
     text = tables(results)
     print(text)
