@@ -96,24 +96,6 @@ impl Cell {
             faults::refused(py, &self.place(), message, &near.unwrap_or_else(listed))
         })
     }
-
-    /// Returns the arguments of the command line that mean this cell: its file and its settings.
-    pub fn words(&self) -> Vec<String> {
-        let mut words = vec![self.place()];
-        let mut said = Vec::new();
-        for setting in &self.settings {
-            let (option, value) = match setting.flag.as_deref() {
-                Some(flag) => flag.split_once(' ').map_or((flag, String::new()), |(o, v)| (o, v.to_string())),
-                None => ("--set", setting.words()),
-            };
-            if !said.contains(&(option, value.clone())) {
-                words.push(option.to_string());
-                words.extend(Some(value.clone()).filter(|value| !value.is_empty()));
-                said.push((option, value));
-            }
-        }
-        words
-    }
 }
 
 #[pymethods]

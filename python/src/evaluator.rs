@@ -4,17 +4,17 @@ use crate::at_layout::at_layout;
 use crate::cell::Cell;
 use crate::evaluations::{Evaluated, Evaluations};
 use crate::interrupt::all_or_nothing;
+use crate::workspaces::{Borrowed, Workspaces};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLikeDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 use sweetspot::assess::Feasibility;
 use sweetspot::cell::{Coordinate, Layout, Slot};
 use sweetspot::files::toml_string;
-use sweetspot::layout::{Workcell, Workspace, evaluate_in};
+use sweetspot::layout::{Workcell, evaluate_in};
 use sweetspot::record::nine_digits;
 use sweetspot::search::SearchSpace;
 use sweetspot::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
@@ -33,7 +33,7 @@ type Given<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 pub struct Evaluator {
     cell: Cell,
     workcell: Arc<Workcell>,
-    workspaces: Mutex<Vec<Workspace>>,
+    workspaces: Workspaces,
 }
 
 /// Layouts as rows of numbers.
@@ -41,40 +41,6 @@ struct Rows {
     values: Vec<f64>,
     /// Whether one layout was given instead of an array of layouts.
     is_one: bool,
-}
-
-/// Working memory that one thread borrows from the evaluator.
-struct Borrowed<'e> {
-    pool: &'e Mutex<Vec<Workspace>>,
-    workspace: Workspace,
-}
-
-impl<'e> Borrowed<'e> {
-    fn new(pool: &'e Mutex<Vec<Workspace>>) -> Self {
-        let workspace = pool.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).pop();
-        Self { pool, workspace: workspace.unwrap_or_default() }
-    }
-}
-
-impl Deref for Borrowed<'_> {
-    type Target = Workspace;
-
-    fn deref(&self) -> &Workspace {
-        &self.workspace
-    }
-}
-
-impl DerefMut for Borrowed<'_> {
-    fn deref_mut(&mut self) -> &mut Workspace {
-        &mut self.workspace
-    }
-}
-
-impl Drop for Borrowed<'_> {
-    fn drop(&mut self) {
-        let mut pool = self.pool.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        pool.push(std::mem::take(&mut self.workspace));
-    }
 }
 
 /// Returns a function from layouts to costs, for an optimiser of the user's own.
@@ -86,7 +52,7 @@ pub fn evaluator(py: Python<'_>, cell: &Cell) -> PyResult<Evaluator> {
 impl Evaluator {
     pub fn new(py: Python<'_>, cell: Cell) -> PyResult<Self> {
         let workcell = cell.prepared(py)?;
-        Ok(Self { cell, workcell, workspaces: Mutex::default() })
+        Ok(Self { cell, workcell, workspaces: Workspaces::default() })
     }
 
     fn free(&self) -> Vec<(Slot, &Coordinate)> {

@@ -20,6 +20,7 @@ mod robot;
 mod search;
 mod settings;
 mod table;
+mod workspaces;
 
 use pyo3::prelude::*;
 

@@ -78,7 +78,7 @@ fn page(py: Python<'_>, cell: &Cell, search: Option<&Search>, details: &[Detail]
 fn manifest(cell: &Cell, search: Option<&Search>) -> Manifest {
     let command = if search.is_some() { "search" } else { "map" };
     Manifest {
-        command: [vec![command.to_string()], cell.words()].concat(),
+        command: [vec![command.to_string()], words(cell)].concat(),
         version: env!("CARGO_PKG_VERSION").into(),
         seed: cell.cell().search.seed,
         inputs: cell.loaded.sources.iter().map(|s| (s.path.clone(), sha256(&s.bytes))).collect(),
@@ -87,6 +87,24 @@ fn manifest(cell: &Cell, search: Option<&Search>) -> Manifest {
         source: cell.place(),
         is_complete: true,
     }
+}
+
+/// Returns the arguments of the command line that mean a cell: its file and its settings.
+fn words(cell: &Cell) -> Vec<String> {
+    let mut words = vec![cell.place()];
+    let mut said = Vec::new();
+    for setting in &cell.settings {
+        let (option, value) = match setting.flag.as_deref() {
+            Some(flag) => flag.split_once(' ').map_or((flag, String::new()), |(o, v)| (o, v.to_string())),
+            None => ("--set", setting.words()),
+        };
+        if !said.contains(&(option, value.clone())) {
+            words.push(option.to_string());
+            words.extend(Some(value.clone()).filter(|value| !value.is_empty()));
+            said.push((option, value));
+        }
+    }
+    words
 }
 
 /// Writes a page to a file, which is replaced as a whole, and returns the verdict of the page.
