@@ -39,7 +39,7 @@ pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -
 }
 
 /// Returns the warnings that are not of the import of a URDF, which `check` lists.
-fn without_import(warnings: &[Fault]) -> Vec<Fault> {
+pub fn without_import(warnings: &[Fault]) -> Vec<Fault> {
     warnings.iter().filter(|fault| fault.kind != FaultKind::Import).cloned().collect()
 }
 
@@ -72,17 +72,15 @@ pub struct FileSnapshot {
 }
 
 impl FileSnapshot {
-    /// Returns a snapshot that contains one file. This file need not exist on disk.
-    #[cfg(feature = "view")]
-    pub fn with(name: &str, bytes: &[u8]) -> Self {
-        let files = HashMap::from([(name.to_string(), Ok(bytes.to_vec()))]);
+    /// Returns a snapshot that contains these files, which need not exist on disk. Others are read from disk.
+    pub fn with(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
+        let files = files.into_iter().map(|(name, bytes)| (name, Ok(bytes))).collect();
         Self { files: Mutex::new(files), is_closed: false }
     }
 
     /// Returns a snapshot that contains these files and refuses all others.
     pub fn closed(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
-        let files = files.into_iter().map(|(name, bytes)| (name, Ok(bytes))).collect();
-        Self { files: Mutex::new(files), is_closed: true }
+        Self { is_closed: true, ..Self::with(files) }
     }
 
     fn get(&self, name: &str, read: impl FnOnce() -> Result<Vec<u8>, String>) -> Result<Vec<u8>, String> {
@@ -111,13 +109,20 @@ pub fn read_cell_with(
 
 /// Reads a robot and everything it refers to, and prints faults and warnings.
 pub fn load_robot(path: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit> {
+    let loaded = read_robot(path, packages).map_err(|faults| {
+        output::faults(&faults);
+        exit_of(&faults)
+    })?;
+    output::faults(&without_import(&loaded.warnings));
+    Ok(loaded)
+}
+
+/// Reads a robot and everything it refers to.
+pub fn read_robot(path: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Vec<Fault>> {
     let (folder, name) = parted(path);
-    let loaded =
-        files::load_robot(&name, &mut |inside| read_named(&folder, packages, inside)).map_err(|faults| {
-            output::faults(&named(path, faults.clone()));
-            exit_of(&faults)
-        })?;
-    output::faults(&without_import(&named(path, loaded.warnings.clone())));
+    let mut read = |inside: &str| read_named(&folder, packages, inside);
+    let mut loaded = files::load_robot(&name, &mut read).map_err(|faults| named(path, faults))?;
+    loaded.warnings = named(path, loaded.warnings);
     Ok(loaded)
 }
 
@@ -237,11 +242,16 @@ pub fn reason(e: &std::io::Error) -> String {
 
 /// Writes a file atomically: writes a temporary file in the same folder, syncs it and renames it.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
-    let write = || {
-        unfinished(path, bytes)?.persist(path).map_err(|e| e.error)?;
-        sync(folder_of(path))
-    };
-    write().map_err(|e| cannot_write(path, &e))
+    replace(path, bytes).map_err(|e| cannot_write(path, &e))
+}
+
+/// Writes a file as [`write_whole`] does, and prints nothing.
+///
+/// # Errors
+/// Fails if the file cannot be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    unfinished(path, bytes)?.persist(path).map_err(|e| e.error)?;
+    sync(folder_of(path))
 }
 
 /// Writes a file atomically unless it exists. Returns whether the file is new. Of several programs that do this

@@ -11,6 +11,7 @@ mod commands;
 mod document_reference;
 mod first_cells;
 mod folder_lock;
+pub mod front_end;
 mod imported_robot;
 mod json_text;
 mod library;

@@ -1,8 +1,12 @@
 //! The document of `calibrate --json`.
 
 use super::numbers::{degrees, millimetres, nine_digits};
-use crate::calibration::{Accuracy, Calibration, FittedSession, Identified, ResidualVariances, Unknown};
+use crate::calibration::{
+    Accuracy, Calibration, Deformed, FittedSession, Identified, MeasuringSession, ResidualVariances, Unknown,
+    aligned,
+};
 use crate::cell::{Convention, Joint, JointKind, Parameter, Robot, SignedErrors};
+use crate::robot::Chain;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -130,6 +134,44 @@ impl AccuracyEntry {
             max_mm: millimetres(accuracy.max),
         }
     }
+}
+
+impl CalibratedFile {
+    /// Makes the entry of a session of the fit. Returns None if the session is empty or its frames are undetermined.
+    pub fn new(chain: &Chain, session: &MeasuringSession, fitted: &FittedSession) -> Option<Self> {
+        Some(Self {
+            file: session.name.clone(),
+            poses: session.measured.len(),
+            before: nominal(chain, session)?,
+            after: AccuracyEntry::new(&Accuracy::of(fitted.distances.clone())?),
+            outliers: OutlierRow::of(fitted),
+        })
+    }
+}
+
+impl TestedFile {
+    /// Makes the entry of a session that was not part of the fit. Returns None if the session is empty or its frames
+    /// are undetermined.
+    pub fn new(chain: &Chain, session: &MeasuringSession, calibration: &Calibration) -> Option<Self> {
+        let (fitted, coverage_95) = calibration.tested(&session.measured)?;
+        Some(Self {
+            file: session.name.clone(),
+            poses: session.measured.len(),
+            before: nominal(chain, session)?,
+            outliers: OutlierRow::of(&fitted),
+            after: AccuracyEntry::new(&Accuracy::of(fitted.distances)?),
+            coverage_95,
+        })
+    }
+}
+
+/// Returns the accuracy of the nominal robot after a fit of base and reflector.
+fn nominal(chain: &Chain, session: &MeasuringSession) -> Option<AccuracyEntry> {
+    let poses: Vec<_> = session.measured.iter().map(|m| Deformed::new(chain, &m.joints, &[], &[])).collect();
+    let frames = aligned(&poses, &session.measured)?;
+    let distances = poses.iter().zip(&session.measured);
+    let distances = distances.map(|(pose, m)| frames.residual(&pose.interface, m).norm()).collect();
+    Accuracy::of(distances).as_ref().map(AccuracyEntry::new)
 }
 
 impl OutlierRow {

@@ -35,7 +35,7 @@ pub use outputs::{ExportArguments, ExportFormat, FiguresArguments, ReportArgumen
 pub use postures::{BudgetArguments, ExplainArguments};
 pub use question::{ErrorFlags, QuestionFlags};
 pub use robots::{EnvelopeArguments, RobotArguments, RobotsArguments};
-pub use search::SearchArguments;
+pub use search::{SearchArguments, StoppingFlags};
 pub use sweep::{SweepArguments, common_settings};
 
 use clap::{Parser, Subcommand};

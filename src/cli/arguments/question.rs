@@ -9,7 +9,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 
 /// Flags that choose error set, error model, sense and limit.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct ErrorFlags {
     /// Use this error set of the robot
     #[arg(long, value_name = "NAME")]
@@ -30,7 +30,7 @@ pub struct ErrorFlags {
 }
 
 /// Flags that choose the errors and their interpretation.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct QuestionFlags {
     #[command(flatten)]
     pub errors: ErrorFlags,

@@ -9,7 +9,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct SearchArguments {
     /// Cell file (TOML)
     #[arg(required_unless_present = "resume")]
@@ -69,7 +69,7 @@ pub struct SearchArguments {
 }
 
 /// Flags that decide when a search ends.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct StoppingFlags {
     /// Stop after this many layout evaluations
     #[arg(long, value_name = "N")]

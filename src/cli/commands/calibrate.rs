@@ -6,13 +6,11 @@ use super::measuring_plan::{choose, measuring_plan};
 use super::robots::read;
 use super::stated::{calibrate_as_stated, is_urdf, robot_of_urdf, states_calibration};
 use super::{suggest, suggest_with};
-use crate::calibration::{
-    Accuracy, Deformed, MeasuringSession, aligned, calibrate as fitted, drawn, harmonics,
-};
+use crate::calibration::{MeasuringSession, calibrate as fitted, drawn, harmonics};
 use crate::cli::arguments::CalibrateArguments;
 use crate::cli::output::{path_word, word};
 use crate::cli::{Exit, json_text, loading, output};
-use crate::record::{AccuracyEntry, CalibratedFile, CalibrationDocument, OutlierRow, TestedFile};
+use crate::record::{CalibratedFile, CalibrationDocument, TestedFile};
 use crate::report;
 use crate::robot::Chain;
 use std::time::Instant;
@@ -61,26 +59,9 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         Exit::BadInput
     })?;
     let seconds = begun.elapsed().as_secs_f64();
-    let calibrated = sessions.iter().zip(&calibration.sessions).filter_map(|(session, fitted)| {
-        Some(CalibratedFile {
-            file: session.name.clone(),
-            poses: session.measured.len(),
-            before: nominal(&chain, session)?,
-            after: AccuracyEntry::new(&Accuracy::of(fitted.distances.clone())?),
-            outliers: OutlierRow::of(fitted),
-        })
-    });
-    let tested = tests.iter().filter_map(|session| {
-        let (fitted, coverage_95) = calibration.tested(&session.measured)?;
-        Some(TestedFile {
-            file: session.name.clone(),
-            poses: session.measured.len(),
-            before: nominal(&chain, session)?,
-            outliers: OutlierRow::of(&fitted),
-            after: AccuracyEntry::new(&Accuracy::of(fitted.distances)?),
-            coverage_95,
-        })
-    });
+    let calibrated = sessions.iter().zip(&calibration.sessions);
+    let calibrated = calibrated.filter_map(|(session, fitted)| CalibratedFile::new(&chain, session, fitted));
+    let tested = tests.iter().filter_map(|session| TestedFile::new(&chain, session, &calibration));
     let (calibrated, tested) = (calibrated.collect(), tested.collect());
     let document = CalibrationDocument::new(&robot, &calibration, calibrated, tested, seconds);
     if let Some(path) = &a.svg {
@@ -118,13 +99,4 @@ fn words(a: &CalibrateArguments) -> String {
     words.extend(a.planning.choose.map(|count| format!("--choose {count}")));
     words.extend(a.planning.task.as_ref().map(|cell| format!("--for {}", path_word(cell))));
     words.join(" ")
-}
-
-/// Returns the accuracy of the nominal robot after a fit of base and reflector.
-fn nominal(chain: &Chain, session: &MeasuringSession) -> Option<AccuracyEntry> {
-    let poses: Vec<_> = session.measured.iter().map(|m| Deformed::new(chain, &m.joints, &[], &[])).collect();
-    let frames = aligned(&poses, &session.measured)?;
-    let distances = poses.iter().zip(&session.measured);
-    let distances = distances.map(|(pose, m)| frames.residual(&pose.interface, m).norm()).collect();
-    Accuracy::of(distances).as_ref().map(AccuracyEntry::new)
 }

@@ -63,6 +63,7 @@ use crate::cli::{Exit, cache, output};
 use crate::drawing::Detail;
 use crate::files::shown;
 use crate::layout::{Workcell, evaluate};
+use crate::report::page::sized;
 use crate::report::text;
 use std::path::Path;
 
@@ -121,31 +122,14 @@ fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Largest size of a page, bytes.
-const MAX_PAGE_BYTES: usize = 8 << 20;
-
-/// Returns the most detailed page that fits into [`MAX_PAGE_BYTES`]. If none fits, warns and returns the
-/// least detailed page.
-fn within_size(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Result<String, Exit> {
-    let plain = Detail { nodes: 400, ..Detail::PLAIN };
-    let mut html = String::new();
-    for (k, detail) in [Detail::FULL, Detail { lenses: false, ..Detail::FULL }, plain].iter().enumerate() {
-        html = page(detail).map_err(|why| {
-            output::error(&format!("cannot render the page: {why}"));
-            Exit::Io
-        })?;
-        if html.len() <= MAX_PAGE_BYTES {
-            if k > 0 {
-                output::talk("note: the 3-D view shows less detail, to keep the page below 8 MB");
-            }
-            return Ok(html);
-        }
-    }
-    output::talk(&format!(
-        "warning: the page is {} MB large; use coarser meshes to make it smaller",
-        html.len() >> 20
-    ));
-    Ok(html)
+/// Renders a page as detailed as its size limit allows. Prints what was left out.
+fn within_size(page: impl FnMut(&Detail) -> Result<String, String>) -> Result<String, Exit> {
+    let page = sized(page).map_err(|why| {
+        output::error(&format!("cannot render the page: {why}"));
+        Exit::Io
+    })?;
+    page.note.iter().for_each(|note| output::talk(note));
+    Ok(page.html)
 }
 
 /// Suggests the next command, with the packages that it needs as well.

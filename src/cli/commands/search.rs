@@ -61,7 +61,7 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
     let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
     let seconds = clock.elapsed().as_secs_f64();
     let stopped = matches!(record.ended, SearchEnd::Interrupted | SearchEnd::TimeLimit);
-    let comparison = compared(&workcell, &record);
+    let comparison = Comparison::of_search(&workcell, &record);
     let written = results::write_search(
         folder,
         file,
@@ -115,17 +115,6 @@ fn proven(workcell: &Workcell) -> Proof {
         _ => {}
     }
     proof
-}
-
-fn compared<'a>(workcell: &'a Workcell, record: &SearchRecord) -> Comparison<'a> {
-    let [start, best] = [("start", &record.start), ("best", &record.best)]
-        .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));
-    // Misplacement is analysed only if the cell has a placement tolerance or a limit.
-    let limited = workcell.cell.operations.iter().any(|o| o.limit.is_some());
-    let matters = workcell.cell.has_placement_tolerance() || limited;
-    let best = if matters { best.misplaced() } else { best };
-    let columns = [start, best.with_regions()];
-    Comparison { columns: columns.into() }
 }
 
 fn run_search(

@@ -5,6 +5,7 @@
 //! from [`crate::layout::evaluate`] and the error maps, as in the other commands.
 
 mod access_control;
+mod background;
 mod browser;
 mod http_response;
 mod job;
@@ -17,6 +18,7 @@ mod session;
 mod values;
 
 pub use access_control::{AccessControl, secret};
+pub use background::BackgroundView;
 pub use browser::open_in_browser;
 pub use save::Origin;
 pub use server::LocalServer;

@@ -103,7 +103,7 @@ impl Origin {
 
     /// Validates a cell file before it is written, so that every saved file is valid.
     fn check(&self, path: &Path, name: &str, text: &str) -> Result<(), Unsaved> {
-        let kept = FileSnapshot::with(name, text.as_bytes());
+        let kept = FileSnapshot::with([(name.to_string(), text.as_bytes().to_vec())]);
         match loading::read_cell_with(path, &self.packages, &[], &kept) {
             Ok(_) => Ok(()),
             Err(faults) => {

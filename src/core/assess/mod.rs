@@ -54,6 +54,7 @@ use crate::reach::{Envelope, Fineness};
 use crate::reading::{Estimate, Figures, MonteCarlo};
 use crate::region::Regions;
 use crate::safe_text::shown;
+use crate::search::SearchRecord;
 
 /// Full evaluation of one layout, with maps and figures.
 pub struct Assessment<'a> {
@@ -318,6 +319,18 @@ impl<'a> Comparison<'a> {
             }
         }
         Ok(Self { columns })
+    }
+
+    /// Returns the layout as drawn beside the best layout of a search, which has its regions.
+    pub fn of_search(workcell: &'a Workcell, record: &SearchRecord) -> Self {
+        let [start, best] = [("start", &record.start), ("best", &record.best)]
+            .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));
+        // Misplacement is analysed only if the cell has a placement tolerance or a limit.
+        let limited = workcell.cell.operations.iter().any(|o| o.limit.is_some());
+        let matters = workcell.cell.has_placement_tolerance() || limited;
+        let best = if matters { best.misplaced() } else { best };
+        let columns = [start, best.with_regions()];
+        Self { columns: columns.into() }
     }
 
     /// Returns the relative change of an error from the first column to `column`, in percent.

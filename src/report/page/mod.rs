@@ -21,6 +21,7 @@ mod readings;
 mod report;
 mod runner_up;
 mod shell;
+mod size;
 mod subject;
 mod verdict;
 
@@ -29,6 +30,7 @@ pub use content::{PageFigure, PageTable, Section};
 #[cfg(feature = "view")]
 pub use live::live;
 pub use report::{Report, report};
+pub use size::{SizedPage, sized};
 pub use subject::{Manifest, Subject};
 
 use serde_json::Value;

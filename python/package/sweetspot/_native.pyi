@@ -1,0 +1,380 @@
+"""Types of the native module."""
+
+from os import PathLike
+from pathlib import Path
+from typing import Any, Callable, Literal, Mapping, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+from typing_extensions import Self, Unpack, final
+
+from sweetspot._record import Table
+from sweetspot.errors import Fault
+from sweetspot.records import (
+    AlternativeEntry,
+    BudgetDocument,
+    CalibrationDocument,
+    ComparisonDocument,
+    IdentifiedParameter,
+    MapDocument,
+    OperationMapEntry,
+    PlacementEntry,
+    RobotSheetDocument,
+    RobotsDocument,
+    RobustDocument,
+    SearchResult,
+    SpotEntry,
+    VerdictDocument,
+)
+
+__all__ = [
+    "Calibration",
+    "Cell",
+    "Errors",
+    "Evaluations",
+    "Evaluator",
+    "Map",
+    "Robot",
+    "Search",
+    "View",
+    "__version__",
+    "arrow_stream",
+    "calibrate",
+    "compare",
+    "evaluator",
+    "robot",
+    "robots",
+    "schema",
+]
+
+__version__: str
+
+_Path = str | PathLike[str]
+_Packages = list[tuple[str, _Path]]
+_Floats = npt.NDArray[np.float64]
+
+class _Question(TypedDict, total=False):
+    """The flags of the commands that choose errors and their interpretation."""
+
+    errors: str | None
+    model: Literal["nonlinear", "linear", "second-order"] | None
+    sense: str | None
+    limit: float | None
+    reading: Literal["signed", "worst-case", "statistical"] | None
+    quantity: Literal["rms", "mean", "p95", "p99", "yield"] | None
+    registration: Literal["none", "best-fit", "taught"] | None
+
+class _SearchFlags(_Question, total=False):
+    """The flags of `sweetspot search`."""
+
+    seed: int | None
+    ideal: bool | None
+    robust: bool | None
+    pareto: list[str] | None
+    keep: int | None
+    solver: str | None
+    budget: int | None
+    gap: float | None
+    stagnation: int | None
+
+@final
+class Cell:
+    """Cell with its settings, valid by construction. It does not change: `with_` makes another one."""
+
+    @staticmethod
+    def read(path: _Path, *, packages: _Packages | None = None) -> Cell:
+        """Reads a cell file and everything that it refers to."""
+    @staticmethod
+    def from_text(
+        text: str, *, folder: _Path | None = None, name: str = "cell.toml", packages: _Packages | None = None
+    ) -> Cell:
+        """Reads a cell from the text of a cell file; the files that it refers to are in `folder`."""
+    def with_(self, *sets: str | Mapping[str, Any], **question: Unpack[_Question]) -> Cell:
+        """Returns the cell with settings: `PATH=VALUE` as after `--set`, or a dict of paths and values; and the flags
+        that choose errors."""
+    def with_errors(self, errors: Errors) -> Cell:
+        """Returns the cell with identified errors of its robot, and with the reading that suits them."""
+    def map(
+        self, operation: str | None = None, *, senses: Literal["all", "own"] = "all", **question: Unpack[_Question]
+    ) -> Map:
+        """Maps the error over the surface of an operation, or of all operations.
+
+        `senses="own"` leaves out the figures in other senses than that of the operation: several times faster, and
+        half the memory.
+        """
+    def search(
+        self,
+        *,
+        time: float | None = None,
+        threads: int | None = None,
+        progress: Callable[[int, int, float | None], object] | None = None,
+        **settings: Unpack[_SearchFlags],
+    ) -> Search:
+        """Searches for the layout of least error. Ctrl-C ends the search, which then returns what it has found.
+
+        `progress` gets the evaluations so far, the budget, and the best objective.
+        """
+    def budget(
+        self, operation: str | None = None, *, at: tuple[int, int] | None = None, **question: Unpack[_Question]
+    ) -> BudgetDocument:
+        """Returns the shares of all parameters in the error at the spot of an operation, or at a node."""
+    def robust(self, **question: Unpack[_Question]) -> RobustDocument:
+        """Returns the sensitivity to misplaced equipment, and the largest misplacement that keeps the limits."""
+    def report(self, path: _Path) -> VerdictDocument:
+        """Writes one HTML page about the layout as drawn, and returns its verdict. An existing page is replaced."""
+    def view(self, *, port: int = 0, open: bool = False) -> View:
+        """Serves a page on this machine that edits the layout."""
+    def evaluator(self) -> Evaluator:
+        """Returns a function from layouts to costs, for an optimiser of the user's own."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def path(self) -> Path: ...
+    @property
+    def robot(self) -> Robot: ...
+    @property
+    def operations(self) -> list[str]:
+        """Names of the operations."""
+    @property
+    def notes(self) -> list[str]:
+        """Caveats on the interpretation of the errors."""
+    @property
+    def warnings(self) -> tuple[Fault, ...]:
+        """Warnings of the reader."""
+    def _repr_html_(self) -> str: ...
+    @staticmethod
+    def _restored(path: Any, packages: Any, files: Any, settings: Any) -> Cell: ...
+
+@final
+class Map:
+    """Error map of the layout as drawn: a table of nodes, a record and a picture."""
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+    def __getitem__(self, name: str, /) -> npt.NDArray[Any]:
+        """Returns a column of the nodes as a numpy array; a missing number is NaN."""
+    def __len__(self) -> int: ...
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns."""
+    @property
+    def nbytes(self) -> int:
+        """Memory of the nodes, bytes."""
+    @property
+    def document(self) -> MapDocument:
+        """The record of `sweetspot map --json`, without the nodes."""
+    @property
+    def operations(self) -> Table[OperationMapEntry]: ...
+    @property
+    def feasible(self) -> bool: ...
+    @property
+    def objective(self) -> float | None: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def svg(self) -> str:
+        """The picture of the map, the text of an SVG file."""
+    def _repr_html_(self) -> str: ...
+
+@final
+class Search:
+    """Result of a search."""
+
+    @property
+    def objective(self) -> float | None:
+        """Objective of the best layout, in `unit`; None if no layout is feasible."""
+    @property
+    def unit(self) -> str: ...
+    @property
+    def bound(self) -> float | None:
+        """Proven lower bound of the objective of every layout, in `unit`."""
+    @property
+    def gap(self) -> float | None:
+        """How far the best layout lies above the bound: 0.01 is 1 %."""
+    @property
+    def cell(self) -> Cell:
+        """The cell at the best layout."""
+    @property
+    def cells(self) -> list[Cell]:
+        """The cells at the layouts of the front or the shortlist, the best first."""
+    @property
+    def trace(self) -> _Floats:
+        """Improvements of the best layout, shape (n, 2): number of evaluations, and objective in `unit`."""
+    @property
+    def document(self) -> SearchResult:
+        """The record of `sweetspot search --json`."""
+    @property
+    def operations(self) -> Table[SpotEntry]:
+        """Spots of the operations in the best layout."""
+    @property
+    def front(self) -> Table[AlternativeEntry] | None:
+        """The Pareto front or the shortlist; None if the search was not asked to keep layouts."""
+    @property
+    def layout(self) -> dict[str, PlacementEntry]:
+        """Placement of every piece of equipment in the best layout."""
+    @property
+    def ended(self) -> str:
+        """Why the search ended."""
+    @property
+    def evaluations(self) -> int:
+        """Number of layouts evaluated."""
+    def report(self, path: _Path) -> VerdictDocument:
+        """Writes one HTML page about the result, and returns its verdict. An existing page is replaced."""
+    def _repr_html_(self) -> str: ...
+
+@final
+class Evaluator:
+    """Function from layouts to costs. A layout is a point of the unit cube, or its free coordinates in mm and degrees."""
+
+    @property
+    def dim(self) -> int:
+        """Number of free coordinates."""
+    @property
+    def names(self) -> list[str]:
+        """Path of every free coordinate in the cell file, as `Cell.with_` takes it."""
+    @property
+    def unit(self) -> str:
+        """Unit of the costs."""
+    @property
+    def bounds(self) -> _Floats:
+        """Least and largest value of every free coordinate, mm or degrees, shape (dim, 2)."""
+    @property
+    def start(self) -> _Floats:
+        """The layout as drawn, a point of the unit cube."""
+    @property
+    def cell(self) -> Cell:
+        """The cell whose layouts are evaluated."""
+    def __call__(self, /, layouts: npt.ArrayLike, *, units: bool = False) -> Any:
+        """Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
+
+        A layout that misses a limit costs more than 100 times the weight of the objective, in m, rad or shares; one
+        that is not feasible at least 1000 times, and the more the farther it is from feasibility.
+        """
+    def evaluate(self, layouts: npt.ArrayLike, *, units: bool = False, reasons: bool = False) -> Evaluations:
+        """Evaluates layouts: costs, objectives, values of the operations, and on request reasons."""
+    def to_units(self, points: npt.ArrayLike) -> _Floats:
+        """Returns the coordinates, mm and degrees, of the layouts at points of the unit cube."""
+    def from_units(self, layouts: npt.ArrayLike) -> _Floats:
+        """Returns the points of the unit cube of layouts whose coordinates, mm and degrees, are inside the bounds."""
+    def cell_at(self, layout: npt.ArrayLike, *, units: bool = False) -> Cell:
+        """Returns the cell at one layout."""
+
+@final
+class Evaluations:
+    """Evaluations of n layouts."""
+
+    @property
+    def costs(self) -> _Floats:
+        """Costs, shape (n,)."""
+    @property
+    def objectives(self) -> _Floats:
+        """Objectives, shape (n,); NaN for a layout that is not feasible."""
+    @property
+    def feasible(self) -> npt.NDArray[np.bool_]:
+        """Whether each layout is feasible and keeps every limit, shape (n,)."""
+    @property
+    def values(self) -> _Floats:
+        """Value of every operation at its spot, shape (n, operations); NaN without a spot."""
+    @property
+    def reasons(self) -> list[list[str]] | None:
+        """Why each layout is not feasible; None unless reasons were asked for."""
+    @property
+    def operations(self) -> list[str]:
+        """Names of the operations."""
+    @property
+    def unit(self) -> str: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+    def __len__(self) -> int: ...
+
+@final
+class Robot:
+    """Robot: chain, limits, tool and error sets."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def joints(self) -> list[str]:
+        """Names of the joints."""
+    @property
+    def errors(self) -> list[str]:
+        """Names of the error sets."""
+    def sheet(self) -> RobotSheetDocument:
+        """Returns the data sheet, the record of `sweetspot robot --json`."""
+
+@final
+class Errors:
+    """Error set of a robot, the table `errors.NAME` of a robot file."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def toml(self) -> str:
+        """The table for a robot file."""
+
+@final
+class Calibration:
+    """Identified errors of a robot with their uncertainty."""
+
+    @property
+    def errors(self) -> Errors:
+        """The identified errors, for `Cell.with_errors`."""
+    @property
+    def document(self) -> CalibrationDocument:
+        """The record of `sweetspot calibrate --json`."""
+    @property
+    def parameters(self) -> Table[IdentifiedParameter]:
+        """The identified parameters."""
+    @property
+    def covariance(self) -> _Floats:
+        """Covariance of the unknowns in m, rad and rad/m, harmonics last."""
+    @property
+    def residual_mm(self) -> float | None:
+        """Root mean square of the residuals per axis, mm."""
+
+@final
+class View:
+    """Server of a page on this machine that edits a layout. It ends with `stop`, `with` or the process."""
+
+    @property
+    def url(self) -> str:
+        """Address of the page, which contains its secret."""
+    def stop(self) -> None:
+        """Ends the server."""
+    def __enter__(self) -> Self: ...
+    def __exit__(self, *_exception: Any) -> None: ...
+    def _repr_html_(self) -> str: ...
+
+def arrow_stream(names: list[str], columns: list[list[Any]]) -> object:
+    """Returns columns of Python values as the capsule of an Arrow stream."""
+
+def calibrate(
+    robot: Robot,
+    q: npt.ArrayLike,
+    measured: npt.ArrayLike,
+    *,
+    unit: Literal["m", "mm"] = "m",
+    sigma: float | None = None,
+    test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    elastic: bool = False,
+    harmonics: int | None = None,
+) -> Calibration:
+    """Identifies the kinematic errors of a robot from measured positions of its tool.
+
+    `q` has the joint coordinates (n, axes) in rad (m for a prismatic joint), `measured` the positions (n, 3) or poses
+    (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the standard deviation of the
+    instrument per axis, in `unit`. `test` has positions that are not part of the fit.
+    """
+
+def compare(*layouts: Cell | Search, names: list[str] | None = None) -> ComparisonDocument:
+    """Compares the layouts of cells and searches side by side; the first one is the reference."""
+
+def evaluator(cell: Cell) -> Evaluator:
+    """Returns a function from layouts to costs, for an optimiser of the user's own."""
+
+def robot(name: _Path, *, packages: _Packages | None = None) -> Robot:
+    """Returns a built-in robot by its name, or reads a robot file."""
+
+def robots() -> RobotsDocument:
+    """Returns the built-in robots, the record of `sweetspot robots --json`."""
+
+def schema(kind: str = "cell") -> dict[str, Any]:
+    """Returns the JSON Schema of a kind of file or document."""

@@ -1,0 +1,2701 @@
+"""Records: the typed documents of the commands. Lengths are in mm and angles in degrees, where no name says otherwise.
+
+Made by python/make_records.py from the JSON Schemas; do not edit.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, Literal, Optional
+
+from sweetspot._record import Record, Table
+
+if TYPE_CHECKING:
+    from sweetspot._record import _Numbers
+
+
+class AccuracyEntry(Record):
+    """Statistics of position errors, mm."""
+
+    mean_mm: float
+    rms_mm: float
+    p95_mm: float
+    max_mm: float
+
+
+class AccuracyQuantiles(Record):
+    """Pose accuracy AP over the robots of a series, mm. The accuracy of one robot is the mean over five poses."""
+
+    median_mm: float
+    p5_mm: float
+    """5 % of the robots are better."""
+    p95_mm: float
+    """95 % of the robots are better."""
+    worst_pose_mm: float
+    """Median over the robots of the worst of the five poses."""
+
+
+class AllocatedEntry(Record):
+    """Tolerance of one parameter, before and after."""
+
+    parameter: str
+    unit: Literal['deg/m', 'deg/Nm', '1', 'mm', 'deg']
+    cost_kind: Literal['reciprocal', 'exponential', 'grades']
+    before: float
+    """Half width of the error set."""
+    after: Optional[float]
+    """Cheapest half width; null if infeasible."""
+    scale: Optional[float]
+    """`after` divided by `before`."""
+    scale_range: _Numbers
+    """Least and greatest permitted scale."""
+    cost_before: float
+    cost: Optional[float]
+    grade: Optional[str]
+    """Name of the chosen grade; null for a continuous cost."""
+    at_end: Optional[Literal['tightest', 'loosest']]
+    """End of the permitted range at which the tolerance is; null between the ends."""
+
+    _nested = {
+        'scale_range': ('numbers', ''),
+    }
+
+
+class AllocationDocument(Record):
+    """Tolerance allocation: the cheapest tolerances with which every operation keeps its limit."""
+
+    schema: Literal['sweetspot/allocation/1']
+    cell: str
+    robot: str
+    errors: str
+    """Name of the error set."""
+    model: Literal['nonlinear', 'linear', 'second-order']
+    reading: Literal['signed', 'worst-case', 'statistical']
+    quantity: str
+    """Name of the figure that is limited."""
+    registration: Literal['none', 'best-fit', 'taught']
+    demanded_yield: Optional[float]
+    """Share of random arms that must keep each limit; null unless the quantity is the yield."""
+    status: Literal['cheapest', 'exceeded', 'infeasible']
+    cost_before: float
+    """Cost of the tolerances of the error set."""
+    cost: Optional[float]
+    """Least cost found; null if the limits cannot be kept."""
+    lower_bound: Optional[float]
+    """Cost that no tolerances can beat, by the linear model scaled to the judged figures; null if infeasible."""
+    duality_gap: Optional[float]
+    """Duality gap: relative distance of the cost from its lower bound; null if infeasible."""
+    uniform: Optional[UniformEntry]
+    """Uniform tightening for comparison; null if no common scale keeps the limits."""
+    parameters: Table[AllocatedEntry]
+    fixed: List[str]
+    """Names of the errors that stay as they are, because they are measured or correlated."""
+    requirements: Table[AllocationRequirement]
+    shortfalls: Table[ShortfallEntry]
+    """Limits that even the tightest tolerances exceed."""
+    judgement: Optional[JudgementEntry]
+    """How the full error model judges the tolerances; null if infeasible."""
+
+    _nested = {
+        'uniform': ('record', 'UniformEntry'),
+        'parameters': ('table', 'AllocatedEntry'),
+        'requirements': ('table', 'AllocationRequirement'),
+        'shortfalls': ('table', 'ShortfallEntry'),
+        'judgement': ('record', 'JudgementEntry'),
+    }
+
+
+class AllocationRequirement(Record):
+    """One operation at one node with its limit. Figures are in `unit`."""
+
+    operation: str
+    node: List[int]
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    limit: float
+    before: float
+    """Figure with the tolerances of the error set."""
+    after: Optional[float]
+    """Figure with the cheapest tolerances, judged by the error model of the cell; null if infeasible."""
+    is_binding: bool
+    """Whether the figure is at its limit."""
+    shadow_price: Optional[float]
+    """Decrease of the cost per unit of a larger limit."""
+    sampled: Optional[float]
+    """Figure by Monte Carlo samples of the nonlinear model; null if it was not sampled."""
+
+
+class AlternativeEntry(Record):
+    """Layout of the Pareto front or of the shortlist."""
+
+    file: str
+    """Cell file of the layout in the folder of the search."""
+    objective_value: Optional[float]
+    goals: GoalsEntry
+    layout: Dict[str, PlacementEntry]
+    base: PlacementEntry
+    attitudes: Dict[str, AttitudeEntry]
+
+    _nested = {
+        'goals': ('record', 'GoalsEntry'),
+        'layout': ('named', 'PlacementEntry'),
+        'base': ('record', 'PlacementEntry'),
+        'attitudes': ('named', 'AttitudeEntry'),
+    }
+
+
+class AssumedEntry(Record):
+    """Value that the cell file leaves out and that was assumed."""
+
+    key: str
+    """Key of the cell file that changes the value."""
+    value: str
+    """Assumed value in the notation of the cell file."""
+
+
+class AttitudeEntry(Record):
+    """Angles of a tool attitude that the search may change, degrees."""
+
+    bend_deg: Optional[float]
+    azimuth_deg: Optional[float]
+    spin_deg: Optional[float]
+
+
+class BoundEntry(Record):
+    """Tightest permitted tolerance of a parameter."""
+
+    parameter: str
+    unit: Literal['deg/m', 'deg/Nm', '1', 'mm', 'deg']
+    tightest: float
+    without: float
+    """Figure if this parameter had no error, in the unit of the limit."""
+
+
+class BudgetDocument(Record):
+    """Error budget: contribution of every parameter to the error at the spots."""
+
+    schema: Literal['sweetspot/budget/1']
+    cell: str
+    robot: str
+    errors: str
+    """Name of the error set."""
+    model: Literal['nonlinear', 'linear', 'second-order']
+    reading: Literal['signed', 'worst-case', 'statistical']
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    """Name of the figure that the search minimizes."""
+    registration: Literal['none', 'best-fit', 'taught']
+    operations: Table[OperationBudget]
+
+    _nested = {
+        'operations': ('table', 'OperationBudget'),
+    }
+
+
+class CalibratedFile(Record):
+    """File of measured positions in the fit."""
+
+    file: str
+    poses: int
+    """Number of measured positions."""
+    before: AccuracyEntry
+    """Position errors of the nominal robot; base and reflector are fitted."""
+    after: AccuracyEntry
+    """Position errors of the calibrated robot; base and reflector are fitted."""
+    outliers: Table[OutlierRow]
+    """Rows whose distance is more than six standard deviations."""
+
+    _nested = {
+        'before': ('record', 'AccuracyEntry'),
+        'after': ('record', 'AccuracyEntry'),
+        'outliers': ('table', 'OutlierRow'),
+    }
+
+
+class CalibrationDocument(Record):
+    """Kinematic errors of a robot, identified from measured positions."""
+
+    schema: Literal['sweetspot/calibration/1']
+    robot: str
+    sessions: Table[CalibratedFile]
+    """Files from which the parameters are identified."""
+    tests: Table[TestedFile]
+    """Files that were not part of the fit. Base and reflector are fitted to each."""
+    held_out: Optional[AccuracyEntry]
+    """Errors of predictions for blocks of the joint space that were left out of the fit. Null if the data do not
+    allow such a fit.
+    """
+    parameters: Table[IdentifiedParameter]
+    harmonics: Table[HarmonicsEntry]
+    """Periodic errors of the joints; empty if they were not asked for."""
+    rank: int
+    """Number of combinations of parameters whose standard deviation the data reduce to less than half."""
+    unidentified: List[str]
+    """Combinations of parameters that the data do not determine."""
+    residual_mm: Optional[float]
+    """Residual standard deviation per axis, mm. Null if a file states the parameters."""
+    misfit: Optional[MisfitEntry]
+    """Errors that the parameters do not explain. Null if a file states the parameters."""
+    seconds: float
+    """Time of the fit and of the cross-validation, s."""
+
+    _nested = {
+        'sessions': ('table', 'CalibratedFile'),
+        'tests': ('table', 'TestedFile'),
+        'held_out': ('record', 'AccuracyEntry'),
+        'parameters': ('table', 'IdentifiedParameter'),
+        'harmonics': ('table', 'HarmonicsEntry'),
+        'misfit': ('record', 'MisfitEntry'),
+    }
+
+
+class CellYieldEntry(Record):
+    """Share of arms that keep the limits of the operations, estimated by Monte Carlo with the nonlinear model.
+    One sample is one arm in one cell. For each sample, the error of every operation at its spot is compared
+    with the limit. An operation at every node is judged at its worst node. An operation without a limit
+    counts as within its limit. The intervals are Wilson score intervals for 95 %.
+    """
+
+    samples: int
+    together: EstimateEntry
+    """Share of arms that keep the limits of all operations."""
+    operations: Dict[str, EstimateEntry]
+    """Share of arms that keep the limit of each operation alone; only operations with a limit are listed."""
+
+    _nested = {
+        'together': ('record', 'EstimateEntry'),
+        'operations': ('named', 'EstimateEntry'),
+    }
+
+
+class CheckDocument(Record):
+    """Result of a check: whether a cell file is valid, and all its faults."""
+
+    schema: Literal['sweetspot/check/1']
+    valid: bool
+    faults: Table[Fault]
+    self_collision: Table[OwnPairEntry]
+    """Pairs of the robot's solids, with the reason for each pair that may touch. Empty if self-collision is not
+    checked.
+    """
+    operations: Table[OperationOrderEntry]
+    """How a search treats each operation. Empty if the cell is not valid."""
+    urdf: Optional[UrdfEntry]
+    """Facts derived from a URDF; left out for a robot given by Denavit-Hartenberg rows."""
+
+    _nested = {
+        'faults': ('table', 'Fault'),
+        'self_collision': ('table', 'OwnPairEntry'),
+        'operations': ('table', 'OperationOrderEntry'),
+        'urdf': ('record', 'UrdfEntry'),
+    }
+
+
+class Choices(Record):
+    """Key of a cell, with all the values that a sweep gives it in turn."""
+
+    path: str
+    values: List[str]
+
+
+class CommandedJoint(Record):
+    """Joint with the unit of its coordinate."""
+
+    name: str
+    unit: Literal['share', 'cost', 'mm', 'deg']
+
+
+class ComparedFile(Record):
+    """File of measured positions beside the errors that the cell predicts. Base and reflectors are fitted with
+    the nominal arm. Vectors are in the base frame of the robot, mm.
+    """
+
+    file: str
+    measured: AccuracyEntry
+    """Measured errors of the nominal robot."""
+    predicted: AccuracyEntry
+    """Predicted sizes of these errors."""
+    predicted_rms: bool
+    """Whether the random part of the errors counts in the predicted sizes, which are then root mean squares."""
+    residual: AccuracyEntry
+    """Measured minus predicted errors."""
+    coverage_95: Optional[float]
+    """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part. The
+    random errors are constant: the fit of base and reflectors takes up a part of them.
+    """
+    coverage_95_varying: Optional[float]
+    """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
+    misfit of a calibration does. Null unless the errors are measured.
+    """
+    rank_correlation: Optional[float]
+    """Spearman correlation of predicted and measured sizes over all positions. Null if all are equal."""
+    spots: SpotRankingEntry
+    repeats: Optional[RepeatsEntry]
+    """Accuracy and repeatability of postures that were visited several times; null if there are none."""
+    positions: Table[ComparedPosition]
+
+    _nested = {
+        'measured': ('record', 'AccuracyEntry'),
+        'predicted': ('record', 'AccuracyEntry'),
+        'residual': ('record', 'AccuracyEntry'),
+        'spots': ('record', 'SpotRankingEntry'),
+        'repeats': ('record', 'RepeatsEntry'),
+        'positions': ('table', 'ComparedPosition'),
+    }
+
+
+class ComparedLayout(Record):
+    """One layout of a comparison. World frame, mm and degrees."""
+
+    name: str
+    feasible: bool
+    objective_mm: Optional[float]
+    """Objective, if it is a length."""
+    objective: Optional[float]
+    """Objective in `unit`."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    change_percent: Optional[float]
+    """Change of the objective relative to the first layout, percent."""
+    reasons: List[str]
+    """Reasons why the layout is not feasible."""
+    layout: Dict[str, PlacementEntry]
+    base: PlacementEntry
+    attitudes: Dict[str, AttitudeEntry]
+    operations: Table[SpotEntry]
+
+    _nested = {
+        'layout': ('named', 'PlacementEntry'),
+        'base': ('record', 'PlacementEntry'),
+        'attitudes': ('named', 'AttitudeEntry'),
+        'operations': ('table', 'SpotEntry'),
+    }
+
+
+class ComparedPosition(Record):
+    """One measured position beside its prediction; base frame of the robot."""
+
+    row: int
+    """Row of the file, counted from 1 without the header."""
+    reflector: int
+    """Number of the reflector, counted from 1."""
+    joints: _Numbers
+    """Joint coordinates: degrees, or mm for a prismatic joint."""
+    nominal_mm: _Numbers
+    """Position of the reflector for the nominal robot."""
+    measured_mm: _Numbers
+    """Measured minus nominal position."""
+    predicted_mm: _Numbers
+    """Predicted error without the part that the fit of base and reflectors takes up."""
+    predicted_size_mm: float
+    """Predicted size of the error."""
+    residual_mm: float
+    """Size of the measured minus the predicted error."""
+    inside_95: Optional[bool]
+    """Whether the measured error is inside the predicted 95 % ellipsoid. Null if the errors have no random part."""
+
+    _nested = {
+        'joints': ('numbers', ''),
+        'nominal_mm': ('numbers', ''),
+        'measured_mm': ('numbers', ''),
+        'predicted_mm': ('numbers', ''),
+    }
+
+
+class ComparisonDocument(Record):
+    """Comparison of layouts; the first one is the reference."""
+
+    schema: Literal['sweetspot/compare/1']
+    layouts: Table[ComparedLayout]
+
+    _nested = {
+        'layouts': ('table', 'ComparedLayout'),
+    }
+
+
+class CornerEntry(Record):
+    """Misplacement, and the value of the operation at this misplacement in the unit of the objective."""
+
+    moves: Dict[str, MoveEntry]
+    value: float
+
+    _nested = {
+        'moves': ('named', 'MoveEntry'),
+    }
+
+
+class CorrectionDocument(Record):
+    """Joint and pose commands with which a robot with known errors lands on its targets."""
+
+    schema: Literal['sweetspot/correction/1']
+    cell: str
+    robot: str
+    errors: str
+    """Name of the error set."""
+    registration: Literal['none', 'best-fit', 'taught']
+    joints: Table[CommandedJoint]
+    """Joints in the order of every list of joint coordinates."""
+    targets: Table[CorrectionEntry]
+
+    _nested = {
+        'joints': ('table', 'CommandedJoint'),
+        'targets': ('table', 'CorrectionEntry'),
+    }
+
+
+class CorrectionEntry(Record):
+    """One target with its correction."""
+
+    operation: str
+    name: Optional[str]
+    """Name of the target in the table of targets; null for a node."""
+    node: Optional[List[int]]
+    """Indices of the node along x and y of the surface; null for a target of a table."""
+    position_mm: Optional[_Numbers]
+    """Position of the target, world frame."""
+    state: Literal['corrected', 'joint-limit', 'not-converged', 'unusable']
+    reason: Optional[str]
+    """Reason why the target is not corrected; null if it is."""
+    nominal_joints: Optional[_Numbers]
+    """Joint coordinates without correction: degrees, or mm for a prismatic joint."""
+    joints: Optional[_Numbers]
+    """Joint command: corrected coordinates, degrees, or mm for a prismatic joint."""
+    command: Optional[PoseEntry]
+    """Pose command for a controller without calibration: the nominal pose at the joint command, base frame."""
+    before_mm: Optional[float]
+    """Position error without correction."""
+    before_deg: Optional[float]
+    """Orientation error without correction."""
+    rest_mm: Optional[float]
+    """Position error that remains."""
+    rest_deg: Optional[float]
+    """Orientation error that remains."""
+    random_mm: Optional[float]
+    """Root mean square of the random position error, which no correction removes; null without random errors."""
+    random_deg: Optional[float]
+    """Root mean square of the random orientation error; null without random errors."""
+    steps: Optional[int]
+    """Number of Newton steps."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'nominal_joints': ('numbers', ''),
+        'joints': ('numbers', ''),
+        'command': ('record', 'PoseEntry'),
+    }
+
+
+class DhEntry(Record):
+    """Row of the Denavit-Hartenberg table: `Rz(theta) Tz(r) Tx(l) Rx(alpha)`."""
+
+    kind: Literal['passive', 'revolute', 'prismatic']
+    q: float
+    """Actuator coordinate: degrees, or mm for a prismatic joint."""
+    within_limits: bool
+    theta_deg: float
+    r_mm: float
+    l_mm: float
+    alpha_deg: float
+
+
+class DiscrepancyEntry(Record):
+    """Discrepancy between linear and nonlinear error, eq. (9) of the seed paper, percent. Fields x, y and z
+    compare the components; r compares the lengths of the two vectors.
+    """
+
+    x: Optional[float]
+    y: Optional[float]
+    z: Optional[float]
+    r: Optional[float]
+
+
+class DisplacementEntry(Record):
+    """Small displacement of the TCP."""
+
+    position_mm: _Numbers
+    size_mm: float
+    rotation_deg: _Numbers
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'rotation_deg': ('numbers', ''),
+    }
+
+
+class EnvelopeDocument(Record):
+    """Working envelope of a robot in its base frame."""
+
+    schema: Literal['sweetspot/envelope/1']
+    robot: str
+    family: str
+    """Name of the method that solves the inverse kinematics."""
+    operation: Optional[str]
+    """Operation whose attitude the tool keeps; null if the attitude does not come from an operation."""
+    frame: Literal['base']
+    bend_deg: float
+    """Elevation of the tool axis above the horizontal."""
+    step_mm: float
+    """Distance between the sample points."""
+    size: SizeEntry
+    section: SectionEntry
+    plans: Table[PlanEntry]
+
+    _nested = {
+        'size': ('record', 'SizeEntry'),
+        'section': ('record', 'SectionEntry'),
+        'plans': ('table', 'PlanEntry'),
+    }
+
+
+class EnvelopeSize(Record):
+    """Size of the working envelope of a robot."""
+
+    bend_deg: float
+    """Elevation of the tool axis above the horizontal."""
+    step_mm: float
+    """Distance between the sample points."""
+    size: SizeEntry
+
+    _nested = {
+        'size': ('record', 'SizeEntry'),
+    }
+
+
+class ErrorSetEntry(Record):
+    """Error set of a robot."""
+
+    name: str
+    kind: Literal['signed', 'tolerance', 'measured']
+
+
+class ErrorsDocument(Record):
+    """Tolerances of a robot with the pose accuracy (ISO 9283) that they give. They are a guess, not a
+    measurement.
+    """
+
+    schema: Literal['sweetspot/errors/1']
+    robot: str
+    name: str
+    """Name of the error set in the table for the robot file."""
+    guess: bool
+    """Whether the tolerances are guessed from a preset or a data sheet. If not, they are those of the robot."""
+    source: str
+    """Origin of the numbers in words, as in the table for the robot file."""
+    origin: Literal['robot', 'preset']
+    origin_name: str
+    """Name of the preset, or of the error set of the robot."""
+    base: Literal['fitted', 'nominal']
+    """Frame to which the accuracy refers."""
+    wanted_ap_mm: Optional[float]
+    """Pose accuracy of the data sheet."""
+    wanted_rp_mm: Optional[float]
+    """Pose repeatability of the data sheet."""
+    scale: float
+    """Factor by which the tolerances of the origin are multiplied."""
+    steps: int
+    """Number of predictions that the search for the factor took."""
+    ap: AccuracyQuantiles
+    """Predicted accuracy of the constant errors."""
+    ap_of_set: AccuracyQuantiles
+    """Predicted accuracy of the tolerances as printed, random errors included."""
+    joint_scatter: Optional[_Numbers]
+    """Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a prismatic
+    joint; null without a repeatability.
+    """
+    cube: TestCubeEntry
+    parameters: Table[SpreadEntry]
+    """Tolerances, without those that are 0."""
+
+    _nested = {
+        'ap': ('record', 'AccuracyQuantiles'),
+        'ap_of_set': ('record', 'AccuracyQuantiles'),
+        'joint_scatter': ('numbers', ''),
+        'cube': ('record', 'TestCubeEntry'),
+        'parameters': ('table', 'SpreadEntry'),
+    }
+
+
+class EstimateEntry(Record):
+    """Estimated figure with its 95 % confidence interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class ExpectedEntry(Record):
+    """Expected root mean square error of predicted positions at the operations. The base is registered anew. The
+    part of the error that the unknowns do not explain is not counted.
+    """
+
+    nodes: int
+    """Number of usable nodes of all operations over which the error is averaged."""
+    before_mm: float
+    """Error without a measurement, from the standard deviations of the unknowns."""
+    after_mm: float
+    """Error after the planned poses are measured."""
+    evenly_spread_mm: float
+    """Error after as many poses that only fill the joint space evenly."""
+    shared_misfit_mm: float
+    """Assumed standard deviation per axis of the unexplained error that nearby poses share."""
+    own_misfit_mm: float
+    """Assumed standard deviation per axis of the unexplained error of each pose."""
+
+
+class ExplanationDocument(Record):
+    """Error calculation of one posture with all intermediate results, for a check by hand. Lengths in mm, angles
+    in degrees.
+    """
+
+    schema: Literal['sweetspot/explain/1']
+    cell: str
+    robot: str
+    errors: str
+    """Name of the error set."""
+    model: Literal['nonlinear', 'linear', 'second-order']
+    reading: Literal['signed', 'worst-case', 'statistical']
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    """Name of the figure that the search minimizes."""
+    registration: Literal['none', 'best-fit', 'taught']
+    name: str
+    equipment: str
+    sense: str
+    limit: Optional[float]
+    """Largest allowed error of the operation, in the unit of its sense."""
+    node: Optional[List[int]]
+    """Indices of the node; null if joint values were given."""
+    position_mm: _Numbers
+    """TCP in the world frame."""
+    joints_deg: _Numbers
+    base: PlacementEntry
+    """Robot base in the world frame."""
+    tool_axis_world: _Numbers
+    tool_elevation_deg: float
+    """Angle of the tool axis above the horizontal."""
+    convention: str
+    """Denavit-Hartenberg convention of the rows in the robot file."""
+    dh: Table[DhEntry]
+    """Rows of the Denavit-Hartenberg table at the posture, always in standard convention. If the robot file has
+    modified rows, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file. `l_mm` and `alpha_deg` of
+    row 1 of the file are part of frame 0. In the last row of this table, both are 0.
+    """
+    frames: Table[FrameEntry]
+    """Link frames and the TCP in the base frame."""
+    parameters: Table[ParameterEntry]
+    linear: DisplacementEntry
+    """Error by the linear model, world frame."""
+    second_order_correction: DisplacementEntry
+    """Second-order correction of the linear model, world frame."""
+    second_order: DisplacementEntry
+    """Error by the second-order model, world frame."""
+    nonlinear: DisplacementEntry
+    """Error by the nonlinear model, world frame."""
+    robot_alone_nonlinear: DisplacementEntry
+    """Nonlinear error of the robot alone, world frame. The effects of registration, of the pick of the part and
+    of equipment errors are not subtracted.
+    """
+    taken_off_nonlinear: DisplacementEntry
+    """Displacement that is subtracted from the nonlinear error of the robot alone, world frame. The
+    registration, the pick of the part and errors of the equipment cause this displacement.
+    """
+    guard: PostureGuardEntry
+    sense_rows: Table[SenseRowEntry]
+    """Rows of the sense: weighted components of the error, with their values."""
+    worst_corner: Dict[str, int]
+    """Sign of every parameter at the worst corner of the tolerance box."""
+    total: TotalEntry
+    margin: Optional[float]
+    """Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation has
+    no limit, or if the quantity is the yield.
+    """
+    monte_carlo: Optional[MonteCarloEntry]
+    """Monte Carlo check of the posture; null unless the reading is statistical."""
+    value: float
+    """Value of the figure that the search minimizes, in `unit`."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'joints_deg': ('numbers', ''),
+        'base': ('record', 'PlacementEntry'),
+        'tool_axis_world': ('numbers', ''),
+        'dh': ('table', 'DhEntry'),
+        'frames': ('table', 'FrameEntry'),
+        'parameters': ('table', 'ParameterEntry'),
+        'linear': ('record', 'DisplacementEntry'),
+        'second_order_correction': ('record', 'DisplacementEntry'),
+        'second_order': ('record', 'DisplacementEntry'),
+        'nonlinear': ('record', 'DisplacementEntry'),
+        'robot_alone_nonlinear': ('record', 'DisplacementEntry'),
+        'taken_off_nonlinear': ('record', 'DisplacementEntry'),
+        'guard': ('record', 'PostureGuardEntry'),
+        'sense_rows': ('table', 'SenseRowEntry'),
+        'total': ('record', 'TotalEntry'),
+        'monte_carlo': ('record', 'MonteCarloEntry'),
+    }
+
+
+class ExtrapolatedEntry(Record):
+    """Usable nodes whose postures the calibration of the robot did not measure."""
+
+    nodes: int
+    """Number of usable nodes outside the measured ranges."""
+    joints: List[str]
+    """Names of the joints that leave their measured range."""
+    spot: bool
+    """Whether the spot is one of these nodes."""
+
+
+class FactEntry(Record):
+    """Key figure of the verdict, with its description."""
+
+    label: str
+    value: Optional[float]
+    """Value of the figure, not rounded for display."""
+    text: str
+    note: str
+    mood: Literal['good', 'bad', 'plain']
+
+
+class FailedCombination(Record):
+    """Combination whose last worker did not finish it. A worker that looks for work takes it over, unless it is
+    given up.
+    """
+
+    index: int
+    host: Optional[str]
+    """Host of the last worker; null if no worker of `sweep --claim` is known."""
+    process: Optional[int]
+    why: str
+    given_up: bool
+    """Whether so many workers have died at the combination that no worker of `sweep --claim` takes it over."""
+
+
+class Fault(Record):
+    """Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1. A setting on
+    the command line has no position in a file. `file` is then the setting as typed, and line and column are
+    both zero.
+    """
+
+    severity: Literal['error', 'warning']
+    file: str
+    line: int
+    column: int
+    message: str
+    help: str
+
+
+class FrameEntry(Record):
+    """Origin and axes of a frame, expressed in the base frame."""
+
+    name: str
+    origin_mm: _Numbers
+    x_axis: _Numbers
+    y_axis: _Numbers
+    z_axis: _Numbers
+
+    _nested = {
+        'origin_mm': ('numbers', ''),
+        'x_axis': ('numbers', ''),
+        'y_axis': ('numbers', ''),
+        'z_axis': ('numbers', ''),
+    }
+
+
+class GoalsEntry(Record):
+    """Value of every goal of a layout."""
+
+    error: float
+    """Objective, in the unit of the document."""
+    clearance_mm: float
+    joint_limits_percent: float
+    """Least distance of a joint from its limits, in percent of half its range."""
+    singularity: float
+    """Least singular value of the Jacobian, with lengths divided by the arm's reach."""
+    travel_deg: float
+    footprint_m2: float
+    cost: Optional[float]
+    """Cost of the cheapest tolerances that keep every limit; absent if the search does not price tolerances."""
+
+
+class GuardEntry(Record):
+    """Check of the approximate error models against the nonlinear one over the usable nodes."""
+
+    threshold_percent: float
+    linear: ModelGuardEntry
+    second_order: ModelGuardEntry
+    trusted: bool
+    """Whether the discrepancy of the chosen error model is within the threshold at every usable node."""
+
+    _nested = {
+        'linear': ('record', 'ModelGuardEntry'),
+        'second_order': ('record', 'ModelGuardEntry'),
+    }
+
+
+class HarmonicsEntry(Record):
+    """Periodic errors of one joint: the sum of `cos_deg[k] cos((k + 1) q)` and `sin_deg[k] sin((k + 1) q)`."""
+
+    joint: str
+    prior_deg: float
+    """Standard deviation of a coefficient of the highest order before the measurement, found by the fit. Orders
+    up to 4 have twice that of the others.
+    """
+    rms_deg: float
+    """Root mean square of the identified error over a turn of the joint."""
+    cos_deg: _Numbers
+    sin_deg: _Numbers
+
+    _nested = {
+        'cos_deg': ('numbers', ''),
+        'sin_deg': ('numbers', ''),
+    }
+
+
+class HashedFile(Record):
+    """File and its SHA-256 in hexadecimal."""
+
+    path: str
+    """Path of an input relative to the folder of the cell file, or of an output inside the result folder."""
+    sha256: str
+
+
+class HostWork(Record):
+    """Combinations that the workers of one host have finished."""
+
+    host: str
+    combinations: List[int]
+    seconds: float
+    """Sum of the times of all combinations of the host."""
+
+
+class IdentifiedParameter(Record):
+    """Identified parameter of the robot."""
+
+    name: str
+    """Name such as dq2 or dl3, or "q2 carries link 3" for an elastic term."""
+    value: float
+    unit: str
+    """Unit of the values: mm, deg, or deg/m for an elastic term."""
+    prior: Optional[float]
+    """Standard deviation before the measurement. Null if a file states the parameter."""
+    sigma: Optional[float]
+    """Standard deviation after the measurement. Null if a file states the parameter without it."""
+    identified: bool
+    """Whether the data reduce the standard deviation to less than half."""
+
+
+class JointEntry(Record):
+    """One joint of the robot."""
+
+    name: str
+    unit: Literal['share', 'cost', 'mm', 'deg']
+
+
+class JointSheet(Record):
+    """Joint of a robot with its Denavit-Hartenberg row."""
+
+    name: str
+    kind: Literal['passive', 'revolute', 'prismatic']
+    theta_deg: float
+    r_mm: float
+    l_mm: float
+    alpha_deg: float
+    limits: _Numbers
+    """Least and greatest coordinate, in `unit`."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+
+    _nested = {
+        'limits': ('numbers', ''),
+    }
+
+
+class JudgementEntry(Record):
+    """Judgement of the tolerances by the full error model."""
+
+    missed_percent: float
+    """How much the first solution exceeds a limit by the full model, percent; negative if it keeps all."""
+    rounds: int
+    """Number of rounds that adapted the linear requirements to the full model."""
+    sampled_rounds: int
+    """Number of rounds that Monte Carlo samples caused."""
+    excess_percent: float
+    """Largest excess over a limit at the end, percent; negative if all limits are kept."""
+    programs: int
+    """Number of cone programs of the last solution."""
+
+
+class LargestEntry(Record):
+    """Largest misplacement at which the operation stays feasible and within its limit."""
+
+    most: float
+    ended: Any
+    """Reason why a larger misplacement is not allowed; null if every checked misplacement is allowed."""
+
+
+class LostEntry(Record):
+    """Misplacement at which the operation cannot be done, with the reason."""
+
+    moves: Dict[str, MoveEntry]
+    status: Literal['out-of-reach', 'joint-limit', 'attitude', 'not-converged', 'collision', 'singular', 'approach', 'retract', 'unjudged', 'ok']
+    reason: str
+
+    _nested = {
+        'moves': ('named', 'MoveEntry'),
+    }
+
+
+class ManifestDocument(Record):
+    """Manifest of a result folder, `manifest.json`. A folder with a manifest is complete."""
+
+    schema: Literal['sweetspot/manifest/1']
+    program: str
+    version: str
+    """Version of the program."""
+    command: Optional[List[str]]
+    """Command line that makes the folder, in a form for human readers. Programs read `settings` instead."""
+    plan: Optional[str]
+    """Name of the plan file, in the manifest of a sweep. Such a manifest has no `command`."""
+    cell: Optional[str]
+    seed: Optional[int]
+    settings: Optional[Table[Setting]]
+    """Keys of the cell file that the command line set. The inputs and these settings together reproduce the
+    cell.
+    """
+    resolved: Optional[ResolvedSettings]
+    """Settings of the run after flags, cell file and defaults were merged."""
+    inputs: Table[HashedFile]
+    """Files that were read, the cell file first."""
+    outputs: Table[HashedFile]
+    """Files that were written."""
+    sha256: Optional[str]
+    """SHA-256, in hexadecimal, of all text of the manifest that precedes this key. The program adds this key to
+    the text when it writes the manifest.
+    """
+
+    _nested = {
+        'settings': ('table', 'Setting'),
+        'resolved': ('record', 'ResolvedSettings'),
+        'inputs': ('table', 'HashedFile'),
+        'outputs': ('table', 'HashedFile'),
+    }
+
+
+class MapDocument(Record):
+    """Error map of one layout: every node of every operation. World frame, mm and degrees."""
+
+    schema: Literal['sweetspot/map/1']
+    cell: str
+    robot: str
+    joints: Table[JointEntry]
+    """Names and units of the joints, in the order of `joints_deg`."""
+    feasible: bool
+    """Whether the layout can be used: nothing overlaps, every operation has a spot and no motion is blocked."""
+    objective_mm: Optional[float]
+    """Objective, if it is a length."""
+    objective: Optional[float]
+    """Objective in `unit`."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    notes: List[str]
+    """Caveats on the interpretation of the errors."""
+    overlaps: List[str]
+    """Pairs of objects whose floor spaces overlap, or are nearer than the clearance."""
+    cell_yield: Optional[CellYieldEntry]
+    """Share of arms that keep the limits of all operations, and of each operation alone. Left out unless the
+    reading is statistical, every operation has a spot and at least one has a limit.
+    """
+    assumed: Table[AssumedEntry]
+    """Values that the cell file leaves out and that were assumed."""
+    certified: Any
+    """Whether the layout certainly works at every misplacement within its placement tolerances: true, or the
+    reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    """
+    reasons: List[str]
+    """Reasons why the layout is not feasible."""
+    transfers: Optional[Table[TransferEntry]]
+    """Motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion prevents
+    them. Left out if the cell does not check motions.
+    """
+    layout: Dict[str, PlacementEntry]
+    """Placement of every piece of equipment, without obstacles."""
+    operations: Table[OperationMapEntry]
+    measured: Optional[Table[ComparedFile]]
+    """Measured positions beside the predicted errors, one entry for each file. Left out without `--measured`."""
+
+    _nested = {
+        'joints': ('table', 'JointEntry'),
+        'cell_yield': ('record', 'CellYieldEntry'),
+        'assumed': ('table', 'AssumedEntry'),
+        'transfers': ('table', 'TransferEntry'),
+        'layout': ('named', 'PlacementEntry'),
+        'operations': ('table', 'OperationMapEntry'),
+        'measured': ('table', 'ComparedFile'),
+    }
+
+
+class MapNode(Record):
+    """One node of a map: world frame, mm and degrees. A node without a posture has no errors."""
+
+    i: int
+    """Index of the node along x of the surface."""
+    j: int
+    """Index of the node along y of the surface."""
+    position_mm: _Numbers
+    """Target position of the TCP."""
+    status: Literal['out-of-reach', 'joint-limit', 'attitude', 'not-converged', 'collision', 'singular', 'approach', 'retract', 'unjudged', 'ok']
+    reason: str
+    """Reason why the node cannot be used; empty if it can."""
+    joints_deg: Optional[_Numbers]
+    """Joint coordinates: degrees, or mm for a prismatic joint."""
+    error_mm: Optional[_Numbers]
+    """Error of the TCP according to the model of the cell."""
+    error_sense_mm: Optional[float]
+    """Error that the operation's sense measures; null if this sense measures an angle."""
+    error_sense_deg: Optional[float]
+    """Error that the operation's sense measures; null if this sense measures a length."""
+    value: Optional[float]
+    """Figure that the search minimizes, at this node, in the `unit` of the document."""
+    touched: Optional[bool]
+    """Whether the robot touched the node to teach the surface frame. Such a node cannot be the spot."""
+    rotation_deg: Optional[_Numbers]
+    """Rotation error of the TCP as a rotation vector."""
+    linear_error_mm: Optional[_Numbers]
+    nonlinear_error_mm: Optional[_Numbers]
+    discrepancy_percent: Optional[DiscrepancyEntry]
+    linear_off_percent: Optional[float]
+    """Length of the difference between linear and nonlinear error, in percent of the nonlinear error."""
+    second_order_off_percent: Optional[float]
+    """Length of the difference between second-order and nonlinear error, in percent of the nonlinear error."""
+    worst_mm: Optional[Dict[str, float]]
+    worst_linear_mm: Optional[Dict[str, float]]
+    rms_mm: Optional[Dict[str, float]]
+    mean_mm: Optional[Dict[str, float]]
+    p95_mm: Optional[Dict[str, float]]
+    p99_mm: Optional[Dict[str, float]]
+    worst_deg: Optional[Dict[str, float]]
+    rms_deg: Optional[Dict[str, float]]
+    mean_deg: Optional[Dict[str, float]]
+    p95_deg: Optional[Dict[str, float]]
+    p99_deg: Optional[Dict[str, float]]
+    yield_: Optional[float]
+    """Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit of the
+    operation.
+    """
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'joints_deg': ('numbers', ''),
+        'error_mm': ('numbers', ''),
+        'rotation_deg': ('numbers', ''),
+        'linear_error_mm': ('numbers', ''),
+        'nonlinear_error_mm': ('numbers', ''),
+        'discrepancy_percent': ('record', 'DiscrepancyEntry'),
+    }
+
+
+class MeasuredSpotEntry(Record):
+    """One spot with its errors."""
+
+    position_mm: _Numbers
+    """Mean position of the reflector for the nominal robot, base frame."""
+    positions: int
+    """Number of measured positions."""
+    measured_mm: float
+    """Mean size of the measured errors."""
+    predicted_mm: float
+    """Mean of the predicted sizes."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+    }
+
+
+class MeasuringPlanDocument(Record):
+    """Poses to be measured for a calibration that serves the operations of a cell."""
+
+    schema: Literal['sweetspot/measuring-plan/1']
+    cell: str
+    robot: str
+    poses: Table[PlannedPoseEntry]
+    """Poses in the layout as drawn, the most telling first."""
+    expected: ExpectedEntry
+    tried: TriedEntry
+    unknowns: int
+    """Number of unknowns of the calibration, with those of base and reflector."""
+    reflector_mm: _Numbers
+    """Place of the reflector in the frame of the mechanical interface."""
+    tracker_mm: Optional[_Numbers]
+    """Place of the instrument in the world frame; null if visibility was not checked."""
+    seed: int
+
+    _nested = {
+        'poses': ('table', 'PlannedPoseEntry'),
+        'expected': ('record', 'ExpectedEntry'),
+        'tried': ('record', 'TriedEntry'),
+        'reflector_mm': ('numbers', ''),
+        'tracker_mm': ('numbers', ''),
+    }
+
+
+class MisfitEntry(Record):
+    """Standard deviations of the errors that the parameters do not explain."""
+
+    joints: _Numbers
+    """Standard deviation of every joint: deg for a revolute joint, mm for a prismatic one."""
+    position_mm: float
+    """Standard deviation of a position per axis, mm."""
+
+    _nested = {
+        'joints': ('numbers', ''),
+    }
+
+
+class MisplacedOperation(Record):
+    """One operation of a layout whose equipment may be misplaced."""
+
+    name: str
+    equipment: str
+    sense: str
+    limit: Optional[float]
+    """Largest allowed error of the operation, in the unit of its sense."""
+    refined: Optional[RefinedEntry]
+    robustness: Optional[RobustnessEntry]
+
+    _nested = {
+        'refined': ('record', 'RefinedEntry'),
+        'robustness': ('record', 'RobustnessEntry'),
+    }
+
+
+class ModelGuardEntry(Record):
+    """Discrepancy between one error model and the nonlinear one."""
+
+    most_percent: float
+    nodes_above: int
+    """Number of usable nodes at which the discrepancy of the model exceeds the threshold."""
+
+
+class MonteCarloEntry(Record):
+    """Monte Carlo check of the first-order figures at a spot, by the nonlinear model. RMS, mean and percentiles
+    are in the unit of the sense.
+    """
+
+    samples: int
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    rms: EstimateEntry
+    mean: EstimateEntry
+    p95: EstimateEntry
+    p99: EstimateEntry
+    yield_: Optional[EstimateEntry]
+    """Share of samples within the limit; null if the operation has no limit."""
+    share_above_first_order_p95: EstimateEntry
+    first_order_holds: Optional[bool]
+    """Whether the samples confirm the first-order figures. If they do not, the figures of the samples replace
+    the first-order figures of the spot. The value and margin of the operation are then also computed from the
+    samples. An exception is a value that is robust or combines several nodes: it stays first-order.
+    """
+
+    _nested = {
+        'rms': ('record', 'EstimateEntry'),
+        'mean': ('record', 'EstimateEntry'),
+        'p95': ('record', 'EstimateEntry'),
+        'p99': ('record', 'EstimateEntry'),
+        'yield': ('record', 'EstimateEntry'),
+        'share_above_first_order_p95': ('record', 'EstimateEntry'),
+    }
+
+
+class MotionEntry(Record):
+    """Small motion per unit of a parameter."""
+
+    kind: Literal['turn', 'slide']
+    axis: Literal['x', 'y', 'z']
+    """Axis of `frame` along or about which the motion happens: x, y or z."""
+    frame: str
+    factor: float
+    """Amount of the motion per unit of the parameter; for an elastic parameter, a lever in m or a torque in N m."""
+    axis_base: _Numbers
+    lever_base_mm: _Numbers
+    """Vector from the origin of `frame` to the TCP, base frame."""
+
+    _nested = {
+        'axis_base': ('numbers', ''),
+        'lever_base_mm': ('numbers', ''),
+    }
+
+
+class MoveEntry(Record):
+    """Misplacement of one piece of equipment or of the robot base, mm and degrees."""
+
+    x_mm: Optional[float]
+    y_mm: Optional[float]
+    z_mm: Optional[float]
+    yaw_deg: Optional[float]
+
+
+class OperationBudget(Record):
+    """Error budget of one operation at one node. World frame, mm and degrees."""
+
+    name: str
+    equipment: str
+    sense: str
+    limit: Optional[float]
+    """Largest allowed error of the operation, in the unit of its sense."""
+    node: Optional[List[int]]
+    position_mm: _Numbers
+    joints_deg: _Numbers
+    worst_linear_exact: bool
+    """Whether the linear worst case is exact; otherwise it is an upper bound."""
+    total: TotalEntry
+    margin: Optional[float]
+    """Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation has
+    no limit, or if the quantity is the yield.
+    """
+    monte_carlo: Optional[MonteCarloEntry]
+    """Monte Carlo check of the posture; null unless the reading is statistical."""
+    parameters: Table[ShareEntry]
+    """Shares of the parameters, the largest first."""
+    tighten: Table[TightenEntry]
+    """Gains from halving the tolerances of the parameters with the largest shares."""
+    linear_worst: float
+    """Worst case of the linear model, in the unit of the sense."""
+    linear_rms: float
+    """Standard deviation of the linear model, in the unit of the sense."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'joints_deg': ('numbers', ''),
+        'total': ('record', 'TotalEntry'),
+        'monte_carlo': ('record', 'MonteCarloEntry'),
+        'parameters': ('table', 'ShareEntry'),
+        'tighten': ('table', 'TightenEntry'),
+    }
+
+
+class OperationMapEntry(Record):
+    """Error map of one operation."""
+
+    name: str
+    equipment: str
+    sense: str
+    """Sense of the operation."""
+    senses: Table[SenseEntry]
+    """Senses in which the errors of every node are reported."""
+    model: Literal['nonlinear', 'linear', 'second-order']
+    errors: str
+    """Name of the error set."""
+    reading: Literal['signed', 'worst-case', 'statistical']
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    """Name of the figure that the search minimizes."""
+    registration: Literal['none', 'best-fit', 'taught']
+    limit: Optional[float]
+    """Largest allowed error of the operation, in the unit of its sense."""
+    margin: Optional[float]
+    """Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation has
+    no limit or no value, or if the quantity is the yield.
+    """
+    over: Literal['best', 'max', 'mean', 'p95']
+    value: Optional[float]
+    """Value of the operation: the value of its best node, or the combined value of all its nodes."""
+    worst: Optional[float]
+    """Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
+    certified, or if no bound is known.
+    """
+    counts: StatusCounts
+    guard: GuardEntry
+    extrapolated: Optional[ExtrapolatedEntry]
+    """Usable nodes outside the joint ranges of the calibration; left out if there are none."""
+    monte_carlo: Optional[MonteCarloEntry]
+    """Monte Carlo check of the spot; null unless the reading is statistical."""
+    best: Optional[MapNode]
+    """Spot: the usable node with the least value; null if no node is usable. For an operation at every node, the
+    spot is the node with the greatest value. It is then null if any node is unusable.
+    """
+    refined: Optional[RefinedEntry]
+    """Spot refined between the nodes of the grid."""
+
+    _nested = {
+        'senses': ('table', 'SenseEntry'),
+        'counts': ('record', 'StatusCounts'),
+        'guard': ('record', 'GuardEntry'),
+        'extrapolated': ('record', 'ExtrapolatedEntry'),
+        'monte_carlo': ('record', 'MonteCarloEntry'),
+        'best': ('record', 'MapNode'),
+        'refined': ('record', 'RefinedEntry'),
+    }
+
+
+class OperationOrderEntry(Record):
+    """How a search treats the postures of an operation."""
+
+    name: str
+    judges: str
+    """Postures that the search judges: "ranked-nodes" or "spin-families" if lower bounds of the error leave some
+    of them out, otherwise "every-posture".
+    """
+    why: Optional[str]
+    """Reason why every posture is judged; null otherwise."""
+
+
+class OperationReadings(Record):
+    """Results of one operation under every reading and registration."""
+
+    name: str
+    equipment: str
+    sense: str
+    limit: Optional[float]
+    """Largest allowed error of the operation, in the unit of its sense."""
+    readings: Table[ReadingEntry]
+
+    _nested = {
+        'readings': ('table', 'ReadingEntry'),
+    }
+
+
+class OutlierRow(Record):
+    """Measured position that the misfit does not explain."""
+
+    row: int
+    """Row of the file, counted from 1 without the header."""
+    distance_mm: float
+    """Distance of the measured from the predicted position, mm."""
+
+
+class OwnPairEntry(Record):
+    """Pair of the robot's solids."""
+
+    a: str
+    b: str
+    allowed: Optional[str]
+    """Reason why the two solids may touch; null if a contact is a collision."""
+
+
+class ParameterEntry(Record):
+    """Effect of one parameter. Motions, lever and effect are in the base frame. The linear term is in the world
+    frame.
+    """
+
+    parameter: str
+    unit: Literal['deg/m', 'deg/Nm', '1', 'mm', 'deg']
+    value: float
+    """Value of the parameter in the explained sample: the signed sample or the worst corner."""
+    signed: float
+    plus_minus: float
+    standard_deviation: float
+    motions: Table[MotionEntry]
+    effect_base_mm_per_unit: _Numbers
+    taken_off_base_mm_per_unit: _Numbers
+    """Part of the effect that the registration and the pick of the part subtract, base frame."""
+    linear_term_mm: _Numbers
+    linear_term_deg: _Numbers
+
+    _nested = {
+        'motions': ('table', 'MotionEntry'),
+        'effect_base_mm_per_unit': ('numbers', ''),
+        'taken_off_base_mm_per_unit': ('numbers', ''),
+        'linear_term_mm': ('numbers', ''),
+        'linear_term_deg': ('numbers', ''),
+    }
+
+
+class PlacementEntry(Record):
+    """Pose of a piece of equipment or of the robot base in the world frame, mm and degrees."""
+
+    x_mm: float
+    y_mm: float
+    z_mm: float
+    yaw_deg: float
+
+
+class PlanEntry(Record):
+    """Horizontal section of a working envelope."""
+
+    height_mm: float
+    area_m2: float
+    outlines: Table[PlanOutline]
+
+    _nested = {
+        'outlines': ('table', 'PlanOutline'),
+    }
+
+
+class PlanOutline(Record):
+    """Closed line in a horizontal section. Outer lines run counterclockwise, holes clockwise."""
+
+    hole: bool
+    x_mm: _Numbers
+    y_mm: _Numbers
+
+    _nested = {
+        'x_mm': ('numbers', ''),
+        'y_mm': ('numbers', ''),
+    }
+
+
+class PlannedPoseEntry(Record):
+    """Pose to be measured."""
+
+    pose: int
+    """Number of the pose, counted from 1."""
+    joints: _Numbers
+    """Joint coordinates, degrees or mm."""
+    reflector_mm: _Numbers
+    """Nominal place of the reflector in the world frame."""
+
+    _nested = {
+        'joints': ('numbers', ''),
+        'reflector_mm': ('numbers', ''),
+    }
+
+
+class PoseEntry(Record):
+    """Pose: position, and roll, pitch and yaw about the fixed axes x, y and z."""
+
+    position_mm: _Numbers
+    rpy_deg: _Numbers
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'rpy_deg': ('numbers', ''),
+    }
+
+
+class PostureGuardEntry(Record):
+    """Discrepancies of the linear and the second-order model at a posture. A discrepancy is the distance between
+    the position errors of the model and of the nonlinear model. It is in percent of the length of the
+    nonlinear position error.
+    """
+
+    threshold_percent: float
+    linear_off_percent: float
+    second_order_off_percent: float
+    off_percent: float
+    """Discrepancy between the chosen error model and the nonlinear one, percent."""
+    trusted: bool
+
+
+class ProofEntry(Record):
+    """Lower bounds that hold for every layout of a cell."""
+
+    covers: Literal['everything', 'part', 'nothing', 'infeasible']
+    """Whether the bound covers all operations, some or none, or proves that no layout is feasible."""
+    operations: Table[ProvenOperation]
+
+    _nested = {
+        'operations': ('table', 'ProvenOperation'),
+    }
+
+
+class ProvenOperation(Record):
+    """Lower bound of one operation."""
+
+    name: str
+    bound: Optional[float]
+    """Lower bound of the value of the operation at any spot in any layout, in `unit`."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    """Unit of the operation's sense."""
+    why_not: Optional[str]
+    """Reason why there is no bound."""
+    boxes: int
+    """Number of boxes of joint coordinates that branch and bound examined."""
+
+
+class ReadingEntry(Record):
+    """Result of one operation under one reading and one registration."""
+
+    reading: Literal['signed', 'worst-case', 'statistical']
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    """Name of the figure that the search minimizes."""
+    registration: Literal['none', 'best-fit', 'taught']
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    node: Optional[List[int]]
+    """Node with the least value; null if no node can be used."""
+    position_mm: Optional[_Numbers]
+    value: Optional[float]
+    at_signed_choice: Optional[float]
+    """Value under `reading` and `registration` at the posture that the signed reading chooses with
+    `registration`.
+    """
+    at_unregistered_choice: Optional[float]
+    """Value under `reading` and `registration` at the posture that `reading` chooses without registration."""
+    ratio: Optional[float]
+    """Regret of choosing the spot by the signed sample: `at_signed_choice` divided by `value`."""
+    moved_mm: Optional[float]
+    """Distance between the best node under `reading` and the best node under the signed reading."""
+    reason: Optional[str]
+    """Reason why no node can be used."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+    }
+
+
+class ReadingsDocument(Record):
+    """Results of evaluating the drawn layout under every reading and registration. World frame, mm and degrees."""
+
+    schema: Literal['sweetspot/readings/1']
+    cell: str
+    robot: str
+    errors: str
+    """Name of the error set."""
+    model: Literal['nonlinear', 'linear', 'second-order']
+    operations: Table[OperationReadings]
+    largest_regret: Optional[RegretEntry]
+    """Largest regret of choosing the spot by the signed sample; null if the signed sample chooses no spot."""
+    findings: List[str]
+    """Findings in sentences."""
+
+    _nested = {
+        'operations': ('table', 'OperationReadings'),
+        'largest_regret': ('record', 'RegretEntry'),
+    }
+
+
+class RefinedEntry(Record):
+    """Best spot between the nodes of the grid, mm and degrees."""
+
+    position_mm: _Numbers
+    """Position of the TCP in the world frame."""
+    on_surface_mm: _Numbers
+    """Coordinates x and y of the spot in the frame of the equipment."""
+    joints_deg: _Numbers
+    value: float
+    """Value of the operation at the refined spot, in the unit of the objective."""
+    worst_value: Optional[float]
+    """Certified upper bound of the value over all misplacements inside the placement tolerances, in the unit of
+    the objective; absent if the layout need not withstand misplacements, or if no bound is known.
+    """
+    node_value: float
+    """Value of the operation at the best node, in the unit of the objective."""
+    node_on_surface_mm: _Numbers
+    gain_percent: float
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'on_surface_mm': ('numbers', ''),
+        'joints_deg': ('numbers', ''),
+        'node_on_surface_mm': ('numbers', ''),
+    }
+
+
+class RegionEntry(Record):
+    """Region of one piece: where it may stand while all other pieces stay as found and every operation keeps its
+    spot and branch. World frame. Everywhere in the region, the layout still holds within the placement
+    tolerances, and the objective is at most `indifference_percent` above that of the layout.
+    """
+
+    equipment: str
+    """Name of the equipment, or `robot base`."""
+    outline_mm: List[List[float]]
+    """Closed rings of points x, y in plan, at the z and yaw of the layout. A point is inside if it lies in an
+    odd number of rings. A line of two points if the search moves the piece along one axis only; empty if it
+    moves the piece along neither.
+    """
+    rim_mm: float
+    """Width of the rim along the outline that is not resolved."""
+    z_mm: _Numbers
+    """Least and greatest z, at the x, y and yaw of the layout."""
+    yaw_deg: _Numbers
+    """Least and greatest yaw, at the x, y and z of the layout."""
+    room_mm: Optional[float]
+    """Largest distance by which the piece may be displaced in every direction in plan; null if the search does
+    not displace it in plan.
+    """
+    room_deg: Optional[float]
+    """Largest angle by which the piece may be turned either way; null if the search does not turn it."""
+    ends_with: str
+    """What ends the room in plan, or the room to turn if there is none in plan."""
+
+    _nested = {
+        'z_mm': ('numbers', ''),
+        'yaw_deg': ('numbers', ''),
+    }
+
+
+class RegretEntry(Record):
+    """Largest regret of choosing a spot by the signed sample, and the operation, reading and registration where
+    it occurs.
+    """
+
+    operation: str
+    reading: Literal['signed', 'worst-case', 'statistical']
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    registration: Literal['none', 'best-fit', 'taught']
+    ratio: float
+    """Regret: value under `reading` at the spot of the signed reading, divided by the least value under
+    `reading`.
+    """
+
+
+class RemediesDocument(Record):
+    """Answer to the question whether to calibrate a measured robot, to move the equipment, or both."""
+
+    schema: Literal['sweetspot/remedies/1']
+    cell: str
+    robot: str
+    errors: str
+    """Name of the error set."""
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    """Name of the figure that the columns state."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    """Unit of the values."""
+    seed: int
+    """Seed of both searches."""
+    evaluations: int
+    """Number of layouts that both searches evaluated."""
+    remedies: Table[RemedyEntry]
+    """One entry for each remedy: as drawn, calibrated, moved, both."""
+    advised: List[Literal['as-drawn', 'calibrated', 'moved', 'both']]
+    """Remedies that are each enough; empty if none helps."""
+    advice: str
+    """Advice in one sentence."""
+
+    _nested = {
+        'remedies': ('table', 'RemedyEntry'),
+    }
+
+
+class RemedyEntry(Record):
+    """One remedy with its layout. World frame, mm and degrees."""
+
+    remedy: Literal['as-drawn', 'calibrated', 'moved', 'both']
+    feasible: bool
+    objective: Optional[float]
+    """Objective in the unit of the document; null if the layout is not feasible."""
+    gain_percent: Optional[float]
+    """By how much the objective is lower than as drawn, percent."""
+    within_limits: Optional[bool]
+    """Whether every operation keeps its limit; null if no operation has one."""
+    reasons: List[str]
+    """Reasons why the layout is not feasible."""
+    layout: Dict[str, PlacementEntry]
+    base: PlacementEntry
+    attitudes: Dict[str, AttitudeEntry]
+    operations: Table[SpotEntry]
+
+    _nested = {
+        'layout': ('named', 'PlacementEntry'),
+        'base': ('record', 'PlacementEntry'),
+        'attitudes': ('named', 'AttitudeEntry'),
+        'operations': ('table', 'SpotEntry'),
+    }
+
+
+class RepeatedPostureEntry(Record):
+    """One posture that was visited several times."""
+
+    row: int
+    """Row of the first visit."""
+    visits: int
+    position_mm: _Numbers
+    """Position of the reflector for the nominal robot, base frame."""
+    ap_mm: float
+    """Distance of the barycentre from the command position."""
+    rp_mm: float
+    """Mean distance from the barycentre plus three standard deviations."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+    }
+
+
+class RepeatsEntry(Record):
+    """Pose accuracy AP and pose repeatability RP of positions as in ISO 9283."""
+
+    largest_ap_mm: float
+    """Largest pose accuracy of a posture."""
+    largest_rp_mm: float
+    """Largest pose repeatability of a posture."""
+    least_visits: int
+    """Least number of visits of a repeated posture."""
+    enough_visits: bool
+    """Whether every repeated posture was visited as often as the standard demands."""
+    postures: Table[RepeatedPostureEntry]
+
+    _nested = {
+        'postures': ('table', 'RepeatedPostureEntry'),
+    }
+
+
+class RequirementEntry(Record):
+    """Limit of an operation and the margin to it, in the unit of the objective."""
+
+    limit: float
+    margin: float
+    """Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
+    withstand misplacements, `worst` takes the place of the value.
+    """
+    met: bool
+    """Whether the limit is kept. It is not if `worst` is needed but no bound is known."""
+
+
+class ResolvedOperation(Record):
+    """Sense and limit of an operation."""
+
+    name: str
+    sense: str
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    limit: Optional[float]
+    """Largest allowed error of the operation, in `unit`."""
+
+
+class ResolvedSettings(Record):
+    """Settings of a run after flags, cell file and defaults were merged."""
+
+    errors: str
+    """Name of the error set."""
+    model: Literal['nonlinear', 'linear', 'second-order']
+    reading: Literal['signed', 'worst-case', 'statistical']
+    quantity: Literal['yield', 'rms', 'mean', 'p95', 'p99']
+    """Statistic that is minimized in the statistical reading."""
+    registration: Literal['none', 'best-fit', 'taught']
+    operations: Table[ResolvedOperation]
+    objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
+    indifference: float
+    """Relative difference up to which the lexicographic objective treats values as equally good."""
+    solver: Literal['cma-es', 'particle-swarm', 'simulated-annealing']
+    seed: int
+    budget: int
+    """Largest number of layouts to evaluate."""
+    ideal: bool
+    """Whether placement tolerances do not count."""
+    robust: bool
+    """Whether the worst case over the placement tolerances is minimized."""
+    gap: Optional[float]
+    """Relative gap between the best layout and the proven lower bound at which a search ends."""
+    stagnation: Optional[int]
+    """Number of evaluations without a better layout after which a search ends."""
+    pareto: List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'cost']]
+    """Goals of a Pareto search; empty for a search that minimizes only the objective."""
+    keep: int
+    """Number of layouts to keep; 0 if the cell states none."""
+
+    _nested = {
+        'operations': ('table', 'ResolvedOperation'),
+    }
+
+
+class RobotEntry(Record):
+    """Robot of the library."""
+
+    robot: str
+    """Name in the library, by which cell files refer to the robot."""
+    name: str
+    axes: int
+    family: str
+    """Name of the method that solves the inverse kinematics."""
+    reach_mm: float
+    error_sets: int
+    source: str
+    """Source of the numbers of the robot."""
+
+
+class RobotSheetDocument(Record):
+    """Data sheet of a robot."""
+
+    schema: Literal['sweetspot/robot-sheet/1']
+    name: str
+    source: str
+    """Source of the numbers of the robot."""
+    family: str
+    """Name of the method that solves the inverse kinematics."""
+    convention: str
+    """Denavit-Hartenberg convention of the rows."""
+    joints: Table[JointSheet]
+    coupling: List[List[float]]
+    """Rows of the matrix that converts actuator coordinates to Denavit-Hartenberg coordinates."""
+    tool: ToolSheet
+    reach_mm: float
+    home: _Numbers
+    """Home posture: degrees, or mm for a prismatic joint."""
+    home_position_mm: _Numbers
+    """Position of the TCP in the home posture, base frame."""
+    solids: List[str]
+    """Names of the solids of the links."""
+    errors: Table[ErrorSetEntry]
+    envelope: Optional[EnvelopeSize]
+    """Null for a redundant arm and for numeric inverse kinematics; `sweetspot envelope` computes it."""
+
+    _nested = {
+        'joints': ('table', 'JointSheet'),
+        'tool': ('record', 'ToolSheet'),
+        'home': ('numbers', ''),
+        'home_position_mm': ('numbers', ''),
+        'errors': ('table', 'ErrorSetEntry'),
+        'envelope': ('record', 'EnvelopeSize'),
+    }
+
+
+class RobotsDocument(Record):
+    """Robots of the library."""
+
+    schema: Literal['sweetspot/robots/1']
+    robots: Table[RobotEntry]
+
+    _nested = {
+        'robots': ('table', 'RobotEntry'),
+    }
+
+
+class RobustDocument(Record):
+    """Effect of misplaced equipment on the layout as drawn."""
+
+    schema: Literal['sweetspot/robust/1']
+    cell: str
+    robot: str
+    errors: str
+    """Name of the error set."""
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    """Name of the figure that the search minimizes."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    feasible: bool
+    holds: bool
+    """Whether every operation stays feasible and within its limit over the placement tolerances."""
+    reasons: List[str]
+    layout: Dict[str, PlacementEntry]
+    base: PlacementEntry
+    operations: Table[MisplacedOperation]
+
+    _nested = {
+        'layout': ('named', 'PlacementEntry'),
+        'base': ('record', 'PlacementEntry'),
+        'operations': ('table', 'MisplacedOperation'),
+    }
+
+
+class RobustnessEntry(Record):
+    """Effect of misplacement on one operation."""
+
+    value: float
+    """Value of the operation without misplacement, in the unit of the objective."""
+    tolerance: Dict[str, MoveEntry]
+    """Half widths of the tolerance box of the robot base and the equipment on which the operation depends. Empty
+    if their placements have no tolerance.
+    """
+    corners: int
+    """Number of evaluated corners of the tolerance boxes of all bodies, including bodies not in `tolerance`."""
+    worst: Optional[CornerEntry]
+    """Evaluated corner with the greatest value of the operation. Null if `tolerance` is empty, or if the
+    operation cannot be done at any corner.
+    """
+    lost: Table[LostEntry]
+    """Evaluated corners at which the operation cannot be done."""
+    gradient: Table[SlopeEntry]
+    """Change of the value of the operation per mm or degree of each coordinate. The coordinates of the equipment
+    come first, then the other coordinates in `tolerance`.
+    """
+    largest_times_tolerance: Optional[LargestEntry]
+    """Largest multiple of the tolerances at which the operation stays feasible and within its limit. Null if no
+    placement has a tolerance.
+    """
+    largest_in_plan_mm: LargestEntry
+    """Largest horizontal displacement of the equipment that is allowed in every direction. A displacement is
+    allowed if the operation stays feasible and within its limit.
+    """
+    largest_yaw_deg: LargestEntry
+    """Largest yaw of the equipment that is allowed in both directions. A yaw is allowed if the operation stays
+    feasible and within its limit.
+    """
+    holds: bool
+    """Whether the operation stays feasible and within its limit over the tolerances."""
+
+    _nested = {
+        'tolerance': ('named', 'MoveEntry'),
+        'worst': ('record', 'CornerEntry'),
+        'lost': ('table', 'LostEntry'),
+        'gradient': ('table', 'SlopeEntry'),
+        'largest_times_tolerance': ('record', 'LargestEntry'),
+        'largest_in_plan_mm': ('record', 'LargestEntry'),
+        'largest_yaw_deg': ('record', 'LargestEntry'),
+    }
+
+
+class RunnerUpEntry(Record):
+    """Runner-up: the next best layout or node."""
+
+    kind: Literal['layout', 'node']
+    value: float
+    """Objective of the runner-up, in the `unit` of the verdict. For a node, this is the objective if one
+    operation moves to the node and all others keep their spots.
+    """
+    text: str
+    note: str
+
+
+class RunningCombination(Record):
+    """Combination that a worker processes."""
+
+    index: int
+    host: str
+    process: int
+    seconds: float
+    """Time since the worker began the combination, at its last heartbeat."""
+    seconds_since_heartbeat: float
+    """Time since the last heartbeat, by the clock of the file server."""
+
+
+class SearchResult(Record):
+    """Result of a search: the best layout found, the layout as drawn and the proven bound. World frame, mm and
+    degrees. The document is the same, byte for byte, for every number of threads.
+    """
+
+    schema: Literal['sweetspot/search/1']
+    status: Literal['found', 'none']
+    objective_mm: Optional[float]
+    """Objective of the best layout; null if the objective is not a length or the layout is not feasible."""
+    objective_value: Optional[float]
+    """Objective of the best layout, in `unit`; null if no layout is feasible."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    gain_percent: Optional[float]
+    """Reduction of the objective from the layout as drawn to the best layout, percent."""
+    bound: Optional[float]
+    """Proven lower bound of the objective of every layout, in `unit`."""
+    gap_percent: Optional[float]
+    """Gap: how far the best layout lies above the bound, in percent of the bound."""
+    proof: ProofEntry
+    evaluations: int
+    """Number of layouts evaluated."""
+    feasible: int
+    """Number of layouts evaluated that are feasible and keep every limit."""
+    ended: Literal['done', 'gap', 'stagnation', 'interrupted', 'time-limit', 'diverged', 'nothing-to-search']
+    """Reason why the search ended."""
+    cell: str
+    robot: str
+    errors: str
+    """Name of the error set."""
+    model: Literal['nonlinear', 'linear', 'second-order']
+    reading: Literal['signed', 'worst-case', 'statistical']
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    """Name of the figure that the search minimizes."""
+    registration: Literal['none', 'best-fit', 'taught']
+    notes: List[str]
+    """Caveats on the interpretation of the errors."""
+    objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
+    solver: Literal['cma-es', 'particle-swarm', 'simulated-annealing']
+    seed: int
+    budget: int
+    """Largest number of layouts to evaluate."""
+    robust: bool
+    """Whether the worst case over the placement tolerances was minimized."""
+    pareto: Optional[List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'cost']]]
+    """Goals of a Pareto search; null for a search that minimizes only the objective."""
+    keep: Optional[int]
+    """Number of layouts to keep; null if the cell states none."""
+    ideal: bool
+    """Whether the layout need only work exactly as drawn."""
+    assumed: Table[AssumedEntry]
+    """Values that the cell file leaves out and that were assumed."""
+    certified: Any
+    """Whether the best layout certainly works at every misplacement within its placement tolerances: true, or
+    the reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    """
+    least_value: Optional[float]
+    """Least objective found, in `unit`. Among the layouts within `indifference_percent` of it, the best layout
+    is one with much room. Null if no layout is feasible and keeps every limit.
+    """
+    regions: Table[RegionEntry]
+    """Where each piece that the search places may stand instead."""
+    whole_cell: Optional[TurnEntry]
+    """Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be
+    turned.
+    """
+    reasons: List[str]
+    """Reasons why the best layout is not feasible."""
+    goals: Optional[GoalsEntry]
+    """Goals of the best layout; null if that layout is not feasible."""
+    layout: Dict[str, PlacementEntry]
+    base: PlacementEntry
+    attitudes: Dict[str, AttitudeEntry]
+    operations: Table[SpotEntry]
+    cell_yield: Optional[CellYieldEntry]
+    """Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    statistical, every operation has a spot, and at least one operation has a limit.
+    """
+    start: StartEntry
+    front: Optional[Table[AlternativeEntry]]
+    """Pareto front or shortlist of layouts; null if the search was not asked to keep layouts."""
+    trace: List[List[float]]
+    """Improvements of the best layout: number of evaluations so far, and objective in `unit`."""
+    seconds: Optional[float]
+    """Duration of the search, s; left out in `search.json`."""
+
+    _nested = {
+        'proof': ('record', 'ProofEntry'),
+        'assumed': ('table', 'AssumedEntry'),
+        'regions': ('table', 'RegionEntry'),
+        'whole_cell': ('record', 'TurnEntry'),
+        'goals': ('record', 'GoalsEntry'),
+        'layout': ('named', 'PlacementEntry'),
+        'base': ('record', 'PlacementEntry'),
+        'attitudes': ('named', 'AttitudeEntry'),
+        'operations': ('table', 'SpotEntry'),
+        'cell_yield': ('record', 'CellYieldEntry'),
+        'start': ('record', 'StartEntry'),
+        'front': ('table', 'AlternativeEntry'),
+    }
+
+
+class SectionEntry(Record):
+    """Vertical section of a working envelope."""
+
+    azimuth_deg: float
+    area_m2: float
+    outlines: Table[SectionOutline]
+
+    _nested = {
+        'outlines': ('table', 'SectionOutline'),
+    }
+
+
+class SectionOutline(Record):
+    """Closed line in a vertical section. Outer lines run counterclockwise, holes clockwise."""
+
+    hole: bool
+    r_mm: _Numbers
+    z_mm: _Numbers
+
+    _nested = {
+        'r_mm': ('numbers', ''),
+        'z_mm': ('numbers', ''),
+    }
+
+
+class SenseEntry(Record):
+    """Sense in which the error is measured."""
+
+    name: str
+    unit: Literal['share', 'cost', 'mm', 'deg']
+
+
+class SenseRowEntry(Record):
+    """Row of a sense: a direction or an axis, with the error along or about it."""
+
+    kind: Literal['position', 'rotation']
+    direction_base: _Numbers
+    """Direction in the base frame; its length is the weight."""
+    value: float
+
+    _nested = {
+        'direction_base': ('numbers', ''),
+    }
+
+
+class Setting(Record):
+    """Key of a cell with its value, stated on the command line."""
+
+    path: str
+    """Dotted path, as in TOML: `equipment.worktable.placement.z_mm`."""
+    value: str
+    """Value, as in TOML; a text may be written without quotes."""
+    flag: Optional[str]
+    """Flag that states the setting, as typed: `--limit 5`; None for `--set`."""
+
+
+class ShareEntry(Record):
+    """Share of one parameter in the error."""
+
+    parameter: str
+    unit: Literal['deg/m', 'deg/Nm', '1', 'mm', 'deg']
+    signed: float
+    plus_minus: float
+    linear_term_mm: _Numbers
+    """Linear position error of the TCP that the parameter causes, world frame. In the signed reading the
+    parameter has its signed value, otherwise the upper limit of its tolerance.
+    """
+    alone: float
+    """Linear error in the sense of the operation if this parameter is at its tolerance and all others are 0."""
+    share_of_worst: float
+    share_of_variance: float
+
+    _nested = {
+        'linear_term_mm': ('numbers', ''),
+    }
+
+
+class ShortfallEntry(Record):
+    """Limit that even the tightest tolerances exceed."""
+
+    operation: str
+    node: List[int]
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    limit: float
+    least: float
+    """Least figure that the permitted tolerances give."""
+    excess: float
+    """`least` minus `limit`."""
+    in_the_way: Table[BoundEntry]
+    """Bounds in the way, the most effective first."""
+
+    _nested = {
+        'in_the_way': ('table', 'BoundEntry'),
+    }
+
+
+class SizeEntry(Record):
+    """Size of a working envelope in the base frame."""
+
+    volume_m3: float
+    volume_error_m3: float
+    """Estimated error of the volume: its difference from the volume found with twice the step."""
+    rotationally_symmetric: bool
+    radius_mm: Optional[_Numbers]
+    """Least and greatest distance from the vertical axis through the base; null if nothing is reached."""
+    height_mm: Optional[_Numbers]
+    """Least and greatest height above the origin of the base; null if nothing is reached."""
+    extent_within_mm: Optional[float]
+    """Bound of the error of `radius_mm` and `height_mm`. Parts of the envelope that are narrower than the
+    distance between the sample points may be missed.
+    """
+
+    _nested = {
+        'radius_mm': ('numbers', ''),
+        'height_mm': ('numbers', ''),
+    }
+
+
+class SlopeEntry(Record):
+    """Change of the value of an operation per mm or degree of one coordinate."""
+
+    of: str
+    """Name of the equipment, or "robot base"."""
+    number: str
+    """Name of the coordinate: `x_mm`, `y_mm`, `z_mm` or `yaw_deg`."""
+    value: Optional[float]
+    """Change of the value of the operation, in the unit of the objective, per mm or degree of the coordinate.
+    Null if a small change of the coordinate puts the operation out of reach.
+    """
+    per: Literal['share', 'cost', 'mm', 'deg']
+    """Unit of the coordinate."""
+
+
+class SpotEntry(Record):
+    """One operation of a layout: its spot and the errors there. World frame, mm and degrees."""
+
+    name: str
+    equipment: str
+    sense: str
+    place: str
+    """Description of the nodes at which the operation may happen."""
+    over: Literal['best', 'max', 'mean', 'p95']
+    value: Optional[float]
+    """Value of the operation, in the unit of the objective."""
+    worst: Optional[float]
+    """Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
+    certified, or if no bound is known.
+    """
+    requirement: Optional[RequirementEntry]
+    """Limit and margin; null if the operation has no limit or no spot."""
+    node: Optional[List[int]]
+    """Indices of the node of the spot along x and y of the surface."""
+    position_mm: Optional[_Numbers]
+    joints_deg: Optional[_Numbers]
+    refined: Optional[RefinedEntry]
+    """Spot refined between the nodes of the grid."""
+    robustness: Optional[RobustnessEntry]
+    """Effect of misplacement on the operation, if it was computed."""
+    error_mm: Optional[_Numbers]
+    error_sense_mm: Optional[float]
+    error_sense_deg: Optional[float]
+    error_by_sense_mm: Dict[str, Optional[float]]
+    worst_mm: Dict[str, Optional[float]]
+    rms_mm: Dict[str, Optional[float]]
+    p95_mm: Dict[str, Optional[float]]
+    yield_: Optional[float]
+    guard: GuardEntry
+    monte_carlo: Optional[MonteCarloEntry]
+    counts: StatusCounts
+
+    _nested = {
+        'requirement': ('record', 'RequirementEntry'),
+        'position_mm': ('numbers', ''),
+        'joints_deg': ('numbers', ''),
+        'refined': ('record', 'RefinedEntry'),
+        'robustness': ('record', 'RobustnessEntry'),
+        'error_mm': ('numbers', ''),
+        'guard': ('record', 'GuardEntry'),
+        'monte_carlo': ('record', 'MonteCarloEntry'),
+        'counts': ('record', 'StatusCounts'),
+    }
+
+
+class SpotRankingEntry(Record):
+    """Spots of a file, ranked by their errors. A spot is a commanded position; its error is the mean of its
+    poses.
+    """
+
+    count: int
+    """Number of spots."""
+    rank_correlation: Optional[float]
+    """Spearman correlation of predicted and measured errors over the spots. Null if all are equal."""
+    predicted_best: MeasuredSpotEntry
+    """Spot with the least predicted error."""
+    mean_mm: float
+    """Mean of the measured errors of all spots."""
+    least_mm: float
+    """Least measured error of a spot."""
+    greatest_mm: float
+    """Greatest measured error of a spot."""
+
+    _nested = {
+        'predicted_best': ('record', 'MeasuredSpotEntry'),
+    }
+
+
+class SpreadEntry(Record):
+    """Tolerance of one parameter."""
+
+    name: str
+    plus_minus: float
+    """Half width."""
+    unit: str
+    """Unit of the half width: mm or deg."""
+    distribution: str
+    sigmas: Optional[float]
+    """Half width as a number of standard deviations; null unless the distribution is normal."""
+
+
+class StartEntry(Record):
+    """Layout as drawn, from which the search started."""
+
+    objective_mm: Optional[float]
+    objective_value: Optional[float]
+    reasons: List[str]
+    layout: Dict[str, PlacementEntry]
+    base: PlacementEntry
+    attitudes: Dict[str, AttitudeEntry]
+    operations: Table[SpotEntry]
+    cell_yield: Optional[CellYieldEntry]
+    """Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    statistical, every operation has a spot, and at least one operation has a limit.
+    """
+
+    _nested = {
+        'layout': ('named', 'PlacementEntry'),
+        'base': ('record', 'PlacementEntry'),
+        'attitudes': ('named', 'AttitudeEntry'),
+        'operations': ('table', 'SpotEntry'),
+        'cell_yield': ('record', 'CellYieldEntry'),
+    }
+
+
+class StatusCounts(Record):
+    """Numbers of nodes by status. Each of the last three fields is left out if no node has the status that it
+    counts.
+    """
+
+    ok: int
+    out_of_reach: int
+    joint_limit: int
+    collision: int
+    attitude: int
+    not_converged: int
+    unjudged: int
+    singular: Optional[int]
+    approach: Optional[int]
+    retract: Optional[int]
+
+
+class SweepGroup(Record):
+    """Value of a `--set` option, and the best row with that value."""
+
+    path: str
+    value: Any
+    combinations: int
+    """Number of combinations with this value of the option."""
+    feasible: int
+    best: Optional[int]
+    """Index of the feasible row with the least objective among the rows with this value. Null if none of these
+    rows is feasible, or if their objectives have different units.
+    """
+    objective: Optional[float]
+
+
+class SweepPlan(Record):
+    """Plan of a sweep, `plan.json`. Plans with equal fields give files with equal bytes."""
+
+    schema: Literal['sweetspot/sweep-plan/1']
+    version: str
+    """Version of the program."""
+    cell: str
+    """Cell file."""
+    packages: List[List[Any]]
+    """Name and folder of each ROS package that the option `--package` gives."""
+    search: bool
+    """Whether a search runs for every combination; otherwise the layout as drawn is mapped."""
+    sets: Table[Choices]
+    seed: Optional[int]
+    """Seed of every combination; null means the seed of the cell."""
+    budget: Optional[int]
+    solver: Optional[Literal['cma-es', 'particle-swarm', 'simulated-annealing']]
+    combinations: int
+    inputs: Table[HashedFile]
+    """Hashes of the files that the combinations read; empty until the program has read these files."""
+    sha256: Optional[str]
+    """SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
+    exists only in the written file.
+    """
+
+    _nested = {
+        'sets': ('table', 'Choices'),
+        'inputs': ('table', 'HashedFile'),
+    }
+
+
+class SweepRow(Record):
+    """Result of one combination, `NNNN.json`, where NNNN is the index with at least four digits. World frame, mm
+    and degrees.
+    """
+
+    index: int
+    set: Dict[str, Any]
+    """Value of every `--set` option by its path: parsed as JSON if possible, otherwise text."""
+    feasible: bool
+    objective: Optional[float]
+    """Objective of the layout in `unit`; null if the layout is not feasible."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    bound: Optional[float]
+    """Proven lower bound of the objective of every layout; null if no bound is known or no search ran."""
+    gap_percent: Optional[float]
+    evaluations: int
+    """Number of layouts evaluated."""
+    feasible_evaluations: int
+    """Number of feasible layouts among those evaluated."""
+    operations: Table[SweepSpot]
+    layout: Dict[str, PlacementEntry]
+    reasons: List[str]
+    """Reasons why the layout is not feasible."""
+    files: Table[HashedFile]
+    """Hashes of the settings file and of the cell file with fixed layout; empty if the layout is not feasible."""
+    sha256: Optional[str]
+    """SHA-256 in hexadecimal of all bytes of the file that precede this key and the comma before it. The key
+    exists only in the written file.
+    """
+
+    _nested = {
+        'operations': ('table', 'SweepSpot'),
+        'layout': ('named', 'PlacementEntry'),
+        'files': ('table', 'HashedFile'),
+    }
+
+
+class SweepSpot(Record):
+    """One operation in the result of a combination: its spot, error and limit."""
+
+    name: str
+    value: Optional[float]
+    """Value of the operation, in the unit of the objective; null if the operation has no spot."""
+    position_mm: Optional[_Numbers]
+    error: Optional[float]
+    """Error that the operation's sense measures, in `error_unit`."""
+    limit: Optional[float]
+    """Largest allowed error of the operation, in `error_unit`."""
+    error_unit: Literal['share', 'cost', 'mm', 'deg']
+    limit_met: Optional[bool]
+    """Whether the limit is met; null if the operation has no limit or no spot."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+    }
+
+
+class SweepStatus(Record):
+    """State of a sweep, which `sweep --status` prints."""
+
+    schema: Literal['sweetspot/sweep-status/1']
+    combinations: int
+    done: int
+    free: int
+    """Number of combinations that nobody has begun."""
+    running: Table[RunningCombination]
+    failed: Table[FailedCombination]
+    seconds_left: Optional[float]
+    """Estimated time until the last combination is done, if the workers that run now go on. Null if no worker
+    runs, or if none has finished a combination yet.
+    """
+    hosts: Table[HostWork]
+    """What each host has done. Only workers of `sweep --claim` leave this information."""
+    complete: bool
+    """Whether the table is written."""
+
+    _nested = {
+        'running': ('table', 'RunningCombination'),
+        'failed': ('table', 'FailedCombination'),
+        'hosts': ('table', 'HostWork'),
+    }
+
+
+class SweepTable(Record):
+    """Table of a sweep, `table.json`."""
+
+    schema: Literal['sweetspot/sweep/1']
+    mode: Literal['search', 'map']
+    combinations: int
+    feasible: int
+    best: Optional[int]
+    """Index of the feasible row with the least objective. Null if no row is feasible, or if feasible rows have
+    objectives in different units.
+    """
+    best_of: Table[SweepGroup]
+    """Best row for every value of every `--set` option."""
+    rows: Table[SweepRow]
+
+    _nested = {
+        'best_of': ('table', 'SweepGroup'),
+        'rows': ('table', 'SweepRow'),
+    }
+
+
+class TestCubeEntry(Record):
+    """Test cube of ISO 9283, base frame."""
+
+    edge_mm: float
+    is_standard: bool
+    """Whether the standard names a cube of this size."""
+    centre_mm: _Numbers
+    bend_deg: float
+    """Elevation of the tool axis."""
+    spin_deg: Optional[float]
+    """Spin of the tool; null if the arm cannot keep it the same at all poses."""
+    poses: Table[TestPoseEntry]
+    """The poses P1 to P5."""
+
+    _nested = {
+        'centre_mm': ('numbers', ''),
+        'poses': ('table', 'TestPoseEntry'),
+    }
+
+
+class TestPoseEntry(Record):
+    """One test pose."""
+
+    position_mm: _Numbers
+    joints: _Numbers
+    """Joint coordinates: degrees, or mm for a prismatic joint."""
+    ap_mm: float
+    """Median accuracy at this pose."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'joints': ('numbers', ''),
+    }
+
+
+class TestedFile(Record):
+    """File of measured positions outside the fit."""
+
+    file: str
+    poses: int
+    """Number of measured positions."""
+    before: AccuracyEntry
+    """Position errors of the nominal robot; base and reflector are fitted."""
+    after: AccuracyEntry
+    """Position errors of the calibrated robot; base and reflector are fitted."""
+    coverage_95: float
+    """Share of the positions inside their predicted 95 % ellipsoids."""
+    outliers: Table[OutlierRow]
+    """Rows whose distance is more than six standard deviations."""
+
+    _nested = {
+        'before': ('record', 'AccuracyEntry'),
+        'after': ('record', 'AccuracyEntry'),
+        'outliers': ('table', 'OutlierRow'),
+    }
+
+
+class TightenEntry(Record):
+    """Gain from halving the tolerances of the parameters in `halved`. In the statistical reading, `of` and `to`
+    are the first-order quantity before and after the halving. In any other reading, they are the worst case
+    before and after the halving.
+    """
+
+    halved: List[str]
+    of: float
+    to: float
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    cut_percent: float
+
+
+class ToolSheet(Record):
+    """Tool of a robot."""
+
+    position_mm: _Numbers
+    """Position of the TCP in the frame of the last Denavit-Hartenberg row."""
+    axis: _Numbers
+    """Unit vector of the tool axis in the frame of the TCP."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+        'axis': ('numbers', ''),
+    }
+
+
+class TotalEntry(Record):
+    """Error figures of a posture, measured in the sense of the operation."""
+
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    error: float
+    worst_linear: float
+    worst: float
+    rms: float
+    mean: float
+    p95: float
+    p99: float
+    yield_: Optional[float]
+    """Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit."""
+
+
+class TransferEntry(Record):
+    """Collision-free joint motion from one operation to the next."""
+
+    from_: str
+    to: str
+    way: str
+    travel_deg: float
+    """Measure of the transfer time, degrees: the largest joint travel of each straight move, summed over all
+    moves.
+    """
+    joints_deg: List[List[float]]
+    """Joint vectors along the motion, which is a straight line in joint space from each vector to the next."""
+
+
+class TriedEntry(Record):
+    """Postures that were tried."""
+
+    candidates: int
+    """Number of postures among which the plan chose."""
+    colliding: int
+    """Number of postures that touch something or come nearer than the clearance."""
+    hidden: int
+    """Number of other postures at which the tracker does not see the reflector."""
+
+
+class TurnEntry(Record):
+    """Rotation of all pieces together about the base axis."""
+
+    turn_deg: _Numbers
+    """Least and greatest angle."""
+    ends_with: str
+    """What ends the nearer side."""
+
+    _nested = {
+        'turn_deg': ('numbers', ''),
+    }
+
+
+class UniformEntry(Record):
+    """One common scale of all tolerances that keeps the limits."""
+
+    scale: float
+    cost: float
+    saving_percent: float
+    """How much less the cheapest tolerances cost, percent."""
+
+
+class UrdfEntry(Record):
+    """Denavit-Hartenberg rows derived from a URDF, and the unused elements of the file."""
+
+    file: str
+    base_link: str
+    tip_link: str
+    base_to_frame_0: PoseEntry
+    rows: Table[UrdfRow]
+    last_frame_to_tip: PoseEntry
+    ignored: Dict[str, int]
+    """Number of unused elements of the file by kind."""
+
+    _nested = {
+        'base_to_frame_0': ('record', 'PoseEntry'),
+        'rows': ('table', 'UrdfRow'),
+        'last_frame_to_tip': ('record', 'PoseEntry'),
+    }
+
+
+class UrdfRow(Record):
+    """Denavit-Hartenberg row of a joint of a URDF."""
+
+    joint: str
+    theta_deg: float
+    r_mm: float
+    l_mm: float
+    alpha_deg: float
+    passive: bool
+
+
+class VerdictDocument(Record):
+    """Verdict of a report. Lengths in mm, angles in degrees, rounded to 1e-9 as in search.json."""
+
+    schema: Literal['sweetspot/report/1']
+    of: Literal['search', 'layout']
+    cell: str
+    robot: str
+    answer: Literal['yes', 'no']
+    headline: str
+    feasible: bool
+    ended: Optional[Literal['done', 'gap', 'stagnation', 'interrupted', 'time-limit', 'diverged', 'nothing-to-search']]
+    """Reason why the search ended; null for a layout as drawn."""
+    unit: Literal['share', 'cost', 'mm', 'deg']
+    quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
+    """Name of the figure that the search minimizes."""
+    objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
+    objective_value: Optional[float]
+    start_value: Optional[float]
+    gain_percent: Optional[float]
+    bound: Optional[float]
+    gap_percent: Optional[float]
+    requirement: Literal['none', 'met', 'missed']
+    runner_up: Optional[RunnerUpEntry]
+    facts: Table[FactEntry]
+    cell_yield: Optional[CellYieldEntry]
+    """Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
+    statistical, every operation has a spot, and at least one operation has a limit.
+    """
+    placements: Table[VerdictPlacement]
+    """Where everything stands; empty if the layout is not feasible."""
+    operations: Table[VerdictSpot]
+    whole_cell: Optional[TurnEntry]
+    """Rotation of all pieces together about the base axis; null if a piece cannot be turned."""
+    reasons: List[str]
+    """Reasons why the answer is no."""
+
+    _nested = {
+        'runner_up': ('record', 'RunnerUpEntry'),
+        'facts': ('table', 'FactEntry'),
+        'cell_yield': ('record', 'CellYieldEntry'),
+        'placements': ('table', 'VerdictPlacement'),
+        'operations': ('table', 'VerdictSpot'),
+        'whole_cell': ('record', 'TurnEntry'),
+    }
+
+
+class VerdictPlacement(Record):
+    """Placement of a piece of equipment, seen from the robot base, with its room."""
+
+    equipment: str
+    at: PlacementEntry
+    """Placement in the frame of the robot base; that of the robot base itself is in the world frame."""
+    room_mm: Optional[float]
+    """Largest distance by which the piece may be displaced in every direction in plan; null if it is not known."""
+    room_deg: Optional[float]
+    """Largest angle by which the piece may be turned either way; null if it is not known."""
+    ends_with: Optional[str]
+    """What ends the room; null if the room is not known."""
+
+    _nested = {
+        'at': ('record', 'PlacementEntry'),
+    }
+
+
+class VerdictSpot(Record):
+    """Spot of an operation."""
+
+    name: str
+    equipment: str
+    sense: str
+    node: Optional[List[int]]
+    position_mm: Optional[_Numbers]
+    value: Optional[float]
+    limit: Optional[float]
+    margin: Optional[float]
+    """Limit minus the value of the operation; negative if the value exceeds the limit."""
+    text: str
+    """Sentence that states spot, value and position."""
+
+    _nested = {
+        'position_mm': ('numbers', ''),
+    }

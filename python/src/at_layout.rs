@@ -1,0 +1,48 @@
+//! Cells whose free coordinates are fixed at a layout, such as the best one of a search.
+
+use crate::cell::{Cell, CellOrigin};
+use pyo3::prelude::*;
+use std::sync::Arc;
+use sweetspot::cell::Layout;
+use sweetspot::cli::front_end::FileSnapshot;
+use sweetspot::files::toml_string;
+use sweetspot::report;
+
+/// Name of the text that adds the keys of `--set` to the cell file.
+const WITH_SETS: &str = ".with-settings.toml";
+
+/// Returns a name that none of the files has: `name`, or `name` after underscores.
+fn unused(name: &str, files: &[(String, Vec<u8>)]) -> String {
+    let mut name = name.to_string();
+    while files.iter().any(|(known, _)| known.eq_ignore_ascii_case(&name)) {
+        name.insert(0, '_');
+    }
+    name
+}
+
+/// Returns a cell whose start is this layout of `cell`. The text of its file begins with `comment`.
+///
+/// It has the bits of the layout file that `sweetspot search` writes, because the same text is read.
+pub fn at_layout(py: Python<'_>, cell: &Cell, layout: &Layout, name: &str, comment: &str) -> PyResult<Cell> {
+    let file = cell.origin.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let lines: Vec<String> =
+        cell.settings.iter().filter(|s| s.flag.is_none()).map(|setting| setting.line()).collect();
+    let mut files: Vec<_> =
+        cell.loaded.sources.iter().map(|source| (source.path.clone(), source.bytes.clone())).collect();
+    let from = if lines.is_empty() {
+        file
+    } else {
+        let (name, text) =
+            (unused(WITH_SETS, &files), format!("from = {}\n{}\n", toml_string(&file), lines.join("\n")));
+        files.push((name.clone(), text.into_bytes()));
+        name
+    };
+    let (name, text) = (unused(name, &files), report::toml::fixed(&from, comment, cell.cell(), layout));
+    files.push((name.clone(), text.into_bytes()));
+    let origin = CellOrigin {
+        path: cell.origin.path.with_file_name(name),
+        packages: cell.origin.packages.clone(),
+        files: FileSnapshot::with(files),
+    };
+    Cell::new(py, Arc::new(origin), Vec::new())
+}

@@ -1,0 +1,207 @@
+//! Calibration from arrays: measured positions to the errors of a robot.
+
+use crate::interrupt::all_or_nothing;
+use crate::robot::Robot;
+use crate::{faults, records};
+use numpy::{AllowTypeChange, PyArray2, PyArrayLikeDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use std::time::Instant;
+use sweetspot::calibration::{MeasuredPosition, MeasuringSession, calibrate as fitted, harmonics, unknowns};
+use sweetspot::cell::MAX_JOINTS;
+use sweetspot::record::{CalibratedFile, CalibrationDocument, TestedFile};
+use sweetspot::report::measured_errors;
+use sweetspot::robot::Chain;
+use sweetspot::units::m_from_mm;
+
+/// Array of numbers.
+type Numbers<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
+
+/// Error set of a robot, the table `errors.NAME` of a robot file.
+#[pyclass(frozen, module = "sweetspot", str = "{toml}")]
+#[derive(Clone)]
+pub struct Errors {
+    pub name: String,
+    /// Table of the robot file.
+    pub toml: String,
+    /// The same table on one line.
+    pub inline: String,
+}
+
+#[pymethods]
+impl Errors {
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The table for a robot file.
+    #[getter]
+    fn toml(&self) -> &str {
+        &self.toml
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Errors {}>", self.name)
+    }
+}
+
+impl Errors {
+    /// Reads the table `errors.NAME` of a text that has no other.
+    fn new(toml: String) -> Result<Self, String> {
+        let table: toml::Table = toml.parse().map_err(|e: toml::de::Error| e.to_string())?;
+        let sets = table.get("errors").and_then(toml::Value::as_table);
+        let (name, set) = sets.and_then(|sets| sets.iter().next()).ok_or("the table has no errors")?;
+        Ok(Self { name: name.clone(), inline: set.to_string(), toml: toml.clone() })
+    }
+}
+
+/// Identified errors of a robot with their uncertainty.
+#[pyclass(frozen, module = "sweetspot")]
+pub struct Calibration {
+    errors: Errors,
+    document: Py<PyAny>,
+    covariance: Vec<Vec<f64>>,
+    residual_mm: Option<f64>,
+}
+
+/// Identifies the kinematic errors of a robot from measured positions of its tool.
+#[pyfunction]
+#[pyo3(signature = (robot, q, measured, *, unit="m", sigma=None, test=None, elastic=false, harmonics=None))]
+#[allow(clippy::too_many_arguments)] // keywords of Python
+pub fn calibrate(
+    py: Python<'_>,
+    robot: &Robot,
+    q: Numbers<'_>,
+    measured: Numbers<'_>,
+    unit: &str,
+    sigma: Option<f64>,
+    test: Option<(Numbers<'_>, Numbers<'_>)>,
+    elastic: bool,
+    harmonics: Option<u8>,
+) -> PyResult<Calibration> {
+    let of_file: fn(f64) -> f64 = match unit {
+        "m" => |length| length,
+        "mm" => m_from_mm,
+        _ => return Err(PyValueError::new_err("unit is \"m\" or \"mm\"")),
+    };
+    let model = &robot.model;
+    let of_session = |name: &str, q: &Numbers<'_>, measured: &Numbers<'_>| {
+        let rows = rows(q, measured, model.axes(), of_file, sigma.map(of_file))?;
+        Ok::<_, PyErr>(MeasuringSession { name: name.into(), measured: rows })
+    };
+    let sessions = [of_session("measured", &q, &measured)?];
+    let tests = test.map(|(q, measured)| of_session("test", &q, &measured)).transpose()?;
+    let begun = Instant::now();
+    let made = all_or_nothing(py, |_| {
+        let chain = Chain::new(model);
+        let mut unknowns = unknowns(&chain, elastic);
+        unknowns.extend(
+            harmonics.map(|orders| self::harmonics(&chain, usize::from(orders))).into_iter().flatten(),
+        );
+        let priors: Vec<f64> = unknowns.iter().map(|unknown| unknown.default_prior()).collect();
+        let calibration = fitted(&chain, &sessions, &unknowns, &priors)?;
+        let pairs = sessions.iter().zip(&calibration.sessions);
+        let calibrated =
+            pairs.filter_map(|(session, fit)| CalibratedFile::new(&chain, session, fit)).collect();
+        let tested =
+            tests.iter().filter_map(|session| TestedFile::new(&chain, session, &calibration)).collect();
+        let seconds = begun.elapsed().as_secs_f64();
+        let document = CalibrationDocument::new(model, &calibration, calibrated, tested, seconds);
+        let toml = measured_errors::table(model, &calibration, &document);
+        let covariance = calibration.covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
+        Ok::<_, String>((document, Errors::new(toml)?, covariance))
+    })?;
+    let (document, errors, covariance) = made.map_err(|why| {
+        let help = "measure more postures, with every joint in several positions";
+        faults::refused(py, "calibrate", format!("cannot calibrate {}: {why}", model.name), help)
+    })?;
+    let residual_mm = document.residual_mm;
+    let document = records::object(py, "CalibrationDocument", &document)?.unbind();
+    Ok(Calibration { errors, document, covariance, residual_mm })
+}
+
+/// Returns measured positions from arrays of joint coordinates (n, axes) and of positions (n, 3) or poses (n, 4, 4).
+fn rows(
+    q: &Numbers<'_>,
+    measured: &Numbers<'_>,
+    axes: usize,
+    of_file: fn(f64) -> f64,
+    sigma: Option<f64>,
+) -> PyResult<Vec<MeasuredPosition>> {
+    let count = match q.shape() {
+        [count, columns] if *columns == axes => *count,
+        shape => {
+            let message = format!("q has the shape {shape:?}; the robot needs (n, {axes}), rad or m");
+            return Err(PyTypeError::new_err(message));
+        }
+    };
+    let has_poses = match measured.shape() {
+        [n, 3] if *n == count => false,
+        [n, 4, 4] if *n == count => true,
+        shape => {
+            let message =
+                format!("measured has the shape {shape:?}; expected ({count}, 3) or ({count}, 4, 4)");
+            return Err(PyTypeError::new_err(message));
+        }
+    };
+    let (q, measured) = (q.as_array(), measured.as_array());
+    if let Some(k) = q.iter().position(|v| !v.is_finite()) {
+        return Err(PyValueError::new_err(format!("row {} of q is not finite", k / axes)));
+    }
+    if let Some(k) = measured.iter().position(|v| !v.is_finite()) {
+        let per_row = if has_poses { 16 } else { 3 };
+        return Err(PyValueError::new_err(format!("row {} of measured is not finite", k / per_row)));
+    }
+    let row = |k: usize| {
+        let mut joints = [0.0; MAX_JOINTS];
+        (0..axes).for_each(|joint| joints[joint] = q[[k, joint].as_slice()]);
+        let at = |i: usize, j: usize| measured[[k, i, j].as_slice()];
+        let (position, rotation) = if has_poses {
+            let rotation = nalgebra::Matrix3::from_fn(at);
+            (nalgebra::Vector3::from_fn(|i, _| of_file(at(i, 3))), Some(rotation))
+        } else {
+            (nalgebra::Vector3::from_fn(|i, _| of_file(measured[[k, i].as_slice()])), None)
+        };
+        MeasuredPosition { row: k, joints, reflector: 0, position, rotation, sigma }
+    };
+    Ok((0..count).map(row).collect())
+}
+
+#[pymethods]
+impl Calibration {
+    /// The identified errors, for `Cell.with_errors`.
+    #[getter]
+    fn errors(&self) -> Errors {
+        self.errors.clone()
+    }
+
+    /// The record of `sweetspot calibrate --json`.
+    #[getter]
+    fn document(&self, py: Python<'_>) -> Py<PyAny> {
+        self.document.clone_ref(py)
+    }
+
+    /// The identified parameters, a table.
+    #[getter]
+    fn parameters(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.document.getattr(py, "parameters")
+    }
+
+    /// Covariance of the unknowns in m, rad and rad/m, harmonics last.
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        PyArray2::from_vec2(py, &self.covariance).map_err(|e| PyValueError::new_err(e.to_string()))
+    }
+
+    /// Root mean square of the residuals per axis, mm.
+    #[getter]
+    fn residual_mm(&self) -> Option<f64> {
+        self.residual_mm
+    }
+
+    fn __repr__(&self) -> String {
+        let residual = self.residual_mm.map_or("none".into(), |r| format!("{r} mm"));
+        format!("<Calibration: {} unknowns, residual {residual} per axis>", self.covariance.len())
+    }
+}

@@ -1,0 +1,55 @@
+//! Long work beside the interpreter: without its lock, and ended by Ctrl-C.
+
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// Pause between two looks for a signal.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Result of work that could be interrupted.
+pub struct Worked<T> {
+    pub result: T,
+    /// The exception that ended the work early, such as KeyboardInterrupt.
+    pub interrupted: Option<PyErr>,
+}
+
+/// Runs `work` in another thread without the interpreter lock. A signal sets the flag that `work` gets; `tick` runs
+/// with the lock between two looks for a signal, and its exception sets the flag, too.
+pub fn interruptible<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool) -> T + Send,
+    mut tick: impl FnMut(Python<'_>) -> PyResult<()>,
+) -> Worked<T> {
+    let stop = AtomicBool::new(false);
+    let (done, mut wait) = channel::<()>();
+    let mut interrupted = None;
+    let result = std::thread::scope(|scope| {
+        let stop = &stop;
+        let thread = scope.spawn(move || {
+            // The thread drops the channel when it ends, also by a panic.
+            let _done = done;
+            work(stop)
+        });
+        let mut pause = || {
+            let wait = &mut wait;
+            py.detach(move || wait.recv_timeout(PAUSE))
+        };
+        while pause() == Err(RecvTimeoutError::Timeout) {
+            if let Err(why) = py.check_signals().and_then(|()| tick(py)) {
+                stop.store(true, Ordering::Relaxed);
+                interrupted.get_or_insert(why);
+            }
+        }
+        thread.join()
+    });
+    let result = result.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    Worked { result, interrupted }
+}
+
+/// Runs `work` as [`interruptible`] does; an interruption ends it with the exception.
+pub fn all_or_nothing<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
+    let Worked { result, interrupted } = interruptible(py, work, |_| Ok(()));
+    interrupted.map_or(Ok(result), Err)
+}
