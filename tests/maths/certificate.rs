@@ -255,8 +255,10 @@ fn the_best_layouts_to_build_withstand_random_misplacements() {
             .map(|k| a.worst(k).map_or("-".into(), |worst| format!("{:.4}", mm_from_m(worst))))
             .collect();
         let more = 100.0 * (objective / least - 1.0);
-        let regions = Regions::new(&strict, &a.layout).expect("a feasible layout has regions");
-        let least_of = |of: fn(&Region) -> Option<f64>| regions.pieces.iter().filter_map(of).reduce(f64::min);
+        // Regions take long and are only printed.
+        let regions = Some(()).filter(|()| cases(0, 1) == 1).and_then(|()| Regions::new(&strict, &a.layout));
+        let pieces = regions.map_or(Vec::new(), |regions| regions.pieces);
+        let least_of = |of: fn(&Region) -> Option<f64>| pieces.iter().filter_map(of).reduce(f64::min);
         let room = least_of(|r| r.room).map_or("-".into(), |room| format!("{:.1}", mm_from_m(room)));
         let turn = least_of(|r| r.turn).map_or("-".into(), |turn| format!("{:.2}", deg_from_rad(turn)));
         let worst = worst.join(", ");

@@ -4,7 +4,7 @@ use crate::common::{cases, from_text};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sweetspot::cell::{Cell, Layout};
-use sweetspot::layout::{Workcell, evaluate, separated};
+use sweetspot::layout::{Workcell, Workspace, evaluate_in, separated};
 
 /// Returns a table that may stand anywhere within 2 m, and a fixed block.
 fn block_and_table() -> Cell {
@@ -32,16 +32,21 @@ fn block_and_table() -> Cell {
 }
 
 fn overlapping(workcell: &Workcell, layout: &Layout) -> bool {
-    !evaluate(workcell, layout).overlaps.is_empty()
+    overlapping_in(workcell, layout, &mut Workspace::default())
+}
+
+fn overlapping_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspace) -> bool {
+    !evaluate_in(workcell, layout, workspace).overlaps.is_empty()
 }
 
 /// Returns the shortest shift out of the overlap, walking outwards in every direction.
 fn brute_force(workcell: &Workcell, layout: &Layout) -> f64 {
-    let free_at = |angle: f64, distance: f64| {
+    let mut workspace = Workspace::default();
+    let mut free_at = |angle: f64, distance: f64| {
         let mut moved = layout.clone();
         moved.placements[0].x += distance * angle.cos();
         moved.placements[0].y += distance * angle.sin();
-        !overlapping(workcell, &moved)
+        !overlapping_in(workcell, &moved, &mut workspace)
     };
     let directions = (0..720).map(|k| f64::from(k) * std::f64::consts::TAU / 720.0);
     // Nothing is farther than the shortest shift of the directions before.

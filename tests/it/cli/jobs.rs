@@ -26,7 +26,7 @@ fn assert_same(shop: &Sandbox, whole: &Sandbox) {
 /// SWEETSPOT_KILLS sets the number of kills.
 #[test]
 fn a_killed_and_resumed_search_ends_in_the_same_bytes() {
-    let kills: u32 = std::env::var("SWEETSPOT_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
+    let kills: u32 = std::env::var("SWEETSPOT_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
     let args =
         ["search", CELL, "--budget", BUDGET, "--out", "found", "--checkpoint", "0.02", "--threads", "2"];
     let whole = Sandbox::new();
