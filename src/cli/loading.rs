@@ -245,7 +245,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     replace(path, bytes).map_err(|e| cannot_write(path, &e))
 }
 
-/// Writes a file as [`write_whole`] does, and prints nothing.
+/// Writes a file whole or not at all, and prints nothing.
 ///
 /// # Errors
 /// Fails if the file cannot be written.

@@ -6,8 +6,7 @@ use super::norm::{ConditionalScratch, NormLaw};
 use super::registration::BestFit;
 use super::spin_bound::{SpinBound, is_behind};
 use super::work_context::{PickReference, WorkContext, WorkFrame};
-use super::worst_case::{WorstCase, by_model, farthest};
-use super::zonotope::{Farthest, ZonotopeScratch};
+use super::zonotope::ZonotopeScratch;
 use super::{Effects, MAX_SOURCES, SenseRows};
 use crate::cell::{Cell, Distribution, Frame, Model, Operation, Quantity, Reading, Registration, Sense};
 use crate::kinematic_error::{Expansion, Perturbation, position_error};
@@ -32,7 +31,7 @@ pub struct ErrorEvaluator {
     pub(super) signed_values: Vec<f64>,
     pub(super) signed: PreparedSample,
     /// Means of the sources, and the sample with these values; None if all are 0.
-    mean: Option<(Vec<f64>, PreparedSample)>,
+    pub(super) mean: Option<(Vec<f64>, PreparedSample)>,
     /// Whether only the robot has errors, and neither a registration nor a pick removes a part of these
     /// errors.
     pub(super) alone: bool,
@@ -46,9 +45,9 @@ pub struct ErrorEvaluator {
 pub struct EvaluatorScratch {
     pub(super) expansion: Expansion,
     pub(super) effects: Effects,
-    columns: [Vector6<f64>; MAX_SOURCES],
+    pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
-    scratch: ZonotopeScratch,
+    pub(super) scratch: ZonotopeScratch,
     conditional: ConditionalScratch,
 }
 
@@ -252,117 +251,6 @@ impl ErrorEvaluator {
     /// Returns whether the sources vary about means that are not 0.
     pub fn has_mean(&self) -> bool {
         self.mean.is_some()
-    }
-
-    /// Returns the largest size of the error in a [`Sense`] over the tolerance box, at a posture. Call
-    /// [`Self::prepare`] first.
-    pub fn worst(
-        &self,
-        sense: &Sense,
-        context: &WorkContext,
-        frames: &Frames,
-        memory: &mut EvaluatorScratch,
-    ) -> WorstCase {
-        let measure = self.measure(sense, context, frames);
-        let n = self.sources.list.len();
-        let of_mean = usize::from(self.mean.is_some());
-        if self.model == Model::Linear {
-            let (linear, corner) = self.linear_corner(&measure, memory);
-            let exact = linear.upper <= linear.value;
-            let linear = linear.upper.max(linear.value);
-            return WorstCase { linear, exact, by_model: linear, corner };
-        }
-        let largest = self.largest(memory);
-        let (linear, corner) = self.linear_corner(&measure, memory);
-        let (propagation, columns) = (self.propagation(), &memory.columns[..n + of_mean]);
-        let mut values = [0.0; MAX_SOURCES];
-        let quadratic = self.quadratic(&memory.effects);
-        let mut worst = by_model(columns, &linear, quadratic, &largest, corner, |signs| {
-            self.corner(signs, &mut values);
-            if self.is_reversed(signs) {
-                self.corner(&signs.map(|sign| -sign), &mut values);
-            }
-            if self.alone && measure.is_of_position() {
-                let errors = self.sources.perturbation(&self.chain, &values[..n]);
-                return measure.size_of_position(&position_error(frames, &errors, self.model));
-            }
-            let sample = propagation.sample(&values[..n], self.model);
-            measure.size(&propagation.error(context, frames, &sample, self.model))
-        });
-        if self.is_reversed(&worst.corner) {
-            worst.corner.iter_mut().for_each(|sign| *sign = -*sign);
-        }
-        worst
-    }
-
-    /// Returns whether all signs of a corner must be reversed, so that the mean gets the sign +1.
-    ///
-    /// The linear error has the same size if all signs are reversed, that of the mean included. So the search
-    /// for the worst corner treats the mean as one more source, whose sign follows those of the sources.
-    fn is_reversed(&self, signs: &[f64; MAX_SOURCES]) -> bool {
-        self.mean.is_some() && signs[self.sources.list.len()] < 0.0
-    }
-
-    /// Returns two corners of the tolerance box, each as one sign per source.
-    ///
-    /// By the linear model, the TCP has the largest displacement at the first corner and the largest rotation
-    /// at the second.
-    fn largest(&self, memory: &mut EvaluatorScratch) -> [[f64; MAX_SOURCES]; 2] {
-        [false, true].map(|turns| {
-            for (k, source) in self.sources.list.iter().enumerate() {
-                let effect = &memory.effects.columns[k];
-                let v = if turns { effect.rotation } else { effect.position } * source.plus_minus;
-                memory.columns[k] = Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
-            }
-            let mut corner = [1.0; MAX_SOURCES];
-            let n = self.sources.list.len();
-            farthest(&memory.columns[..n], 3, &mut memory.scratch, &mut corner[..n]);
-            corner
-        })
-    }
-
-    /// Returns an estimate of the size of the second-order terms of the TCP error.
-    ///
-    /// Each source at its tolerance rotates and displaces the TCP. The estimate is the root sum square of the
-    /// rotations times the root sum square of the displacements.
-    fn quadratic(&self, effects: &Effects) -> f64 {
-        let pairs = self.sources.list.iter().zip(&effects.columns);
-        let (turn, shift) = pairs.fold((0.0, 0.0), |(turn, shift), (source, effect)| {
-            let largest = source.plus_minus + source.mean.abs();
-            let [w, d] = [effect.rotation, effect.position].map(|v| v.norm_squared() * largest.powi(2));
-            (turn + w, shift + d)
-        });
-        (turn * shift).sqrt()
-    }
-
-    /// Returns the largest linear error over the tolerance box, and the corner with this error as one sign
-    /// per source. Call [`Self::prepare`] first.
-    pub fn linear_corner(
-        &self,
-        measure: &SenseRows,
-        memory: &mut EvaluatorScratch,
-    ) -> (Farthest, [f64; MAX_SOURCES]) {
-        for (k, source) in self.sources.list.iter().enumerate() {
-            memory.columns[k] = measure.column(&(memory.effects.columns[k] * source.plus_minus));
-        }
-        let mut corner = [0.0; MAX_SOURCES];
-        let mut n = self.sources.list.len();
-        if let Some((values, _)) = &self.mean {
-            memory.columns[n] = measure.column(&memory.effects.of_sample(values));
-            n += 1;
-        }
-        let found = farthest(&memory.columns[..n], measure.rows(), &mut memory.scratch, &mut corner[..n]);
-        if self.is_reversed(&corner) {
-            corner.iter_mut().for_each(|sign| *sign = -*sign);
-        }
-        (found, corner)
-    }
-
-    /// Writes the values of the sources at the corner of the tolerance box that `signs` gives.
-    pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
-        for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
-            *value = source.at(*sign);
-        }
     }
 
     /// Returns the distribution of the size of the error in a [`Sense`]. Call [`Self::prepare`] first.

@@ -38,6 +38,7 @@ mod statistics;
 mod work_context;
 mod workspace_average;
 mod worst_case;
+mod worst_corner;
 pub mod zonotope;
 
 pub use budget::{Budget, Share};

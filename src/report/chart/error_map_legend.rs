@@ -15,6 +15,8 @@ const REACH: [(Ink, &str); 4] =
 
 /// Longest scale bar, px.
 const MAX_BAR: f64 = 160.0;
+/// Share of the greatest value at which a value counts as zero.
+const ROUNDING_SHARE: f64 = 1e-9;
 
 /// Returns the SVG attributes of the k-th outline of the reach.
 pub(super) fn reach_line(k: usize) -> String {
@@ -65,7 +67,10 @@ fn draw_colours(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     senses.dedup();
     let unit = cell.unit().word();
     canvas.paragraph(&format!("{} in {}", crate::record::value_word(cell), senses.join(", ")));
-    let [low, high] = [scales.range.0, scales.range.1].map(|v| format!("{} {unit}", words::figure(v)));
+    // What a registration removes is zero but for rounding.
+    let is_rounding = |v: f64| v.abs() <= ROUNDING_SHARE * scales.range.1.abs();
+    let shown = |v: f64| if is_rounding(v) { 0.0 } else { v };
+    let [low, high] = [scales.range.0, scales.range.1].map(|v| format!("{} {unit}", words::figure(shown(v))));
     let (y, left) = (canvas.y + 20.0, MARGIN + words::width(&low, BODY) + 6.0);
     canvas.text((MARGIN, y), Anchor::Start, Ink::Text, &low);
     for k in 0..60 {

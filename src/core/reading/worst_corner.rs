@@ -1,0 +1,124 @@
+//! Corner of the tolerance box at which an operation has the largest error in a sense.
+
+use super::evaluator::{ErrorEvaluator, EvaluatorScratch};
+use super::work_context::WorkContext;
+use super::worst_case::{WorstCase, by_model, farthest};
+use super::zonotope::Farthest;
+use super::{Effects, MAX_SOURCES, SenseRows};
+use crate::cell::{Model, Sense};
+use crate::kinematic_error::position_error;
+use crate::robot::Frames;
+use nalgebra::Vector6;
+
+impl ErrorEvaluator {
+    /// Returns the largest size of the error in a [`Sense`] over the tolerance box, at a posture. Call
+    /// [`Self::prepare`] first.
+    pub fn worst(
+        &self,
+        sense: &Sense,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> WorstCase {
+        let measure = self.measure(sense, context, frames);
+        let n = self.sources.list.len();
+        let of_mean = usize::from(self.mean.is_some());
+        if self.model == Model::Linear {
+            let (linear, corner) = self.linear_corner(&measure, memory);
+            let exact = linear.upper <= linear.value;
+            let linear = linear.upper.max(linear.value);
+            return WorstCase { linear, exact, by_model: linear, corner };
+        }
+        let largest = self.largest(memory);
+        let (linear, corner) = self.linear_corner(&measure, memory);
+        let (propagation, columns) = (self.propagation(), &memory.columns[..n + of_mean]);
+        let mut values = [0.0; MAX_SOURCES];
+        let quadratic = self.quadratic(&memory.effects);
+        let mut worst = by_model(columns, &linear, quadratic, &largest, corner, |signs| {
+            self.corner(signs, &mut values);
+            if self.is_reversed(signs) {
+                self.corner(&signs.map(|sign| -sign), &mut values);
+            }
+            if self.alone && measure.is_of_position() {
+                let errors = self.sources.perturbation(&self.chain, &values[..n]);
+                return measure.size_of_position(&position_error(frames, &errors, self.model));
+            }
+            let sample = propagation.sample(&values[..n], self.model);
+            measure.size(&propagation.error(context, frames, &sample, self.model))
+        });
+        if self.is_reversed(&worst.corner) {
+            worst.corner.iter_mut().for_each(|sign| *sign = -*sign);
+        }
+        worst
+    }
+
+    /// Returns whether all signs of a corner must be reversed, so that the mean gets the sign +1.
+    ///
+    /// The linear error has the same size if all signs are reversed, that of the mean included. So the search
+    /// for the worst corner treats the mean as one more source, whose sign follows those of the sources.
+    fn is_reversed(&self, signs: &[f64; MAX_SOURCES]) -> bool {
+        self.mean.is_some() && signs[self.sources.list.len()] < 0.0
+    }
+
+    /// Returns two corners of the tolerance box, each as one sign per source.
+    ///
+    /// By the linear model, the TCP has the largest displacement at the first corner and the largest rotation
+    /// at the second.
+    fn largest(&self, memory: &mut EvaluatorScratch) -> [[f64; MAX_SOURCES]; 2] {
+        [false, true].map(|turns| {
+            for (k, source) in self.sources.list.iter().enumerate() {
+                let effect = &memory.effects.columns[k];
+                let v = if turns { effect.rotation } else { effect.position } * source.plus_minus;
+                memory.columns[k] = Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
+            }
+            let mut corner = [1.0; MAX_SOURCES];
+            let n = self.sources.list.len();
+            farthest(&memory.columns[..n], 3, &mut memory.scratch, &mut corner[..n]);
+            corner
+        })
+    }
+
+    /// Returns an estimate of the size of the second-order terms of the TCP error.
+    ///
+    /// Each source at its tolerance rotates and displaces the TCP. The estimate is the root sum square of the
+    /// rotations times the root sum square of the displacements.
+    fn quadratic(&self, effects: &Effects) -> f64 {
+        let pairs = self.sources.list.iter().zip(&effects.columns);
+        let (turn, shift) = pairs.fold((0.0, 0.0), |(turn, shift), (source, effect)| {
+            let largest = source.plus_minus + source.mean.abs();
+            let [w, d] = [effect.rotation, effect.position].map(|v| v.norm_squared() * largest.powi(2));
+            (turn + w, shift + d)
+        });
+        (turn * shift).sqrt()
+    }
+
+    /// Returns the largest linear error over the tolerance box, and the corner with this error as one sign
+    /// per source. Call [`Self::prepare`] first.
+    pub fn linear_corner(
+        &self,
+        measure: &SenseRows,
+        memory: &mut EvaluatorScratch,
+    ) -> (Farthest, [f64; MAX_SOURCES]) {
+        for (k, source) in self.sources.list.iter().enumerate() {
+            memory.columns[k] = measure.column(&(memory.effects.columns[k] * source.plus_minus));
+        }
+        let mut corner = [0.0; MAX_SOURCES];
+        let mut n = self.sources.list.len();
+        if let Some((values, _)) = &self.mean {
+            memory.columns[n] = measure.column(&memory.effects.of_sample(values));
+            n += 1;
+        }
+        let found = farthest(&memory.columns[..n], measure.rows(), &mut memory.scratch, &mut corner[..n]);
+        if self.is_reversed(&corner) {
+            corner.iter_mut().for_each(|sign| *sign = -*sign);
+        }
+        (found, corner)
+    }
+
+    /// Writes the values of the sources at the corner of the tolerance box that `signs` gives.
+    pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
+        for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
+            *value = source.at(*sign);
+        }
+    }
+}
