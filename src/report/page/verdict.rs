@@ -231,6 +231,15 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
             let why = "no bound of its error over all misplacements is known";
             ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
+        // The limit of a cost is that of the tightest tolerances.
+        true if unit == Unit::Cost => (
+            "met",
+            format!("{name} keeps its limit; the tightest tolerances would have {limit}"),
+            FactMood::Good,
+        ),
+        false if unit == Unit::Cost => {
+            ("missed", format!("{name} exceeds its limit even with the tightest tolerances"), FactMood::Bad)
+        }
         true => {
             ("met", format!("{name} meets its limit of {limit} with a margin of {margin}"), FactMood::Good)
         }
@@ -354,8 +363,8 @@ fn sentence(a: &Assessment<'_>, k: usize) -> String {
         return format!("{} has no spot on {on}", shown(&operation.name));
     };
     let [x, y, z] = [0, 1, 2].map(|axis| format!("{:.1}", rounded(mm_from_m(node.position[axis]), 1)));
-    let said =
-        format!("{} {} in {}", quantity(unit, value), value_word(a.cell), shown(&operation.sense.name));
+    let word = if unit == Unit::Cost { "of the tolerances that keep the limit" } else { value_word(a.cell) };
+    let said = format!("{} {word} in {}", quantity(unit, value), shown(&operation.sense.name));
     let at = format!("node ({}, {}), tool at x {x}, y {y}, z {z} mm", node.i, node.j);
     match operation.over.needs_every_node() {
         true => format!("at all nodes on {on}: {} {said}; the worst is {at}", operation.over.name()),
