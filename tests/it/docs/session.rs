@@ -131,8 +131,7 @@ impl<'a> Session<'a> {
     /// Returns the lines of an output that a block shows, without what differs from run to run.
     fn excerpt(&self, block: &Block, text: &str) -> Vec<String> {
         let folder = self.sandbox.dir.path().to_string_lossy().into_owned();
-        let own =
-            text.replace(&folder, "/home/you/work").replace(env!("CARGO_BIN_EXE_sweetspot"), "sweetspot");
+        let own = text.replace(&folder, "$PWD").replace(env!("CARGO_BIN_EXE_sweetspot"), "sweetspot");
         let lines = own.lines().filter(|line| !line.starts_with("{\"schema\":\"sweetspot/progress"));
         let lines: Vec<String> = lines.map(|line| line.trim_end().to_string()).collect();
         let Some((first, last)) = block.option("lines").and_then(|range| range.split_once('-')) else {
