@@ -41,7 +41,10 @@ impl Ending {
     pub fn in_words(&self, cell: &Cell) -> String {
         let of = |k: &usize, why: String| format!("{}: {why}", shown(&cell.operations[*k].name));
         match self {
-            Self::Objective => "the error grows beyond the indifference".into(),
+            Self::Objective => {
+                let what = if cell.unit() == Unit::Cost { "cost" } else { "error" };
+                format!("the {what} grows beyond the indifference")
+            }
             Self::Limit(k) => of(k, "its error may exceed its limit".into()),
             Self::Overlap(overlap) => overlap.in_words(cell),
             Self::Posture(k, status) => of(k, status.reason(cell)),

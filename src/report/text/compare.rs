@@ -135,10 +135,12 @@ fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// Describes whether a limit is met, and by which margin.
+/// Describes whether a limit is met, and by which margin. A cost has none: the tightest tolerances are no limit of it.
 pub fn margin(unit: Unit, r: Requirement) -> String {
     if !r.known {
         "not guaranteed: no bound over the misplacements is known".into()
+    } else if unit == Unit::Cost {
+        if r.is_met() { "met".into() } else { "MISSED with the tightest tolerances".into() }
     } else if r.is_met() {
         format!("met, {} to spare", fixed(unit.from_si(r.margin), 4))
     } else {
