@@ -23,7 +23,8 @@ const LAYOUTS: usize = 60;
 const ROUNDS: usize = 5;
 /// Number of evaluations of the search for the plausible layouts.
 const BUDGET: u64 = 200;
-const CELLS: [&str; 12] = [
+/// Cells of the folder cells, and one of this folder in two readings.
+const CELLS: [&str; 14] = [
     "hitachi_cell",
     "ur_cell",
     "scara_cell",
@@ -36,10 +37,13 @@ const CELLS: [&str; 12] = [
     "offset_wrist_cell",
     "hitachi_paper",
     "hitachi_urdf",
+    "frame_tolerances/statistical",
+    "frame_tolerances/worst_case",
 ];
 
 fn workcell(name: &str, is_ideal: bool) -> Workcell {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cells");
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = if name.contains('/') { here.to_path_buf() } else { here.join("../cells") };
     let ideal = Setting::new("search.ideal", "true");
     let settings = if is_ideal { vec![ideal] } else { Vec::new() };
     let read = &mut |path: &str| std::fs::read(folder.join(path)).map_err(|e| e.to_string());

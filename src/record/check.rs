@@ -39,8 +39,8 @@ pub struct CheckDocument {
 #[serde(deny_unknown_fields)]
 pub struct OperationOrderEntry {
     pub name: String,
-    /// Postures that the search judges: "ranked-nodes" or "spin-families" if lower bounds of the error leave some of
-    /// them out, otherwise "every-posture".
+    /// Postures that the search judges: "ranked-nodes", "spin-families" or "bounded-postures" if lower bounds of the
+    /// error leave some of them out, otherwise "every-posture".
     pub judges: String,
     /// Reason why every posture is judged; null otherwise.
     pub why: Option<String>,

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sweetspot::cell::{
-    Attitude, Cell, Coordinate, ErrorSet, Frame, JointKind, Layout, MeasuredErrors, Parameter, Place,
-    Placement, Quantity, Reading, Robot, Row, Sense, SignedErrors, Spin, Unit,
+    Attitude, Cell, Coordinate, ErrorSet, Frame, JointKind, Layout, MeasuredErrors, Model, NodeAggregation,
+    Parameter, Place, Placement, Quantity, Reading, Robot, Row, Sense, SignedErrors, Spin, Unit,
 };
 use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
@@ -289,4 +289,64 @@ fn elastic_set(robot: &Robot, form: usize, rng: &mut ChaCha8Rng) -> ErrorSet {
         2 => ErrorSet::Tolerance(spread),
         _ => ErrorSet::Measured(Box::new(MeasuredErrors { mean: sample, spread, ranges: None })),
     }
+}
+
+/// A worst case has bounds at every posture, and an operation at every node asks for the best posture of each node.
+#[test]
+fn bounds_do_not_change_worst_cases_and_operations_at_every_node() {
+    let mut rng = ChaCha8Rng::seed_from_u64(26);
+    let mut counts = [0; 3];
+    let cells = [
+        ("ur_cell.toml", 2),
+        ("scara_cell.toml", 3),
+        ("five_axis_cell.toml", 3),
+        ("wrist_cell.toml", 1),
+        ("hitachi_cell.toml", 12),
+    ];
+    for (name, layouts) in cells {
+        for form in 0..8 {
+            let mut cell = shipped(name);
+            cell.search.ideal = form != 3;
+            let axes = cell.robot.axes();
+            let size = if form == 4 { 2e-2 } else { 3e-4 };
+            let value = |p: Parameter| if p.is_elastic() { 0.0 } else { rng.random_range(0.0..size) };
+            let values: Vec<f64> = Parameter::of_robot(axes).map(value).collect();
+            let sample = SignedErrors::of_values("drawn".into(), axes, &values);
+            let spread = ErrorSet::Signed(sample.clone()).tolerance();
+            cell.robot.errors = vec![match form {
+                5 => ErrorSet::Measured(Box::new(MeasuredErrors { mean: sample, spread, ranges: None })),
+                6 => ErrorSet::Signed(sample),
+                _ => ErrorSet::Tolerance(spread),
+            }];
+            (cell.errors, cell.model) = (0, [Model::Nonlinear, Model::Linear, Model::SecondOrder][form % 3]);
+            cell.reading = match form {
+                6 => Reading::Signed,
+                7 => Reading::Statistical,
+                _ => Reading::WorstCase,
+            };
+            for (k, operation) in cell.operations.iter_mut().enumerate() {
+                operation.sense = Sense::plain(["xyz", "xy", "z"][rng.random_range(0..3)]).unwrap();
+                if form == 2 {
+                    operation.sense = weighted(&mut rng);
+                }
+                if form % 4 != k % 2 {
+                    operation.over = NodeAggregation::Max;
+                }
+                if let Place::Grid { divisions, .. } = &mut operation.place {
+                    *divisions = (divisions.0.min(2), divisions.1.min(2));
+                }
+            }
+            let Ok(mut pair) = RankedPair::new(&cell) else { panic!("{name} {form}") };
+            for _ in 0..layouts {
+                let mut layout = cell.start();
+                for at in &mut layout.placements {
+                    at.x += rng.random_range(-0.4..0.4);
+                    at.y += rng.random_range(-0.4..0.4);
+                    at.yaw += rng.random_range(-1.0..1.0);
+                }
+                counts = sum(counts, pair.compare(&layout));
+            }
+        }
+    }
+    assert!(counts.iter().all(|c| *c > 20), "{counts:?}");
 }

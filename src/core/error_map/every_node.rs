@@ -2,34 +2,32 @@
 //! into one.
 
 use super::candidate::PostureCandidate;
+use super::family_queue::FamilyQueue;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::PlacedLayout;
 use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
-use super::workspace::{MapperWorkspace, PostureMemory};
+use super::workspace::{MapperWorkspace, PostureMemory, WalkMemory};
 use crate::reach::Gap;
+use nalgebra::Vector3;
+use std::collections::BinaryHeap;
 
-/// Candidates of all nodes, and the sums of the [`Gap`]s of the nodes that cannot be reached.
+/// Candidates of one node, and its gap if no posture reaches it.
 ///
-/// The candidates are sorted by node; those of one node are sorted from best to worst.
-#[derive(Default)]
-struct CandidatesByNode {
-    candidates: Vec<PostureCandidate>,
-    /// Index of the first candidate of the current node.
-    first: usize,
-    unreached: UnreachedNodes,
+/// `BOUNDS` states whether candidates may carry a lower bound of their value.
+struct NodeCandidates<'c, const BOUNDS: bool> {
+    candidates: &'c mut Vec<PostureCandidate>,
+    missed: Option<Gap>,
 }
 
-impl PostureVisitor for CandidatesByNode {
+impl<const BOUNDS: bool> PostureVisitor for NodeCandidates<'_, BOUNDS> {
+    const TAKES_BOUNDS: bool = BOUNDS;
+
     fn candidate(&mut self, candidate: PostureCandidate) {
         self.candidates.push(candidate);
     }
 
     fn end_of_node(&mut self, _: &OperationQuery<'_>, node: &VisitedNode, _: &mut PostureMemory) {
-        if let Some(gap) = &node.missed {
-            self.unreached.note(gap);
-        }
-        self.candidates[self.first..].sort_by(|a, b| b.cmp(a));
-        self.first = self.candidates.len();
+        self.missed = node.missed;
     }
 }
 
@@ -43,6 +41,10 @@ struct UnreachedNodes {
 }
 
 impl UnreachedNodes {
+    fn is_empty(&self) -> bool {
+        self.out_of_reach == 0 && self.beyond_limits == 0
+    }
+
     fn note(&mut self, gap: &Gap) {
         if gap.reach > 0.0 {
             self.out_of_reach += 1;
@@ -109,24 +111,87 @@ impl PlacedLayout<'_> {
         workspace: &mut MapperWorkspace,
     ) -> Result<Vec<Spot>, Outcome> {
         let query = OperationQuery::new(self, operation, spots);
-        let memory = workspace.of(self.mapper, operation).postures;
-        let mut nodes = CandidatesByNode::default();
-        query.walk(memory, &mut nodes);
-        if let Some(gap) = nodes.unreached.gap(query.setup.grid.count()) {
+        let mut memory = workspace.of(self.mapper, operation);
+        let has_families = self.mapper.lacks_families(operation, &query.attitudes).is_none();
+        let (mut unreached, mut all, mut why) = (UnreachedNodes::default(), Vec::new(), None);
+        query.setup.grid.targets(&query.at, |node, target| {
+            // Once a node has failed, the others matter only if they cannot be reached.
+            let is_judged = unreached.is_empty() && why.is_none() && query.context.is_ok();
+            let judged = match is_judged {
+                true => query.judged_node(node, target, has_families, &mut memory),
+                false => query.reached(&target, memory.postures).map(|()| None),
+            };
+            match judged {
+                Err(gap) => unreached.note(&gap),
+                Ok(Some(Outcome::Found(spot))) => all.push(spot),
+                Ok(Some(other)) => why = Some(other),
+                Ok(None) => {}
+            }
+        });
+        if let Some(gap) = unreached.gap(query.setup.grid.count()) {
             return Err(Outcome::Unreachable { gap });
         }
         if let Err(why) = query.context {
             return Err(Outcome::Unjudged(why));
         }
-        let mut all = Vec::new();
-        for of_node in nodes.candidates.chunk_by(|a, b| a.spot.node == b.spot.node) {
-            let mut next = of_node.iter().copied();
-            match query.first_free(memory, |_| next.next()).outcome() {
-                Some(Outcome::Found(spot)) => all.push(spot),
-                Some(why) => return Err(why),
-                None => {}
-            }
+        why.map_or(Ok(all), Err)
+    }
+}
+
+impl OperationQuery<'_> {
+    /// Finds the least-error usable spot of one node; None for a node that the robot touches to teach the frame.
+    ///
+    /// # Errors
+    /// Returns the gap if no posture reaches the node.
+    fn judged_node(
+        &self,
+        node: usize,
+        target: Vector3<f64>,
+        has_families: bool,
+        memory: &mut WalkMemory<'_>,
+    ) -> Result<Option<Outcome>, Gap> {
+        let WalkMemory { candidates, families, postures, .. } = memory;
+        candidates.clear();
+        families.clear();
+        let missed = if has_families {
+            let mut others = NodeCandidates::<false> { candidates, missed: None };
+            self.visit_families(node, target, postures, families, &mut others);
+            others.missed
+        } else {
+            let mut all = NodeCandidates::<true> { candidates, missed: None };
+            self.visit(node, target, postures, &mut all);
+            all.missed
+        };
+        if let Some(gap) = missed {
+            return Err(gap);
         }
-        Ok(all)
+        let mut heap = BinaryHeap::from(std::mem::take(*candidates));
+        let found = match has_families {
+            true => {
+                let waiting = BinaryHeap::from(std::mem::take(*families));
+                let mut queue = FamilyQueue { families: waiting, judged: heap, is_nearest_known: false };
+                let found = self.first_free_of_families(&mut queue, postures);
+                (**families, heap) = (queue.families.into_vec(), queue.judged);
+                found
+            }
+            false => self.first_free_of_bounds(&mut heap, postures),
+        };
+        **candidates = heap.into_vec();
+        // Without a usable posture, the node may be out of reach, which families do not tell.
+        match found.outcome() {
+            None => self.reached(&target, postures).map(|()| None),
+            found => Ok(found),
+        }
+    }
+
+    /// Solves the inverse kinematics of a target, without judging its postures.
+    ///
+    /// # Errors
+    /// Returns the gap if no posture reaches the target.
+    fn reached(&self, target: &Vector3<f64>, memory: &mut PostureMemory) -> Result<(), Gap> {
+        let mut is_reached = false;
+        let inverse = &self.placed.mapper.arm.inverse;
+        let gap = inverse.visit(target, &self.attitudes, &mut memory.posture, |_, _| is_reached = true);
+        if is_reached { Ok(()) } else { Err(gap) }
     }
 }

@@ -1,6 +1,6 @@
 //! Spin families and their members, in the order of their bounds.
 
-use super::candidate::{ArmContact, PostureCandidate};
+use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -13,8 +13,8 @@ pub struct SpinFamily {
     pub node: usize,
     /// Branch index of the first member, or of the only one.
     pub first: u64,
-    /// Known contacts of a single member; None for a whole family.
-    pub member: Option<ArmContact>,
+    /// Known contacts of a single member, and what its bound is; None for a whole family.
+    pub member: Option<(ArmContact, Certainty)>,
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,
 }

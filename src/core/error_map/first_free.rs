@@ -93,7 +93,7 @@ impl OperationQuery<'_> {
     }
 
     /// Returns whether the posture of a candidate is free of collisions.
-    fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
+    pub(super) fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
         let PostureMemory { frames, contacts, .. } = memory;
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let part = match candidate.contact {

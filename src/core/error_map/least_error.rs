@@ -4,6 +4,7 @@
 //! be the spot.
 
 use super::candidate::{Certainty, PostureCandidate};
+use super::first_free::FirstFree;
 use super::outcome::{Outcome, Spot, Unjudged};
 use super::placed_layout::{PlacedLayout, PlacedSurface};
 use super::walk::{OperationQuery, PostureVisitor, VisitedNode};
@@ -91,23 +92,35 @@ impl OperationQuery<'_> {
             Ok(_) => {}
         }
         let mut heap = BinaryHeap::from(std::mem::take(*candidates));
-        let found = self.first_free(postures, |memory| {
+        let found = self.first_free_of_bounds(&mut heap, postures);
+        **candidates = heap.into_vec();
+        found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
+    }
+
+    /// Sharpens candidates, the one with the least bound first, until the best posture can be used.
+    pub(super) fn first_free_of_bounds(
+        &self,
+        heap: &mut BinaryHeap<PostureCandidate>,
+        postures: &mut PostureMemory,
+    ) -> FirstFree {
+        let mut is_nearest_known = false;
+        self.first_free(postures, |memory| {
             while let Some(candidate) = heap.pop() {
-                // A posture that cannot be used needs no value.
+                // A posture that cannot be used needs no value, unless it is the nearest one.
                 let is_last = match candidate.certainty {
                     Certainty::Value => true,
-                    Certainty::Bound => !self.is_usable(&candidate, memory),
+                    Certainty::Bound if self.setup.is_priced => !self.is_usable(&candidate, memory),
+                    Certainty::Bound => is_nearest_known && !self.is_free(&candidate, memory),
                     Certainty::RoughBound => false,
                 };
                 if is_last {
+                    is_nearest_known = true;
                     return Some(candidate);
                 }
                 heap.extend(self.sharpened(&candidate, memory));
             }
             None
-        });
-        **candidates = heap.into_vec();
-        found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
+        })
     }
 
     /// Finds the spot, but judges only nodes whose lower bound of the error is at most the least error found.

@@ -87,7 +87,20 @@ impl OperationSetup {
         }
     }
 
-    /// Returns a lower bound of [`Self::value`], which costs much less if the value is a price; otherwise the value.
+    /// Returns what follows a rough bound: the value if a bound would cost as much.
+    pub fn after_rough_bound(&self) -> Certainty {
+        match self.is_priced || self.evaluator.has_sharp_worst_bound() {
+            true => Certainty::Bound,
+            false => Certainty::Value,
+        }
+    }
+
+    /// Returns whether [`Self::bound`] costs much less than [`Self::value`].
+    pub fn has_bounds(&self) -> bool {
+        self.is_priced || self.evaluator.has_worst_bounds()
+    }
+
+    /// Returns a lower bound of [`Self::value`]; it is the value if none is known.
     pub fn bound(
         &self,
         certainty: Certainty,
@@ -95,7 +108,16 @@ impl OperationSetup {
         frames: &Frames,
         memory: &mut ValueScratch,
     ) -> f64 {
-        let Some(pricing) = self.prices() else { return self.value(context, frames, memory) };
+        let Some(pricing) = self.prices() else {
+            let (evaluator, scratch) = (&self.evaluator, &mut memory.evaluator);
+            return match certainty {
+                Certainty::RoughBound if self.has_bounds() => {
+                    evaluator.rough_worst(context, frames, false, scratch)
+                }
+                Certainty::Bound if self.has_bounds() => evaluator.corner_worst(context, frames, scratch),
+                _ => evaluator.value(context, frames, scratch),
+            };
+        };
         let (node, ValueScratch { evaluator, figure }) = (self.figure(context, frames), memory);
         match certainty {
             Certainty::RoughBound => pricing.rough_bound(&node, evaluator, figure),

@@ -11,6 +11,8 @@ pub enum PostureOrder {
     RankedNodes,
     /// Spin families in ascending order of a lower bound of their error, as long as the bound can still win.
     SpinFamilies,
+    /// Postures in ascending order of a lower bound of their value, as long as the bound can still win.
+    BoundedPostures,
     /// Every posture, because no bound is known; the text is the reason.
     EveryPosture(&'static str),
 }
@@ -21,6 +23,7 @@ impl PostureOrder {
         match self {
             Self::RankedNodes => "ranked-nodes",
             Self::SpinFamilies => "spin-families",
+            Self::BoundedPostures => "bounded-postures",
             Self::EveryPosture(_) => "every-posture",
         }
     }
@@ -30,6 +33,7 @@ impl PostureOrder {
         match self {
             Self::RankedNodes => "judges only nodes whose lower bound can still win".into(),
             Self::SpinFamilies => "judges only spin families whose lower bound can still win".into(),
+            Self::BoundedPostures => "judges only postures whose lower bound can still win".into(),
             Self::EveryPosture(why) => format!("judges every posture: {why}"),
         }
     }
@@ -38,7 +42,7 @@ impl PostureOrder {
     pub fn reason(&self) -> Option<&'static str> {
         match self {
             Self::EveryPosture(why) => Some(why),
-            Self::RankedNodes | Self::SpinFamilies => None,
+            Self::RankedNodes | Self::SpinFamilies | Self::BoundedPostures => None,
         }
     }
 }
@@ -46,15 +50,23 @@ impl PostureOrder {
 impl Mapper {
     /// Returns the order in which a search judges the postures of an operation in an attitude.
     pub fn posture_order(&self, operation: usize, attitude: &Attitude) -> PostureOrder {
-        if self.setups[operation].over.needs_every_node() {
-            return PostureOrder::EveryPosture("every node of the operation counts");
-        }
         let attitudes = self.arm.inverse.tool_attitudes(attitude, 0.0);
-        if self.rankers[operation].as_ref().is_some_and(|ranker| ranker.takes(&attitudes)) {
+        let ranker =
+            self.rankers[operation].as_ref().filter(|_| !self.setups[operation].over.needs_every_node());
+        if ranker.is_some_and(|ranker| ranker.takes(&attitudes)) {
             return PostureOrder::RankedNodes;
         }
-        self.lacks_families(operation, &attitudes)
-            .map_or(PostureOrder::SpinFamilies, PostureOrder::EveryPosture)
+        match self.lacks_families(operation, &attitudes) {
+            None => PostureOrder::SpinFamilies,
+            Some(_) if self.has_bounds(operation) => PostureOrder::BoundedPostures,
+            Some(why) => PostureOrder::EveryPosture(why),
+        }
+    }
+
+    /// Returns whether the postures of an operation have lower bounds that cost much less than their values.
+    pub(super) fn has_bounds(&self, operation: usize) -> bool {
+        let setup = &self.setups[operation];
+        setup.is_priced || self.ranks && setup.has_bounds()
     }
 
     /// Returns why a search cannot use the spin families of an operation; None if it can.

@@ -7,8 +7,9 @@
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::family_queue::{FamilyQueue, SpinFamily};
+use super::first_free::FirstFree;
 use super::outcome::{Outcome, Spot};
-use super::walk::OperationQuery;
+use super::walk::{OperationQuery, PostureVisitor};
 use super::workspace::{PostureMemory, WalkMemory};
 use crate::clearance::ArmPart;
 use nalgebra::Vector3;
@@ -27,33 +28,42 @@ impl OperationQuery<'_> {
         candidates.clear();
         families.clear();
         self.setup.grid.targets(&self.at, |node, target| {
-            self.visit_families(node, target, postures, families, candidates);
+            self.visit_families(node, target, postures, families, *candidates);
         });
         let mut queue = FamilyQueue {
             families: BinaryHeap::from(std::mem::take(*families)),
             judged: BinaryHeap::from(std::mem::take(*candidates)),
             is_nearest_known: false,
         };
-        let found = self.first_free(postures, |memory| {
-            while let Some(family) = queue.next_family() {
-                self.open(&family, &mut queue, memory);
-            }
-            let next = queue.judged.pop();
-            queue.is_nearest_known = queue.is_nearest_known || next.is_some();
-            next
-        });
+        let found = self.first_free_of_families(&mut queue, postures);
         (**families, **candidates) = (queue.families.into_vec(), queue.judged.into_vec());
         found.outcome()
     }
 
+    /// Opens families, the one with the least bound first, until the best posture can be used.
+    pub(super) fn first_free_of_families(
+        &self,
+        queue: &mut FamilyQueue,
+        postures: &mut PostureMemory,
+    ) -> FirstFree {
+        self.first_free(postures, |memory| {
+            while let Some(family) = queue.next_family() {
+                self.open(&family, queue, memory);
+            }
+            let next = queue.judged.pop();
+            queue.is_nearest_known = queue.is_nearest_known || next.is_some();
+            next
+        })
+    }
+
     /// Collects the spin families of one node, and the candidates that belong to no family.
-    fn visit_families(
+    pub(super) fn visit_families<V: PostureVisitor>(
         &self,
         node: usize,
         target: Vector3<f64>,
         memory: &mut PostureMemory,
         families: &mut Vec<SpinFamily>,
-        candidates: &mut Vec<PostureCandidate>,
+        others: &mut V,
     ) {
         let arm = &self.placed.mapper.arm;
         let Some(context) = self.context.as_ref().ok().filter(|context| !context.touches(&target)) else {
@@ -69,7 +79,7 @@ impl OperationQuery<'_> {
         });
         if !is_reached {
             families.truncate(count);
-            self.visit(node, target, memory, candidates);
+            self.visit(node, target, memory, others);
         }
     }
 
@@ -84,16 +94,21 @@ impl OperationQuery<'_> {
         let PostureMemory { scratch, frames, posture, contacts, .. } = memory;
         let is_useless = |contact| contact == ArmContact::BeforeLastJoint && queue.is_nearest_known;
         let (inverse, chain) = (&mapper.arm.inverse, &mapper.arm.chain);
-        if let Some(contact) = family.member {
+        if let Some((contact, certainty)) = family.member {
             if is_useless(contact) {
                 return;
             }
-            if let Some(posture) = inverse.posture(&target, &self.attitudes, first) {
-                chain.place(&posture, frames);
-                let value = evaluator.value(context, frames, &mut scratch.evaluator);
-                let spot = Spot { node, branch: first, value };
-                queue.judged.push(PostureCandidate { spot, target, contact, certainty: Certainty::Value });
+            let Some(posture) = inverse.posture(&target, &self.attitudes, first) else { return };
+            chain.place(&posture, frames);
+            if certainty == Certainty::RoughBound && evaluator.has_sharp_worst_bound() {
+                let bound = evaluator.corner_worst(context, frames, &mut scratch.evaluator).max(family.bound);
+                let member = Some((contact, Certainty::Bound));
+                queue.families.push(SpinFamily { bound, member, ..*family });
+                return;
             }
+            let value = evaluator.value(context, frames, &mut scratch.evaluator);
+            let spot = Spot { node, branch: first, value };
+            queue.judged.push(PostureCandidate { spot, target, contact, certainty: Certainty::Value });
             return;
         }
         let mut known = None;
@@ -119,7 +134,7 @@ impl OperationQuery<'_> {
             } else {
                 let bound =
                     evaluator.least_over_spins(context, frames, &[(1.0, 0.0)], &mut scratch.evaluator);
-                let member = Some(contact);
+                let member = Some((contact, Certainty::RoughBound));
                 queue.families.push(SpinFamily { bound, node, first: branch, member, target });
             }
         });

@@ -114,7 +114,7 @@ impl<'a> OperationQuery<'a> {
         let context = self.context.as_ref().ok();
         let context = context.filter(|s| V::JUDGES_TOUCHED || !s.touches(&target));
         let mut reached = false;
-        let takes_bounds = V::TAKES_BOUNDS && self.setup.is_priced;
+        let takes_bounds = V::TAKES_BOUNDS && self.placed.mapper.has_bounds(self.operation);
         let certainty = if takes_bounds { Certainty::RoughBound } else { Certainty::Value };
         let mut before = None;
         let gap = arm.inverse.visit(&target, &self.attitudes, posture, |branch, posture| {
@@ -145,12 +145,13 @@ impl<'a> OperationQuery<'a> {
         let (arm, context) = (&self.placed.mapper.arm, self.context.as_ref().ok()?);
         let posture = arm.inverse.posture(&candidate.target, &self.attitudes, candidate.spot.branch)?;
         arm.chain.place(&posture, frames);
-        let (certainty, value) = match candidate.certainty {
-            Certainty::RoughBound => {
-                let bound = self.setup.bound(Certainty::Bound, context, frames, scratch);
-                (Certainty::Bound, bound.max(candidate.spot.value))
-            }
-            _ => (Certainty::Value, self.setup.value(context, frames, scratch)),
+        let certainty = match candidate.certainty {
+            Certainty::RoughBound => self.setup.after_rough_bound(),
+            Certainty::Bound | Certainty::Value => Certainty::Value,
+        };
+        let value = match certainty {
+            Certainty::Value => self.setup.value(context, frames, scratch),
+            _ => self.setup.bound(certainty, context, frames, scratch).max(candidate.spot.value),
         };
         Some(PostureCandidate { spot: Spot { value, ..candidate.spot }, certainty, ..*candidate })
     }

@@ -67,8 +67,16 @@ impl MotionTerm {
     #[inline(always)]
     fn about(frames: &Frames, frame: &Pose, axis: usize, turns: bool) -> Self {
         let axis = frame.rotation.column(axis).into_owned();
+        Self::along(axis, &(frames.tcp.translation - frame.translation), turns)
+    }
+
+    /// Returns the effect on a point of a rotation about `axis` if `turns` is true, or of a translation along it.
+    ///
+    /// The vector `arm` leads from the axis to the point, m.
+    #[inline(always)]
+    pub fn along(axis: Vector3<f64>, arm: &Vector3<f64>, turns: bool) -> Self {
         match turns {
-            true => Self { g: axis.cross(&(frames.tcp.translation - frame.translation)), w: axis },
+            true => Self { g: axis.cross(arm), w: axis },
             false => Self { g: axis, w: Vector3::zeros() },
         }
     }
@@ -218,8 +226,13 @@ impl Expansion {
         sum
     }
 
+    /// Returns the effect of the motion with index `k` at the last posture.
+    pub fn term(&self, k: usize) -> &MotionTerm {
+        &self.terms[k]
+    }
+
     /// Returns the motions (index and size) that one unit of a parameter causes.
-    fn motions(&self, parameter: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    pub fn motions(&self, parameter: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let is_actuator = parameter < PER_LINK * self.axes && parameter.is_multiple_of(PER_LINK);
         let driven: &[_] = if is_actuator { &self.drives[parameter / PER_LINK] } else { &[] };
         let own = match parameter.checked_sub(Parameter::first_elastic(self.axes)) {
@@ -232,7 +245,7 @@ impl Expansion {
     /// Returns the rank, counted from 0, of the motion with index `k` in the order from base to tool.
     ///
     /// The order counts the motions of all joint frames (see [`outwards`]).
-    fn place(&self, k: usize) -> usize {
+    pub fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         // Rank of the first motion of joint frame i; the motions of its D-H row follow.
         let joint = |i: usize| PER_FRAME + (PER_FRAME + PER_LINK) * i;

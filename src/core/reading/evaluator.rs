@@ -2,6 +2,7 @@
 
 use super::error_propagation::{ErrorPropagation, PreparedSample};
 use super::error_sources::ErrorSources;
+use super::flip_prediction::FlipPrediction;
 use super::norm::{ConditionalScratch, NormLaw};
 use super::registration::BestFit;
 use super::spin_bound::{SpinBound, is_behind};
@@ -35,6 +36,8 @@ pub struct ErrorEvaluator {
     /// Whether only the robot has errors, and neither a registration nor a pick removes a part of these
     /// errors.
     pub(super) alone: bool,
+    /// Equipment on which the robot works, if neither a registration nor a pick removes a part of the errors.
+    untied: Option<usize>,
     /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is known.
     pub(super) spin_bound: Option<SpinBound>,
     /// Whether the value is the same, bit by bit, after a rotation of the tool by the last joint.
@@ -48,6 +51,8 @@ pub struct EvaluatorScratch {
     pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
     pub(super) scratch: ZonotopeScratch,
+    /// Prediction of flips at corners of the tolerance box; None if the evaluator has none.
+    pub(super) flips: Option<Box<FlipPrediction>>,
     conditional: ConditionalScratch,
 }
 
@@ -85,7 +90,7 @@ impl ErrorEvaluator {
         });
         let placed = [Some(operation.equipment), other];
         let still = placed.into_iter().flatten().all(|e| cell.equipment[e].errors.is_none());
-        let alone = cell.registration == Registration::None && still && other.is_none();
+        let is_untied = cell.registration == Registration::None && other.is_none();
         let mut evaluator = Self {
             sense: operation.sense.clone(),
             reported,
@@ -99,7 +104,8 @@ impl ErrorEvaluator {
             signed_values,
             signed,
             mean: means,
-            alone,
+            alone: is_untied && still,
+            untied: is_untied.then_some(operation.equipment),
             spin_bound: None,
             ignores_spin: false,
         };
@@ -116,8 +122,12 @@ impl ErrorEvaluator {
     pub fn memory(&self) -> EvaluatorScratch {
         let rows = self.reported.iter().map(|sense| sense.rows().len());
         let components = rows.filter(|_| self.sources.has_bounded()).max().unwrap_or(0);
+        let expansion = self.sources.expansion(&self.chain);
+        let flips = self.untied.filter(|_| self.model != Model::Linear);
+        let flips = flips.map(|at| Box::new(FlipPrediction::new(&self.sources, &expansion, at)));
         EvaluatorScratch {
-            expansion: self.sources.expansion(&self.chain),
+            expansion,
+            flips,
             effects: Effects::default(),
             columns: [Vector6::zeros(); MAX_SOURCES],
             distributions: [Distribution::Normal; MAX_SOURCES],

@@ -2,8 +2,9 @@
 
 use super::spin_bound::{SpinBound, is_behind};
 use super::{ErrorEvaluator, EvaluatorScratch, WorkContext};
-use crate::cell::{Model, Parameter, Reading};
+use crate::cell::{Frame, Model, Parameter, Reading};
 use crate::robot::Frames;
+use nalgebra::Vector3;
 
 /// Relative error that a computed value may have.
 const ROUNDING: f64 = 1e-7;
@@ -35,6 +36,7 @@ impl ErrorEvaluator {
             Some(SpinBound::Signed(apart)) => {
                 (self.value(context, frames, memory) * (1.0 - ROUNDING) - apart).max(0.0)
             }
+            Some(SpinBound::WorstCase) => self.rough_worst(context, frames, spins.len() > 1, memory),
             Some(SpinBound::Normal(bound)) => {
                 let EvaluatorScratch { expansion, effects, .. } = memory;
                 self.propagation().effects(context, frames, expansion, false, effects);
@@ -61,7 +63,12 @@ impl ErrorEvaluator {
             Reading::Statistical => {
                 SpinBound::of_statistics(self.chain.axes(), &self.sources, &self.sense, self.quantity)
             }
-            Reading::Signed | Reading::WorstCase => None,
+            // A mean turns with the tool, too. The rows of a sense in tool axes do, and so does a point beside it.
+            Reading::WorstCase => {
+                let turns = self.sense.frame == Frame::Tool || self.sense.point != Vector3::zeros();
+                (!turns && self.mean.is_none()).then_some(SpinBound::WorstCase)
+            }
+            Reading::Signed => None,
         }
     }
 }

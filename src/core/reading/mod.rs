@@ -18,11 +18,14 @@
 //! ([`PickReference`]).
 
 mod budget;
+mod corner_model;
+mod corner_search;
 mod effects;
 mod error_propagation;
 mod error_sources;
 mod evaluator;
 mod figures;
+mod flip_prediction;
 mod least_over_spins;
 mod monte_carlo;
 pub mod norm;
@@ -37,6 +40,7 @@ mod spin_bound;
 mod statistics;
 mod work_context;
 mod workspace_average;
+mod worst_bounds;
 mod worst_case;
 mod worst_corner;
 pub mod zonotope;

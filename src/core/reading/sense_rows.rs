@@ -50,15 +50,34 @@ impl SenseRows {
 
     /// Returns the root sum square of the components of a TCP error along the rows.
     pub fn size(&self, error: &Displacement) -> f64 {
-        self.vector(&error.at(&self.arm)).norm()
+        self.vector(error).norm()
+    }
+
+    /// Returns the components of a TCP error along the rows; unused components are 0.
+    pub fn vector(&self, error: &Displacement) -> Vector6<f64> {
+        self.components(&error.at(&self.arm))
     }
 
     /// Returns the components of a first-order effect on the TCP along the rows; unused components are 0.
     pub fn column(&self, effect: &Displacement) -> Vector6<f64> {
-        self.vector(&effect.linear_at(&self.arm))
+        self.components(&effect.linear_at(&self.arm))
     }
 
-    fn vector(&self, at_point: &Displacement) -> Vector6<f64> {
+    /// Returns the vector from the TCP to the point whose error the sense measures, base frame, m.
+    pub fn arm(&self) -> &Vector3<f64> {
+        &self.arm
+    }
+
+    /// Returns the Frobenius norm of the rows that measure the position, and that of the other rows.
+    pub fn weights(&self) -> [f64; 2] {
+        [false, true].map(|turns| {
+            let rows = self.rows[..self.count].iter().filter(|row| row.0 == turns);
+            rows.map(|row| row.1.norm_squared()).sum::<f64>().sqrt()
+        })
+    }
+
+    /// Returns the components of the measured point's displacement along the rows; unused components are 0.
+    pub fn components(&self, at_point: &Displacement) -> Vector6<f64> {
         let mut v = Vector6::zeros();
         for (k, (turns, direction)) in self.rows[..self.count].iter().enumerate() {
             v[k] = direction.dot(if *turns { &at_point.rotation } else { &at_point.position });

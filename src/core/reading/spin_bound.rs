@@ -5,6 +5,7 @@
 //!
 //! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before it move the
 //!   displaced TCP rigidly. So two rotations differ by at most 2 r.
+//! - Worst case: the tolerances before the joint alone have a worst case that is at most as large.
 //! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the entries
 //!   of the covariance are trigonometric polynomials of degree 2. Without its mean an error is at most as large in
 //!   every figure (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176), which [`CentredBound`] uses.
@@ -24,6 +25,8 @@ pub(super) enum SpinBound {
     Signed(f64),
     /// All parameters are normal.
     Normal(NormalBound),
+    /// The value is a worst case: sources behind the last joint only increase it.
+    WorstCase,
 }
 
 /// Bound of the figure of normal parameters.

@@ -1,12 +1,13 @@
 //! Corner of the tolerance box at which an operation has the largest error in a sense.
 
+use super::corner_model::CornerModel;
+use super::corner_search::by_model;
 use super::evaluator::{ErrorEvaluator, EvaluatorScratch};
 use super::work_context::WorkContext;
-use super::worst_case::{WorstCase, by_model, farthest};
-use super::zonotope::Farthest;
+use super::worst_case::{WorstCase, farthest};
+use super::zonotope::{Farthest, ZonotopeScratch};
 use super::{Effects, MAX_SOURCES, SenseRows};
 use crate::cell::{Model, Sense};
-use crate::kinematic_error::position_error;
 use crate::robot::Frames;
 use nalgebra::Vector6;
 
@@ -29,27 +30,20 @@ impl ErrorEvaluator {
             let linear = linear.upper.max(linear.value);
             return WorstCase { linear, exact, by_model: linear, corner };
         }
-        let largest = self.largest(memory);
         let (linear, corner) = self.linear_corner(&measure, memory);
-        let (propagation, columns) = (self.propagation(), &memory.columns[..n + of_mean]);
-        let mut values = [0.0; MAX_SOURCES];
         let quadratic = self.quadratic(&memory.effects);
-        let mut worst = by_model(columns, &linear, quadratic, &largest, corner, |signs| {
-            self.corner(signs, &mut values);
-            if self.is_reversed(signs) {
-                self.corner(&signs.map(|sign| -sign), &mut values);
-            }
-            if self.alone && measure.is_of_position() {
-                let errors = self.sources.perturbation(&self.chain, &values[..n]);
-                return measure.size_of_position(&position_error(frames, &errors, self.model));
-            }
-            let sample = propagation.sample(&values[..n], self.model);
-            measure.size(&propagation.error(context, frames, &sample, self.model))
-        });
-        if self.is_reversed(&worst.corner) {
-            worst.corner.iter_mut().for_each(|sign| *sign = -*sign);
-        }
+        let EvaluatorScratch { expansion, effects, columns, scratch, flips, .. } = memory;
+        let mut model = CornerModel::new(self, measure, (context, frames), expansion, flips.as_deref_mut());
+        let columns = &columns[..n + of_mean];
+        let largest = || self.largest(effects, scratch);
+        let mut worst = by_model(columns, &linear, quadratic, corner, &mut model, largest);
+        worst.corner = self.signs_of_sources(&worst.corner);
         worst
+    }
+
+    /// Returns the signs of the sources at a corner of the local search, in which the mean has a sign, too.
+    pub fn signs_of_sources(&self, signs: &[f64; MAX_SOURCES]) -> [f64; MAX_SOURCES] {
+        if self.is_reversed(signs) { signs.map(|sign| -sign) } else { *signs }
     }
 
     /// Returns whether all signs of a corner must be reversed, so that the mean gets the sign +1.
@@ -64,16 +58,17 @@ impl ErrorEvaluator {
     ///
     /// By the linear model, the TCP has the largest displacement at the first corner and the largest rotation
     /// at the second.
-    fn largest(&self, memory: &mut EvaluatorScratch) -> [[f64; MAX_SOURCES]; 2] {
+    fn largest(&self, effects: &Effects, scratch: &mut ZonotopeScratch) -> [[f64; MAX_SOURCES]; 2] {
+        let mut columns = [Vector6::zeros(); MAX_SOURCES];
         [false, true].map(|turns| {
             for (k, source) in self.sources.list.iter().enumerate() {
-                let effect = &memory.effects.columns[k];
+                let effect = &effects.columns[k];
                 let v = if turns { effect.rotation } else { effect.position } * source.plus_minus;
-                memory.columns[k] = Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
+                columns[k] = Vector6::new(v.x, v.y, v.z, 0.0, 0.0, 0.0);
             }
             let mut corner = [1.0; MAX_SOURCES];
             let n = self.sources.list.len();
-            farthest(&memory.columns[..n], 3, &mut memory.scratch, &mut corner[..n]);
+            farthest(&columns[..n], 3, scratch, &mut corner[..n]);
             corner
         })
     }

@@ -1,0 +1,137 @@
+//! Error by a nonlinear model at corners of the tolerance box, at one posture and in one sense.
+
+use super::MAX_SOURCES;
+use super::evaluator::ErrorEvaluator;
+use super::flip_prediction::FlipPrediction;
+use super::sense_rows::SenseRows;
+use super::work_context::WorkContext;
+use crate::kinematic_error::{Expansion, position_error};
+use crate::pose::Displacement;
+use crate::robot::Frames;
+use nalgebra::{Vector3, Vector6};
+
+/// Rounding errors of a size, as a share of the size.
+const ROUNDING: f64 = 1e-12;
+/// Largest number of sources whose signs are tried in every combination.
+pub const MAX_FREE: usize = 8;
+
+/// Error at a corner of the tolerance box.
+#[derive(Debug, Clone, Copy)]
+pub struct CornerError {
+    /// Root sum square of the components, m or rad.
+    pub size: f64,
+    /// Components along the rows of the sense.
+    pub components: Vector6<f64>,
+}
+
+/// Error by the model of an evaluator at every corner of the tolerance box, and bounds at the corners nearby.
+pub struct CornerModel<'a> {
+    evaluator: &'a ErrorEvaluator,
+    context: &'a WorkContext,
+    frames: &'a Frames,
+    measure: SenseRows,
+    /// Prediction of flips; None if there is none for this evaluator, or if the errors are too large for it.
+    prediction: Option<&'a mut FlipPrediction>,
+}
+
+impl<'a> CornerModel<'a> {
+    /// Returns the model at a posture; `expansion` must be that of the posture.
+    pub fn new(
+        evaluator: &'a ErrorEvaluator,
+        measure: SenseRows,
+        (context, frames): (&'a WorkContext, &'a Frames),
+        expansion: &Expansion,
+        prediction: Option<&'a mut FlipPrediction>,
+    ) -> Self {
+        let (work, tip) = (&context.site.work, &frames.tcp.translation);
+        let prediction = prediction.and_then(|flips| {
+            let is_small = flips.set_posture(&evaluator.sources, expansion, &measure, work, tip);
+            is_small.then_some(flips)
+        });
+        Self { evaluator, context, frames, measure, prediction }
+    }
+
+    /// Returns the error at a corner.
+    pub fn error(&self, signs: &[f64; MAX_SOURCES]) -> CornerError {
+        let ErrorEvaluator { chain, sources, model, .. } = self.evaluator;
+        let n = sources.list.len();
+        let mut values = [0.0; MAX_SOURCES];
+        self.evaluator.corner(&self.evaluator.signs_of_sources(signs), &mut values);
+        if self.evaluator.alone && self.measure.is_of_position() {
+            let position = position_error(self.frames, &sources.perturbation(chain, &values[..n]), *model);
+            let size = self.measure.size_of_position(&position);
+            let error = Displacement { position, rotation: Vector3::zeros() };
+            return CornerError { size, components: self.measure.components(&error) };
+        }
+        let propagation = self.evaluator.propagation();
+        let sample = propagation.sample(&values[..n], *model);
+        let error = propagation.error(self.context, self.frames, &sample, *model);
+        let components = self.measure.vector(&error);
+        CornerError { size: components.norm(), components }
+    }
+
+    /// Predicts the flips of all signs at a corner, for [`Self::may_exceed`].
+    pub fn stand_at(&mut self, signs: &[f64; MAX_SOURCES]) {
+        if let Some(flips) = &mut self.prediction {
+            flips.set_corner(&self.evaluator.sources, &self.evaluator.signs_of_sources(signs), &self.measure);
+        }
+    }
+
+    /// Returns whether some flips at the corner of [`Self::stand_at`] may increase the error.
+    ///
+    /// The error at that corner is `error`. The answer is true if the flips cannot be predicted.
+    pub fn may_exceed(&self, error: &CornerError, mut flips: impl Iterator<Item = usize>) -> bool {
+        let Some(prediction) = &self.prediction else { return true };
+        let (mut components, mut margin) = (error.components, ROUNDING * error.size);
+        let (mut rotation, mut displacement) = (0.0, 0.0);
+        let all_known = flips.all(|k| {
+            let Some(flip) = prediction.flip_of(k) else { return false };
+            components += flip.change;
+            margin += flip.margin + prediction.product_bound((rotation, displacement), flip);
+            rotation += flip.rotation;
+            displacement += flip.displacement;
+            true
+        });
+        !all_known || components.norm() + margin >= error.size
+    }
+
+    /// Predicts the size of the error for every combination of the signs of some sources, in the order of
+    /// [`gray_code`], at the corner of [`Self::stand_at`].
+    ///
+    /// The error at that corner is `error`, and its signs are `signs`. Returns a bound of the errors of the
+    /// predicted sizes; None if there is no prediction.
+    pub fn predict_combinations(
+        &self,
+        signs: &[f64; MAX_SOURCES],
+        error: &CornerError,
+        free: &[usize],
+        sizes: &mut [f64; 1 << MAX_FREE],
+    ) -> Option<f64> {
+        let prediction = self.prediction.as_ref()?;
+        let (signs, sources) = (self.evaluator.signs_of_sources(signs), &self.evaluator.sources);
+        let mut margin = ROUNDING * error.size;
+        let mut products = [[Vector6::zeros(); MAX_FREE]; MAX_FREE];
+        for (a, &k) in free.iter().enumerate() {
+            margin += prediction.flip_of(k)?.margin;
+            for (b, &l) in free.iter().enumerate().take(a) {
+                products[a][b] = prediction.product_of(sources, &signs, (k, l), &self.measure);
+                products[b][a] = products[a][b];
+            }
+        }
+        let (mut components, mut flipped) = (error.components, 0u32);
+        for (step, a) in gray_code(free.len()) {
+            let partners = (0..free.len()).filter(|&b| b != a && flipped >> b & 1 == 1);
+            let change =
+                prediction.flip_of(free[a])?.change + partners.map(|b| products[a][b]).sum::<Vector6<f64>>();
+            components += if flipped >> a & 1 == 1 { -change } else { change };
+            flipped ^= 1 << a;
+            sizes[step] = components.norm();
+        }
+        Some(margin)
+    }
+}
+
+/// Returns the steps of the Gray code of `count` bits: the number of each step, from 1, and the bit that it flips.
+pub fn gray_code(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (1usize..1 << count).map(|step| (step, step.trailing_zeros() as usize))
+}

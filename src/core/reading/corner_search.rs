@@ -1,0 +1,223 @@
+//! Local search for the corner of the tolerance box with the largest error by a nonlinear model.
+
+use super::MAX_SOURCES;
+use super::corner_model::{CornerError, CornerModel, MAX_FREE, gray_code};
+use super::worst_case::WorstCase;
+use super::zonotope::Farthest;
+use nalgebra::Vector6;
+
+/// Largest number of rounds of the local search, which ends earlier if no flip of a sign increases the error.
+const MAX_ROUNDS: usize = 12;
+
+/// Share of the linear worst case. A flip is always tried if it changes the linear error by no more than this
+/// share.
+const NEAR_SHARE: f64 = 0.02;
+
+/// Sine of the angle below which columns count as parallel and are flipped as one group in the local search.
+const PARALLEL_SINE: f64 = 1e-6;
+
+/// Signs of all sources at a corner of the tolerance box.
+type Signs = [f64; MAX_SOURCES];
+
+/// Returns the worst case by a model.
+///
+/// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
+/// The sizes of the errors at these two corners differ only by terms of even order. The search flips signs:
+/// one alone, or those of all parallel columns together. A flip is tried only if it changes the linear error
+/// by no more than a threshold. The threshold is the largest of three values:
+///
+/// - `quadratic`, the size of the second-order terms;
+/// - the share `NEAR_SHARE` of the linear worst case;
+/// - twice the largest difference between the linear worst case and the error by the model at the two
+///   corners.
+///
+/// Flips of all parallel columns together are needed, for example, on a planar arm, whose lateral effects are
+/// perpendicular to all other effects. So the worst linear corners come in pairs, and no single flip leads
+/// from one corner of a pair to the other.
+///
+/// `largest` returns two corners: those with the largest displacement and the largest rotation of the TCP. A
+/// source is weak if a flip of its sign can change the linear error by at most the threshold. If more than
+/// `MAX_FREE` sources are weak, the search also starts from mixed corners. A mixed corner takes the
+/// signs of the weak sources from a corner of `largest`, and all other signs from `corner`. All signs of the
+/// weak sources, or all signs of the other sources, or both may be reversed.
+///
+/// The error is computed only at corners where it may exceed the largest one so far by the prediction of
+/// [`CornerModel::may_exceed`]. The result is that of computing all of them.
+pub fn by_model(
+    columns: &[Vector6<f64>],
+    linear: &Farthest,
+    quadratic: f64,
+    corner: Signs,
+    model: &mut CornerModel,
+    largest: impl FnOnce() -> [Signs; 2],
+) -> WorstCase {
+    let starts = both(corner).map(|signs| SearchCorner::new(columns, model.error(&signs), signs));
+    let apart = starts.iter().map(|start| (start.error.size - linear.value).abs()).fold(0.0, f64::max);
+    let gap = (2.0 * apart).max(NEAR_SHARE * linear.value).max(quadratic);
+    let mut search = CornerSearch { columns, groups: groups(columns), gap, model, best: None };
+    // Sources with hardly any linear effect act through products of errors. A few such sources are tried in
+    // every combination of signs. Many take their signs from the corners in `largest`.
+    let is_weak = |k: &usize| 2.0 * columns[*k].norm() <= gap;
+    let count = (0..columns.len()).filter(is_weak).count();
+    if (1..=MAX_FREE).contains(&count) {
+        let mut weak = [0; MAX_FREE];
+        weak.iter_mut().zip((0..columns.len()).filter(is_weak)).for_each(|(to, k)| *to = k);
+        starts.into_iter().for_each(|start| search.polish_best_combination(start, &weak[..count]));
+    } else {
+        starts.into_iter().for_each(|start| search.polish(start));
+    }
+    if count > MAX_FREE {
+        for mut signs in largest().into_iter().flat_map(both) {
+            (0..columns.len()).filter(|k| !is_weak(k)).for_each(|k| signs[k] = corner[k]);
+            for signs in both(signs) {
+                search.polish(SearchCorner::new(columns, search.model.error(&signs), signs));
+            }
+        }
+    }
+    let exact = linear.upper <= linear.value;
+    let (by_model, corner) = search.best.unwrap_or((f64::NEG_INFINITY, corner));
+    WorstCase { linear: linear.upper.max(linear.value), exact, by_model, corner }
+}
+
+/// Returns a corner and the opposite one.
+fn both(signs: Signs) -> [Signs; 2] {
+    [signs, signs.map(|s| -s)]
+}
+
+/// Returns, for every column, a bit set of the later columns that are parallel to it.
+///
+/// The set of a column is empty if an earlier column is parallel to this column.
+fn groups(columns: &[Vector6<f64>]) -> [u128; MAX_SOURCES] {
+    let mut groups = [0; MAX_SOURCES];
+    let mut taken = 0u128;
+    for (k, column) in columns.iter().enumerate().filter(|(_, c)| **c != Vector6::zeros()) {
+        if taken >> k & 1 == 0 {
+            let after = columns.iter().enumerate().skip(k + 1);
+            groups[k] = after.filter(|(_, c)| parallel(c, column)).fold(0, |bits, (j, _)| bits | 1 << j);
+            taken |= groups[k];
+        }
+    }
+    groups
+}
+
+fn parallel(a: &Vector6<f64>, b: &Vector6<f64>) -> bool {
+    let product = a.dot(b);
+    a.norm_squared() * b.norm_squared() - product * product
+        <= PARALLEL_SINE * PARALLEL_SINE * product * product
+}
+
+/// Corner of the tolerance box that the local search has reached.
+struct SearchCorner {
+    error: CornerError,
+    signs: Signs,
+    /// Linear error at this corner: the sum of the columns multiplied by `signs`.
+    sum: Vector6<f64>,
+}
+
+impl SearchCorner {
+    fn new(columns: &[Vector6<f64>], error: CornerError, signs: Signs) -> Self {
+        Self { error, signs, sum: columns.iter().zip(&signs).map(|(c, s)| c * *s).sum() }
+    }
+}
+
+/// State of a local search from one start after the other.
+struct CornerSearch<'a, 'm> {
+    /// Linear effects of the sources at their tolerances.
+    columns: &'a [Vector6<f64>],
+    /// Columns parallel to each column.
+    groups: [u128; MAX_SOURCES],
+    /// Largest change of the linear error by a flip that is tried.
+    gap: f64,
+    model: &'a mut CornerModel<'m>,
+    /// Largest error found, and its corner.
+    best: Option<(f64, Signs)>,
+}
+
+impl CornerSearch<'_, '_> {
+    /// Searches from the best of all combinations of the signs of the `weak` sources at `start`.
+    fn polish_best_combination(&mut self, mut start: SearchCorner, weak: &[usize]) {
+        self.model.stand_at(&start.signs);
+        let mut sizes = [0.0; 1 << MAX_FREE];
+        let margin = self.model.predict_combinations(&start.signs, &start.error, weak, &mut sizes);
+        let sizes = &sizes[..1 << weak.len()];
+        // A combination can be the best only if its largest size reaches the least size of all others.
+        let limit =
+            |margin: f64| sizes[1..].iter().fold(start.error.size, |least, s| least.max(s - margin)) - margin;
+        let limit = margin.map_or(f64::NEG_INFINITY, limit);
+        let mut tried = start.signs;
+        for (step, bit) in gray_code(weak.len()) {
+            tried[weak[bit]] = -tried[weak[bit]];
+            if sizes[step] >= limit {
+                let error = self.model.error(&tried);
+                if error.size > start.error.size {
+                    (start.error, start.signs) = (error, tried);
+                }
+            }
+        }
+        self.polish(SearchCorner::new(self.columns, start.error, start.signs));
+    }
+
+    /// Flips single signs and groups of parallel columns from `start` on. If no such flip increases the error,
+    /// it flips pairs of signs.
+    fn polish(&mut self, start: SearchCorner) {
+        let mut at = start;
+        self.model.stand_at(&at.signs);
+        for _ in 0..MAX_ROUNDS {
+            let before = at.error.size;
+            for k in 0..self.columns.len() {
+                self.flip(&mut at, 1 << k);
+                // A column without parallel ones has no group to flip.
+                if self.groups[k] != 0 {
+                    self.flip(&mut at, 1 << k | self.groups[k]);
+                }
+            }
+            if at.error.size <= before && !self.flip_pair(&mut at) {
+                break;
+            }
+        }
+        if self.best.is_none_or(|(size, _)| at.error.size > size) {
+            self.best = Some((at.error.size, at.signs));
+        }
+    }
+
+    /// Flips the first pair of signs that increases the error and changes the linear error by at most the gap.
+    ///
+    /// Pairs matter because products of errors may dominate if the linear effects are small. Returns false if
+    /// there is no such pair.
+    fn flip_pair(&mut self, at: &mut SearchCorner) -> bool {
+        let n = self.columns.len();
+        (0..n).any(|j| (j + 1..n).any(|k| self.flip(at, 1 << j | 1 << k)))
+    }
+
+    /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error by
+    /// at most the gap. Returns whether it does.
+    #[inline]
+    fn flip(&mut self, at: &mut SearchCorner, flipped: u128) -> bool {
+        if !self.model.may_exceed(&at.error, members(flipped)) {
+            return false;
+        }
+        let change: Vector6<f64> = members(flipped).map(|k| self.columns[k] * (-2.0 * at.signs[k])).sum();
+        if ((at.sum + change).norm() - at.sum.norm()).abs() > self.gap {
+            return false;
+        }
+        members(flipped).for_each(|k| at.signs[k] = -at.signs[k]);
+        let error = self.model.error(&at.signs);
+        let is_larger = error.size > at.error.size;
+        if is_larger {
+            (at.error, at.sum) = (error, at.sum + change);
+            self.model.stand_at(&at.signs);
+        } else {
+            members(flipped).for_each(|k| at.signs[k] = -at.signs[k]);
+        }
+        is_larger
+    }
+}
+
+/// Returns the members of a bit set in ascending order.
+fn members(mut set: u128) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let next = (set != 0).then_some(set.trailing_zeros() as usize);
+        set &= set.wrapping_sub(1);
+        next
+    })
+}

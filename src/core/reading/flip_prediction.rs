@@ -1,0 +1,257 @@
+//! Prediction of the error at neighbouring corners of the tolerance box, with a bound on its own error.
+//!
+//! Reversing the signs of some sources changes the sizes `a_i` of small motions by `d_i`. By the second-order
+//! model ([`crate::kinematic_error`]), the displacement of the point that a sense measures changes by
+//!
+//! ```text
+//! sum_i d_i G_i + 1/2 sum_i d_i^2 w_i x g_i + sum_(i<j) d_i d_j w_i x g_j
+//! G_i = g_i + (sum_(j<i) a_j w_j) x g_i + w_i x (sum_(j>i) a_j g_j) + a_i w_i x g_i
+//! ```
+//!
+//! and its rotation vector likewise, with `w_j / 2` in place of `g_j` in the cross products of different motions
+//! and none of equal ones. One pass from the base to the tool and back gives every `G_i`. The prediction leaves
+//! out products of three and more errors. Let A be the sum of the sizes of all rotations and D that of all
+//! displacements, each at its largest. The products that contain `d_i` are at most
+//! `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)` in third order, and less than twice this in all orders while A is
+//! small.
+
+use super::error_sources::{ErrorSources, MAX_SOURCES};
+use super::sense_rows::SenseRows;
+use crate::cell::Parameter;
+use crate::kinematic_error::{Expansion, MotionTerm};
+use crate::pose::{Displacement, Pose};
+use nalgebra::{Vector3, Vector6};
+
+/// Largest sum of all rotations, rad, for which products of four and more errors are less than those of three.
+const MAX_ROTATION: f64 = 0.25;
+
+/// What a small motion belongs to.
+#[derive(Debug, Clone, Copy)]
+enum Owner {
+    /// Motion of the robot with this index among those of [`Expansion::term`].
+    Robot(usize),
+    /// Component of the frame error of the equipment.
+    Equipment(usize),
+}
+
+/// Small motion, at the posture and the corner of the last call.
+#[derive(Debug, Clone, Copy)]
+struct CornerMotion {
+    owner: Owner,
+    /// Effect of one unit on the position of the measured point, and the axis of a rotation.
+    g: Vector3<f64>,
+    w: Vector3<f64>,
+    /// Size at the corner, m or rad.
+    size: f64,
+    /// Derivatives `G_i` of the position of the measured point and of the rotation vector.
+    moves: Vector3<f64>,
+    turns: Vector3<f64>,
+}
+
+impl CornerMotion {
+    fn of(owner: Owner) -> Self {
+        let none = Vector3::zeros();
+        Self { owner, g: none, w: none, size: 0.0, moves: none, turns: none }
+    }
+}
+
+/// Change of the error along the rows of a sense if the signs of one source are reversed.
+#[derive(Debug, Clone, Copy)]
+pub struct PredictedFlip {
+    pub change: Vector6<f64>,
+    /// Bound of the size of what `change` leaves out.
+    pub margin: f64,
+    /// Sums of the absolute rotations and displacements that the flip causes.
+    pub rotation: f64,
+    pub displacement: f64,
+}
+
+impl PredictedFlip {
+    const NONE: Self = Self {
+        change: Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        margin: 0.0,
+        rotation: 0.0,
+        displacement: 0.0,
+    };
+}
+
+/// Predictor of the changes of the error that flips of single sources cause at a corner of the tolerance box.
+#[derive(Debug, Clone)]
+pub struct FlipPrediction {
+    /// Motions in the order from base to tool.
+    motions: Vec<CornerMotion>,
+    /// Motions of each source: position in `motions`, and size per unit of the source.
+    sources: Vec<Vec<(usize, f64)>>,
+    flips: [PredictedFlip; MAX_SOURCES],
+    /// Norms of the rows that measure positions and of those that measure rotations.
+    weights: [f64; 2],
+    /// Largest sums of all rotations (rad) and of all displacements (m) at any corner.
+    rotations: f64,
+    displacements: f64,
+    /// Distance from the TCP to the measured point, m.
+    arm: f64,
+}
+
+impl FlipPrediction {
+    /// Returns a predictor for the sources of an operation on `equipment`; `expansion` is of the same sources.
+    pub fn new(sources: &ErrorSources, expansion: &Expansion, equipment: usize) -> Self {
+        let of_robot = |k: usize| sources.robot_index(k).into_iter().flat_map(|p| expansion.motions(p));
+        let of_work = |k: usize| match sources.list[k].parameter {
+            Parameter::Equipment(e, component) if e == equipment => Some(component),
+            _ => None,
+        };
+        let n = sources.list.len();
+        let mut robot: Vec<usize> = (0..n).flat_map(of_robot).map(|(index, _)| index).collect();
+        robot.sort_unstable_by_key(|&index| expansion.place(index));
+        robot.dedup();
+        // The equipment moves first, and its error is undone: rotations about x, y, z, then translations.
+        let work = [3, 4, 5, 0, 1, 2].into_iter().filter(|c| (0..n).any(|k| of_work(k) == Some(*c)));
+        let work: Vec<usize> = work.collect();
+        let robot_place = |index: usize| work.len() + robot.iter().position(|&i| i == index).unwrap_or(0);
+        let work_place = |c: usize| work.iter().position(|&i| i == c).unwrap_or(0);
+        let motions_of = |k: usize| match of_work(k) {
+            Some(component) => vec![(work_place(component), -1.0)],
+            None => of_robot(k).map(|(index, size)| (robot_place(index), size)).collect(),
+        };
+        let owners = work.iter().map(|&c| Owner::Equipment(c)).chain(robot.iter().map(|&i| Owner::Robot(i)));
+        Self {
+            motions: owners.map(CornerMotion::of).collect(),
+            sources: (0..n).map(motions_of).collect(),
+            flips: [PredictedFlip::NONE; MAX_SOURCES],
+            weights: [0.0; 2],
+            rotations: 0.0,
+            displacements: 0.0,
+            arm: 0.0,
+        }
+    }
+
+    /// Sets the posture, the sense and the work frame. Returns false if the errors are too large for a bound.
+    pub fn set_posture(
+        &mut self,
+        sources: &ErrorSources,
+        expansion: &Expansion,
+        measure: &SenseRows,
+        work: &Pose,
+        tcp: &Vector3<f64>,
+    ) -> bool {
+        for (k, own) in self.sources.iter_mut().enumerate() {
+            if let Some(parameter) = sources.robot_index(k) {
+                own.iter_mut().zip(expansion.motions(parameter)).for_each(|(own, (_, size))| own.1 = size);
+            }
+        }
+        let arm = measure.arm();
+        for motion in &mut self.motions {
+            let MotionTerm { g, w } = match motion.owner {
+                Owner::Robot(index) => *expansion.term(index),
+                Owner::Equipment(component) => {
+                    let axis = work.rotation.column(component % 3).into_owned();
+                    MotionTerm::along(axis, &(tcp - work.translation), component >= 3)
+                }
+            };
+            (motion.g, motion.w, motion.size) = (g + w.cross(arm), w, 0.0);
+        }
+        // The size of every motion is its largest one for now.
+        for (own, source) in self.sources.iter().zip(&sources.list) {
+            let largest = source.mean.abs() + source.plus_minus;
+            own.iter().for_each(|&(i, unit)| self.motions[i].size += unit.abs() * largest);
+        }
+        let sum = |length: fn(&CornerMotion) -> f64| self.motions.iter().map(|m| m.size * length(m)).sum();
+        (self.rotations, self.displacements) = (sum(|m| m.w.norm()), sum(|m| m.g.norm()));
+        (self.weights, self.arm) = (measure.weights(), arm.norm());
+        self.rotations <= MAX_ROTATION
+    }
+
+    /// Returns a bound of all products of two and more errors, along the rows of the sense, at any corner.
+    ///
+    /// Products of order k are at most `D A^(k-1) / (k-1)!`. Call [`Self::set_posture`] first.
+    pub fn largest_products(&self) -> f64 {
+        let turned = self.rotations.exp_m1();
+        self.weights[0] * self.displacements * turned + self.weights[1] * self.rotations * turned
+    }
+
+    /// Predicts the flips of every source at the corner with these signs.
+    pub fn set_corner(&mut self, sources: &ErrorSources, signs: &[f64; MAX_SOURCES], measure: &SenseRows) {
+        self.motions.iter_mut().for_each(|motion| motion.size = 0.0);
+        for ((own, source), sign) in self.sources.iter().zip(&sources.list).zip(signs) {
+            let value = source.at(*sign);
+            own.iter().for_each(|&(i, unit)| self.motions[i].size += unit * value);
+        }
+        let mut turned = Vector3::zeros();
+        for motion in &mut self.motions {
+            let own = motion.w * motion.size;
+            motion.moves = motion.g + (turned + own).cross(&motion.g);
+            motion.turns = motion.w + turned.cross(&motion.w) / 2.0;
+            turned += own;
+        }
+        let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
+        for motion in self.motions.iter_mut().rev() {
+            motion.moves += motion.w.cross(&moved);
+            motion.turns += motion.w.cross(&turned) / 2.0;
+            moved += motion.g * motion.size;
+            turned += motion.w * motion.size;
+        }
+        for (k, (source, sign)) in sources.list.iter().zip(signs).enumerate() {
+            self.flips[k] = self.flip(k, -2.0 * source.plus_minus * sign, measure);
+        }
+    }
+
+    /// Returns the prediction if source `k` changes by `change` (m or rad).
+    fn flip(&self, k: usize, change: f64, measure: &SenseRows) -> PredictedFlip {
+        let mut sum = Displacement::NONE;
+        let (mut rotation, mut displacement) = (0.0, 0.0);
+        let own = &self.sources[k];
+        for (at, &(i, unit)) in own.iter().enumerate() {
+            let (motion, change_i) = (&self.motions[i], change * unit);
+            sum.position += motion.moves * change_i + motion.w.cross(&motion.g) * (change_i * change_i / 2.0);
+            sum.rotation += motion.turns * change_i;
+            for &(j, unit) in &own[at + 1..] {
+                sum = sum + self.product(i, j) * (change_i * change * unit);
+            }
+            rotation += change_i.abs() * motion.w.norm();
+            displacement += change_i.abs() * motion.g.norm();
+        }
+        let all = self.rotations;
+        let of_position =
+            displacement * all * all / 2.0 + rotation * all * (1.5 * self.displacements + self.arm * all);
+        let margin = 2.0 * (self.weights[0] * of_position + self.weights[1] * rotation * all * all);
+        PredictedFlip { change: measure.components(&sum), margin, rotation, displacement }
+    }
+
+    /// Returns the second derivative of the point's displacement with respect to two motions.
+    fn product(&self, i: usize, j: usize) -> Displacement {
+        let (near, far) = (&self.motions[i.min(j)], &self.motions[i.max(j)]);
+        let rotation = if i == j { Vector3::zeros() } else { near.w.cross(&far.w) / 2.0 };
+        Displacement { position: near.w.cross(&far.g), rotation }
+    }
+
+    /// Returns the predicted flip of source `k`; None if there is no such source.
+    pub fn flip_of(&self, k: usize) -> Option<&PredictedFlip> {
+        self.flips[..self.sources.len()].get(k)
+    }
+
+    /// Returns what a flip adds together with earlier flips, beyond the sum of the single changes, at most.
+    ///
+    /// The earlier flips have the given sums of rotations and of displacements.
+    pub fn product_bound(&self, (rotation, displacement): (f64, f64), flip: &PredictedFlip) -> f64 {
+        let of_position = rotation * flip.displacement + displacement * flip.rotation;
+        self.weights[0] * of_position + self.weights[1] * rotation * flip.rotation / 2.0
+    }
+
+    /// Returns what flips of the sources `k` and `l` together add to the sum of the two single changes.
+    pub fn product_of(
+        &self,
+        sources: &ErrorSources,
+        signs: &[f64; MAX_SOURCES],
+        (k, l): (usize, usize),
+        measure: &SenseRows,
+    ) -> Vector6<f64> {
+        let change = |k: usize| -2.0 * sources.list[k].plus_minus * signs[k];
+        let mut sum = Displacement::NONE;
+        for &(i, unit_i) in &self.sources[k] {
+            for &(j, unit_j) in &self.sources[l] {
+                sum = sum + self.product(i, j) * (unit_i * unit_j);
+            }
+        }
+        measure.components(&(sum * (change(k) * change(l))))
+    }
+}

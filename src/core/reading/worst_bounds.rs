@@ -1,0 +1,102 @@
+//! Lower bounds of the worst case at a posture, which cost much less than the worst case.
+//!
+//! The linear error at any corner of the tolerance box is at most the linear worst case, and a source that is left
+//! out only reduces it. At the worst corner of the linear model, another model differs by products of two and more
+//! errors, which are bounded by the sums of all rotations and displacements. The local search for its worst case
+//! starts at this corner and at the opposite one, so it never ends below the errors there.
+
+use super::corner_model::CornerModel;
+use super::spin_bound::is_behind;
+use super::work_context::WorkContext;
+use super::{ErrorEvaluator, EvaluatorScratch, SenseRows};
+use crate::cell::{Model, Reading};
+use crate::robot::Frames;
+use nalgebra::Vector6;
+
+/// Rounding errors of a bound, as a share of the bound.
+const ROUNDING: f64 = 1e-9;
+/// Largest number of corners that the search for a bad corner visits.
+const MAX_STEPS: usize = 4;
+
+impl ErrorEvaluator {
+    /// Returns whether [`Self::value`] is a worst case, for which bounds are known.
+    pub fn has_worst_bounds(&self) -> bool {
+        self.reading == Reading::WorstCase
+    }
+
+    /// Returns whether [`Self::corner_worst`] costs much less than [`Self::value`].
+    pub fn has_sharp_worst_bound(&self) -> bool {
+        self.has_worst_bounds() && self.model != Model::Linear
+    }
+
+    /// Returns a lower bound of the worst case at a posture, at little cost.
+    ///
+    /// If `turning` is true, the bound holds also after every rotation of the tool about its axis by the last joint.
+    pub fn rough_worst(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        turning: bool,
+        memory: &mut EvaluatorScratch,
+    ) -> f64 {
+        self.prepare_effects(context, frames, memory);
+        let measure = self.measure(&self.sense, context, frames);
+        let Some(products) = self.largest_products(&measure, context, frames, memory) else { return 0.0 };
+        let EvaluatorScratch { effects, columns, .. } = memory;
+        let (mut n, axes) = (0, self.chain.axes());
+        for (source, effect) in self.sources.list.iter().zip(&effects.columns) {
+            if !(turning && is_behind(source.parameter, axes)) {
+                columns[n] = measure.column(&(*effect * source.plus_minus));
+                n += 1;
+            }
+        }
+        if let Some((values, _)) = &self.mean {
+            columns[n] = measure.column(&effects.of_sample(values));
+            n += 1;
+        }
+        (bad_corner(&columns[..n]) * (1.0 - ROUNDING) - products).max(0.0)
+    }
+
+    /// Returns a lower bound of the worst case by a nonlinear model at a posture: the larger one of the errors at the
+    /// worst corner of the linear model and at the opposite one.
+    pub fn corner_worst(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
+        self.prepare_effects(context, frames, memory);
+        let measure = self.measure(&self.sense, context, frames);
+        let (_, corner) = self.linear_corner(&measure, memory);
+        let model = CornerModel::new(self, measure, (context, frames), &memory.expansion, None);
+        [corner, corner.map(|s| -s)].iter().map(|corner| model.error(corner).size).fold(0.0, f64::max)
+    }
+
+    /// Returns a bound of the products of two and more errors at any corner; None if it is not known.
+    fn largest_products(
+        &self,
+        measure: &SenseRows,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> Option<f64> {
+        if self.model == Model::Linear {
+            return Some(0.0);
+        }
+        let EvaluatorScratch { expansion, flips, .. } = memory;
+        let flips = flips.as_mut()?;
+        let (work, tip) = (&context.site.work, &frames.tcp.translation);
+        flips.set_posture(&self.sources, expansion, measure, work, tip).then(|| flips.largest_products())
+    }
+}
+
+/// Returns the length of a sum of all columns with signs that make it long: at most that of the farthest vertex.
+fn bad_corner(columns: &[Vector6<f64>]) -> f64 {
+    let mut longest = 0.0;
+    let mut along = columns.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied();
+    for _ in 0..MAX_STEPS {
+        let Some(direction) = along else { break };
+        let sum: Vector6<f64> = columns.iter().map(|c| if c.dot(&direction) < 0.0 { -c } else { *c }).sum();
+        let length = sum.norm();
+        if length <= longest {
+            break;
+        }
+        (longest, along) = (length, Some(sum));
+    }
+    longest
+}
