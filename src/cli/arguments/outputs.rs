@@ -23,11 +23,19 @@ pub enum ExportFormat {
     Parquet,
     /// Picture of the cell
     Png,
+    /// Frames of equipment and spots for KUKA controllers (KRL data list)
+    Krl,
+    /// Frames of equipment and spots for ABB controllers (work objects in a RAPID module)
+    Rapid,
+    /// Frames of equipment and spots for Universal Robots (poses in URScript)
+    Urscript,
+    /// Frames of equipment and spots for FANUC controllers (text, to be entered by hand)
+    Fanuc,
 }
 
 impl ExportFormat {
-    /// Returns the file name extension, which is also the name of the format.
-    pub fn extension(self) -> &'static str {
+    /// Returns the name of the format, as the option `--to` takes it.
+    pub fn name(self) -> &'static str {
         match self {
             ExportFormat::Dxf => "dxf",
             ExportFormat::Glb => "glb",
@@ -36,6 +44,21 @@ impl ExportFormat {
             ExportFormat::Json => "json",
             ExportFormat::Parquet => "parquet",
             ExportFormat::Png => "png",
+            ExportFormat::Krl => "krl",
+            ExportFormat::Rapid => "rapid",
+            ExportFormat::Urscript => "urscript",
+            ExportFormat::Fanuc => "fanuc",
+        }
+    }
+
+    /// Returns the file name extension.
+    pub fn extension(self) -> &'static str {
+        match self {
+            ExportFormat::Krl => "dat",
+            ExportFormat::Rapid => "mod",
+            ExportFormat::Urscript => "script",
+            ExportFormat::Fanuc => "txt",
+            other => other.name(),
         }
     }
 }

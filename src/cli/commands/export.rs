@@ -12,6 +12,8 @@ use crate::files::{Loaded, shown};
 use crate::raster::{self, Shot};
 use crate::record::MapDocument;
 use crate::report;
+use crate::report::controller::{self, Controller};
+use crate::report::layout_frames::LayoutFrames;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -30,13 +32,13 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
         assessment = assessment.with_regions();
     }
     let operation = posture(&assessment, a.posture.as_deref())?;
-    let bytes = rendered(&assessment, a.to, operation)?;
     let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())));
+    let bytes = rendered(&assessment, a.to, &stem(&out), operation)?;
     loading::write_whole(&out, &bytes)?;
     output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
     warn_of_distrust(&assessment);
     let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
-    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.extension()), &a.packages);
+    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.name()), &a.packages);
     Ok(Exit::Done)
 }
 
@@ -117,12 +119,22 @@ fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exi
     }
 }
 
-fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) -> Result<Vec<u8>, Exit> {
+/// Returns the bytes of a file that is named `stem`, without its extension.
+fn rendered(
+    a: &Assessment<'_>,
+    format: ExportFormat,
+    stem: &str,
+    operation: Option<usize>,
+) -> Result<Vec<u8>, Exit> {
     let cannot = |why: String| {
-        output::error(&format!("cannot export {}: {}", format.extension(), shown(&why)));
+        output::error(&format!("cannot export {}: {}", format.name(), shown(&why)));
         Exit::BadInput
     };
     let drawing = || Drawing::new(a, &Detail::PLAIN).map_err(cannot);
+    let frames = |controller: Controller| {
+        let drawing = Drawing::new(a, &Detail { envelopes: false, ..Detail::PLAIN }).map_err(cannot)?;
+        Ok(controller::file(controller, stem, &LayoutFrames::new(&drawing)).into_bytes())
+    };
     match format {
         ExportFormat::Csv => results::csv(&MapDocument::new(a)),
         ExportFormat::Json => json_text::pretty(&MapDocument::new(a)),
@@ -137,5 +149,9 @@ fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) 
             let shot = Shot { context: operation, width: PNG_SIZE.0, height: PNG_SIZE.1, ..Shot::default() };
             raster::png(&drawing()?, &shot).map_err(cannot)
         }
+        ExportFormat::Krl => frames(Controller::Krl),
+        ExportFormat::Rapid => frames(Controller::Rapid),
+        ExportFormat::Urscript => frames(Controller::UrScript),
+        ExportFormat::Fanuc => frames(Controller::Fanuc),
     }
 }
