@@ -15,10 +15,13 @@ pub mod layout_frames;
 pub mod measured;
 pub mod measured_errors;
 pub mod measuring_plan;
+pub mod moveit;
 pub mod page;
 #[cfg(feature = "parquet")]
 pub mod parquet;
+pub mod scene_objects;
 pub mod sheet;
 pub mod sweep;
 pub mod text;
 pub mod toml;
+pub mod urdf;

@@ -31,6 +31,10 @@ pub enum ExportFormat {
     Urscript,
     /// Frames of equipment and spots for FANUC controllers (text, to be entered by hand)
     Fanuc,
+    /// Static URDF in m: base, equipment, obstacles and spots as links; meshes go to a folder beside it
+    Urdf,
+    /// Planning scene of MoveIt: collision objects in the frame of the robot base
+    Moveit,
 }
 
 impl ExportFormat {
@@ -48,6 +52,8 @@ impl ExportFormat {
             ExportFormat::Rapid => "rapid",
             ExportFormat::Urscript => "urscript",
             ExportFormat::Fanuc => "fanuc",
+            ExportFormat::Urdf => "urdf",
+            ExportFormat::Moveit => "moveit",
         }
     }
 
@@ -58,6 +64,7 @@ impl ExportFormat {
             ExportFormat::Rapid => "mod",
             ExportFormat::Urscript => "script",
             ExportFormat::Fanuc => "txt",
+            ExportFormat::Moveit => "scene",
             other => other.name(),
         }
     }
@@ -80,6 +87,9 @@ pub struct ExportArguments {
     /// Posture of the robot: at the spot of this operation, or `home` [default: the first spot]
     #[arg(long, value_name = "OPERATION|home")]
     pub posture: Option<String>,
+    /// Prefix of the mesh files in a URDF, such as package://my_cell/meshes/ [default: their folder]
+    #[arg(long, value_name = "URI")]
+    pub meshes: Option<String>,
     #[command(flatten)]
     pub packages: PackageFolders,
     #[command(flatten)]

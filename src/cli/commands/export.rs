@@ -14,6 +14,7 @@ use crate::record::MapDocument;
 use crate::report;
 use crate::report::controller::{self, Controller};
 use crate::report::layout_frames::LayoutFrames;
+use crate::report::{moveit, urdf};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,7 @@ const PNG_SIZE: (usize, usize) = (1600, 1000);
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     refuse_missing_writer(a.to)?;
+    refuse_idle_meshes(a)?;
     let (Loaded { cell, .. }, file, best) = subject(a)?;
     let workcell = workcell(cell, &file)?;
     let label = if a.of.is_dir() && !a.start { "best layout" } else { "layout as drawn" };
@@ -33,7 +35,7 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     }
     let operation = posture(&assessment, a.posture.as_deref())?;
     let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())));
-    let bytes = rendered(&assessment, a.to, &stem(&out), operation)?;
+    let bytes = rendered(&assessment, a, &out, operation)?;
     loading::write_whole(&out, &bytes)?;
     output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
     warn_of_distrust(&assessment);
@@ -62,6 +64,45 @@ fn refuse_missing_writer(format: ExportFormat) -> Result<(), Exit> {
     output::error("this build has no Parquet writer");
     output::talk("  help: cargo install --path . --features parquet");
     Err(Exit::BadInput)
+}
+
+/// Refuses a prefix of mesh files for a format that names none.
+fn refuse_idle_meshes(a: &ExportArguments) -> Result<(), Exit> {
+    if a.meshes.is_none() || a.to == ExportFormat::Urdf {
+        return Ok(());
+    }
+    output::error("--meshes needs --to urdf: no other format names mesh files");
+    Err(Exit::BadInput)
+}
+
+/// Returns the URDF of a layout, after its meshes are written to a folder beside the file `out`.
+///
+/// The URDF names the meshes relative to its own folder, or with the given prefix.
+fn with_meshes(a: &Assessment<'_>, out: &Path, prefix: Option<&str>) -> Result<Vec<u8>, Exit> {
+    let folder = format!("{}_meshes", stem(out));
+    let prefix = prefix.map_or_else(|| format!("{folder}/"), |prefix| format!("{}/", prefix.trim_end_matches('/')));
+    let drawing = plain_drawing(a).map_err(|why| cannot(ExportFormat::Urdf, &why))?;
+    let urdf::UrdfExport { urdf, meshes } =
+        urdf::urdf(&drawing, &prefix).map_err(|why| cannot(ExportFormat::Urdf, &why))?;
+    if !meshes.is_empty() {
+        let folder = out.with_file_name(&folder);
+        std::fs::create_dir_all(&folder).map_err(|e| loading::cannot_write(&folder, &e))?;
+        for (name, bytes) in &meshes {
+            loading::write_whole(&folder.join(name), bytes)?;
+        }
+        output::talk(&format!("wrote {}: {}", path_word(&folder), output::counted(meshes.len(), "mesh file")));
+    }
+    Ok(urdf.into_bytes())
+}
+
+/// Returns the drawing without envelopes, for formats that show none.
+fn plain_drawing<'a>(a: &Assessment<'a>) -> Result<Drawing<'a>, String> {
+    Drawing::new(a, &Detail { envelopes: false, ..Detail::PLAIN })
+}
+
+fn cannot(format: ExportFormat, why: &str) -> Exit {
+    output::error(&format!("cannot export {}: {}", format.name(), shown(why)));
+    Exit::BadInput
 }
 
 /// Refuses a file name with the extension of another format, which would mislead the program that opens it.
@@ -119,21 +160,19 @@ fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exi
     }
 }
 
-/// Returns the bytes of a file that is named `stem`, without its extension.
+/// Returns the bytes of the file `out`. Meshes that it names are written beside it first.
 fn rendered(
     a: &Assessment<'_>,
-    format: ExportFormat,
-    stem: &str,
+    asked: &ExportArguments,
+    out: &Path,
     operation: Option<usize>,
 ) -> Result<Vec<u8>, Exit> {
-    let cannot = |why: String| {
-        output::error(&format!("cannot export {}: {}", format.name(), shown(&why)));
-        Exit::BadInput
-    };
+    let format = asked.to;
+    let cannot = |why: String| cannot(format, &why);
     let drawing = || Drawing::new(a, &Detail::PLAIN).map_err(cannot);
     let frames = |controller: Controller| {
-        let drawing = Drawing::new(a, &Detail { envelopes: false, ..Detail::PLAIN }).map_err(cannot)?;
-        Ok(controller::file(controller, stem, &LayoutFrames::new(&drawing)).into_bytes())
+        let drawing = plain_drawing(a).map_err(cannot)?;
+        Ok(controller::file(controller, &stem(out), &LayoutFrames::new(&drawing)).into_bytes())
     };
     match format {
         ExportFormat::Csv => results::csv(&MapDocument::new(a)),
@@ -153,5 +192,7 @@ fn rendered(
         ExportFormat::Rapid => frames(Controller::Rapid),
         ExportFormat::Urscript => frames(Controller::UrScript),
         ExportFormat::Fanuc => frames(Controller::Fanuc),
+        ExportFormat::Moveit => Ok(moveit::scene(&plain_drawing(a).map_err(cannot)?).into_bytes()),
+        ExportFormat::Urdf => with_meshes(a, out, asked.meshes.as_deref()),
     }
 }

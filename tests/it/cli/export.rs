@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 
 /// Formats of this build.
 const FORMATS: &[&str] = if cfg!(feature = "parquet") {
-    &["dxf", "glb", "svg", "csv", "json", "krl", "rapid", "urscript", "fanuc", "parquet"]
+    &["dxf", "glb", "svg", "csv", "json", "krl", "rapid", "urscript", "fanuc", "urdf", "moveit", "parquet"]
 } else {
-    &["dxf", "glb", "svg", "csv", "json", "krl", "rapid", "urscript", "fanuc"]
+    &["dxf", "glb", "svg", "csv", "json", "krl", "rapid", "urscript", "fanuc", "urdf", "moveit"]
 };
 
 /// Name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML string. The reader

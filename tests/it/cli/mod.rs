@@ -27,6 +27,7 @@ mod postures;
 mod readings;
 mod report;
 mod robots;
+mod ros;
 mod robust;
 pub mod sandbox;
 mod schema;
