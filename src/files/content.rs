@@ -89,8 +89,7 @@ impl FileContent {
 
     /// Returns the next command or step for the file at `path`, which is quoted for a shell.
     pub fn next_step(self, path: &str) -> String {
-        let mesh =
-            "name the mesh in a solid: mesh = { file = \"NAME.stl\", units = \"mm\" }";
+        let mesh = "name the mesh in a solid: mesh = { file = \"NAME.stl\", units = \"mm\" }";
         match self {
             Self::Urdf | Self::Xacro => format!("write a cell for it: sweetspot init {path}"),
             Self::Collada | Self::Step => format!("convert it: {}; then {mesh}", conversion(path)),

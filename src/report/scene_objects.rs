@@ -61,10 +61,13 @@ pub fn scene_objects<'a>(drawing: &Drawing<'a>) -> Vec<SceneObject<'a>> {
     let frames = LayoutFrames::new(drawing);
     let object = |name: String, pose: Pose| SceneObject { name, pose, solids: Vec::new(), spots: Vec::new() };
     let mut base = object(names.give("", ROBOT_BASE), drawing.base);
-    base.solids.extend(pedestal(cell, drawing.layout.base.z).and_then(|(pose, size)| cuboid("pedestal", pose, size)));
+    base.solids.extend(
+        pedestal(cell, drawing.layout.base.z).and_then(|(pose, size)| cuboid("pedestal", pose, size)),
+    );
     let mut all = vec![base];
     for (equipment, at) in cell.equipment.iter().zip(&drawing.layout.placements) {
-        let start = if equipment.name.starts_with(|c: char| c.is_ascii_alphabetic()) { "" } else { "object_" };
+        let start =
+            if equipment.name.starts_with(|c: char| c.is_ascii_alphabetic()) { "" } else { "object_" };
         let mut placed = object(names.give(start, &equipment.name), at.pose());
         for solid in &equipment.solids {
             placed.solids.extend(solids(&solid.name, &solid.shape, cell.floor - at.z));
@@ -114,7 +117,9 @@ fn solids<'a>(name: &'a str, shape: &'a Shape, floor: f64) -> Vec<SceneSolid<'a>
             let pose = at(Vector3::new(*x, *y, (top + floor) / 2.0));
             cuboid(name, pose, Vector3::new(size.0, size.1, top - floor)).into_iter().collect()
         }
-        Shape::Mesh { pose, vertices, triangles, .. } => vec![solid(*pose, SceneShape::Mesh { vertices, triangles })],
+        Shape::Mesh { pose, vertices, triangles, .. } => {
+            vec![solid(*pose, SceneShape::Mesh { vertices, triangles })]
+        }
     }
 }
 

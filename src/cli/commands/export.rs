@@ -80,7 +80,8 @@ fn refuse_idle_meshes(a: &ExportArguments) -> Result<(), Exit> {
 /// The URDF names the meshes relative to its own folder, or with the given prefix.
 fn with_meshes(a: &Assessment<'_>, out: &Path, prefix: Option<&str>) -> Result<Vec<u8>, Exit> {
     let folder = format!("{}_meshes", stem(out));
-    let prefix = prefix.map_or_else(|| format!("{folder}/"), |prefix| format!("{}/", prefix.trim_end_matches('/')));
+    let prefix =
+        prefix.map_or_else(|| format!("{folder}/"), |prefix| format!("{}/", prefix.trim_end_matches('/')));
     let drawing = plain_drawing(a).map_err(|why| cannot(ExportFormat::Urdf, &why))?;
     let urdf::UrdfExport { urdf, meshes } =
         urdf::urdf(&drawing, &prefix).map_err(|why| cannot(ExportFormat::Urdf, &why))?;
@@ -90,7 +91,11 @@ fn with_meshes(a: &Assessment<'_>, out: &Path, prefix: Option<&str>) -> Result<V
         for (name, bytes) in &meshes {
             loading::write_whole(&folder.join(name), bytes)?;
         }
-        output::talk(&format!("wrote {}: {}", path_word(&folder), output::counted(meshes.len(), "mesh file")));
+        output::talk(&format!(
+            "wrote {}: {}",
+            path_word(&folder),
+            output::counted(meshes.len(), "mesh file")
+        ));
     }
     Ok(urdf.into_bytes())
 }

@@ -45,10 +45,15 @@ pub fn bodies(outlines: &[Outline], height: f64) -> Result<Vec<PlanBody>, DxfFau
             OutlineShape::Polygon(corners) => {
                 let parts = convex_parts(corners).ok_or_else(|| {
                     let message = format!("layer `{}`: an outline cannot be divided", shown(&outline.layer));
-                    DxfFault::new(outline.line, message, "simplify the outline: some of its corners almost coincide")
+                    DxfFault::new(
+                        outline.line,
+                        message,
+                        "simplify the outline: some of its corners almost coincide",
+                    )
                 })?;
                 let count = parts.len();
-                let named = |k: usize| if count == 1 { name.clone() } else { format!("{name} part {}", k + 1) };
+                let named =
+                    |k: usize| if count == 1 { name.clone() } else { format!("{name} part {}", k + 1) };
                 all.extend(parts.iter().enumerate().map(|(k, part)| upright(named(k), part, height)));
             }
         }

@@ -32,7 +32,8 @@ fn triangles(corners: &[PlanePoint]) -> Option<Vec<Vec<usize>>> {
         let n = left.len();
         let ear = (0..n).find(|&k| {
             let [a, b, c] = [left[(k + n - 1) % n], left[k], left[(k + 1) % n]];
-            let is_empty = || left.iter().all(|i| [a, b, c].contains(i) || !is_within(corners, [a, b, c], *i));
+            let is_empty =
+                || left.iter().all(|i| [a, b, c].contains(i) || !is_within(corners, [a, b, c], *i));
             turn(corners[a], corners[b], corners[c]) > 0.0 && is_empty()
         })?;
         parts.push(vec![left[(ear + n - 1) % n], left[ear], left[(ear + 1) % n]]);

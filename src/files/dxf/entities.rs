@@ -19,7 +19,10 @@ pub struct Entity {
 #[derive(Debug, Clone, PartialEq)]
 pub enum EntityKind {
     Path(PlanPath),
-    Circle { centre: Vector2<f64>, radius: f64 },
+    Circle {
+        centre: Vector2<f64>,
+        radius: f64,
+    },
     Insert(Insert),
     /// Entity that the reader does not take, by its name.
     Other(String),
@@ -57,8 +60,22 @@ pub struct Insert {
 
 /// Entities that are no part of a floor plan, such as texts: they are ignored without a warning.
 const ANNOTATIONS: [&str; 16] = [
-    "TEXT", "MTEXT", "DIMENSION", "ATTRIB", "ATTDEF", "SEQEND", "POINT", "LEADER", "MLEADER", "MULTILEADER", "TOLERANCE",
-    "VIEWPORT", "IMAGE", "WIPEOUT", "ACAD_TABLE", "VERTEX",
+    "TEXT",
+    "MTEXT",
+    "DIMENSION",
+    "ATTRIB",
+    "ATTDEF",
+    "SEQEND",
+    "POINT",
+    "LEADER",
+    "MLEADER",
+    "MULTILEADER",
+    "TOLERANCE",
+    "VIEWPORT",
+    "IMAGE",
+    "WIPEOUT",
+    "ACAD_TABLE",
+    "VERTEX",
 ];
 
 /// Reads the entities between two places of a drawing. Entities of the paper space and annotations are left out.

@@ -114,7 +114,9 @@ impl Expansion<'_> {
                 }
                 _ if !self.layers.contains(&layer) => continue,
                 EntityKind::Path(path) => FlatShape::Path(path.clone()),
-                EntityKind::Circle { centre, radius } => FlatShape::Circle { centre: *centre, radius: *radius },
+                EntityKind::Circle { centre, radius } => {
+                    FlatShape::Circle { centre: *centre, radius: *radius }
+                }
                 EntityKind::Other(name) => {
                     let entry = self.found.ignored.entry((layer, name.clone())).or_insert((0, entity.line));
                     entry.0 += 1;

@@ -4,7 +4,7 @@ use super::DxfFault;
 use super::chords::polygon;
 use super::drawing::PlanDrawing;
 use super::entities::{PathVertex, PlanPath};
-use super::expand::{Expanded, FlatShape, PlaneMap, PlacedShape, expanded};
+use super::expand::{Expanded, FlatShape, PlacedShape, PlaneMap, expanded};
 use super::joined::{JOINT, OpenPath, joined};
 use crate::files::fault::shown;
 use crate::files::polygon::crossing_edges;
@@ -106,7 +106,8 @@ pub fn outlines(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64, tol
     all
 }
 
-const CLOSED: &str = "draw obstacles as closed polylines, circles, or lines and arcs whose ends meet within 0.01 mm";
+const CLOSED: &str =
+    "draw obstacles as closed polylines, circles, or lines and arcs whose ends meet within 0.01 mm";
 
 /// Returns an open path in m, unless it is shorter than a joint.
 fn moved(path: &PlanPath, map: &PlaneMap, line: usize) -> Option<OpenPath> {
@@ -126,7 +127,14 @@ impl Outlines {
     }
 
     /// Adds a closed outline, given in a frame that `map` takes to the frame of the drawing, m.
-    fn closed(&mut self, layer: String, line: usize, vertices: &[PathVertex], map: &PlaneMap, tolerance: f64) {
+    fn closed(
+        &mut self,
+        layer: String,
+        line: usize,
+        vertices: &[PathVertex],
+        map: &PlaneMap,
+        tolerance: f64,
+    ) {
         let shown_layer = shown(&layer);
         let fault = |message: String, help: &str| DxfFault::new(line, message, help);
         // A scale of 0 leaves no area; its tolerance does not matter.
@@ -143,7 +151,10 @@ impl Outlines {
             return self.errors.push(no_area(line, &layer));
         }
         if corners.len() > MAX_CORNERS {
-            let message = format!("layer `{shown_layer}`: an outline has {} corners, more than {MAX_CORNERS}", corners.len());
+            let message = format!(
+                "layer `{shown_layer}`: an outline has {} corners, more than {MAX_CORNERS}",
+                corners.len()
+            );
             return self.errors.push(fault(message, "raise `tolerance_mm`, or simplify the outline"));
         }
         if crossing_edges(&corners).is_some() {
@@ -180,7 +191,8 @@ impl Outlines {
                 shown(&outer.layer),
                 outer.line + 1
             );
-            let help = "draw a wall as one closed outline round its section, not as an inner and an outer line";
+            let help =
+                "draw a wall as one closed outline round its section, not as an inner and an outer line";
             self.warnings.push(DxfFault::new(inner.line, message, help));
         }
     }

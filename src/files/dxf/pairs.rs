@@ -60,7 +60,11 @@ pub fn pairs(text: &str) -> Result<Vec<Pair<'_>>, DxfFault> {
         }
         if all.len() == MAX_PAIRS {
             let help = "delete what the plan does not need";
-            return Err(DxfFault::new(at, format!("the drawing has more than {MAX_PAIRS} group codes"), help));
+            return Err(DxfFault::new(
+                at,
+                format!("the drawing has more than {MAX_PAIRS} group codes"),
+                help,
+            ));
         }
         if code != 999 {
             all.push(pair);

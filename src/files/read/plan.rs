@@ -100,7 +100,8 @@ fn read_file(t: &mut Table) -> Option<PlanFile> {
     let name = text(node, plan::FILE.name, t.lib)?;
     let ending = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
     if ending != "dxf" {
-        let help = if ending == "dwg" { format!("convert it: dwg2dxf {}", shown(&name)) } else { ASCII_DXF.into() };
+        let help =
+            if ending == "dwg" { format!("convert it: dwg2dxf {}", shown(&name)) } else { ASCII_DXF.into() };
         t.error(node.at, format!("`{}` is not a DXF file", shown(&name)), help);
         return None;
     }
@@ -111,7 +112,9 @@ fn read_file(t: &mut Table) -> Option<PlanFile> {
         Some(FileContent::Dxf) if bytes.starts_with(b"AutoCAD Binary DXF") => {
             format!("`{}` is a binary DXF, not text", shown(&path))
         }
-        Some(content) if content != FileContent::Dxf && (content.is_shape() || content == FileContent::Binary) => {
+        Some(content)
+            if content != FileContent::Dxf && (content.is_shape() || content == FileContent::Binary) =>
+        {
             not_needed(&path, content, "a DXF drawing (ASCII)")
         }
         _ => return Some(PlanFile { path, source, at: node.at }),

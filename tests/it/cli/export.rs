@@ -331,7 +331,11 @@ fn one_layout_exports_to_the_same_bytes() {
         for folder in ["a", "b"] {
             shop.done(&["export", PAPER, "--to", format, "-o", &format!("{folder}/cell.{format}")]);
         }
-        assert_eq!(shop.read(&format!("a/cell.{format}")), shop.read(&format!("b/cell.{format}")), "{format}");
+        assert_eq!(
+            shop.read(&format!("a/cell.{format}")),
+            shop.read(&format!("b/cell.{format}")),
+            "{format}"
+        );
     }
 }
 
@@ -461,8 +465,7 @@ fn frames_for_controllers_are_those_of_the_layout() {
         number(&at["y_mm"]) / 1e3 + yaw.sin() * spot[0] + yaw.cos() * spot[1],
         number(&at["z_mm"]) / 1e3 + spot[2],
     ];
-    let expected: Vec<f64> =
-        numbers_of(&operation["best"]["position_mm"]).iter().map(|v| v / 1e3).collect();
+    let expected: Vec<f64> = numbers_of(&operation["best"]["position_mm"]).iter().map(|v| v / 1e3).collect();
     assert!(near(&world, &expected, 1e-6), "{world:?} {expected:?}");
     // The tool points down: the z axis of the TCP is turned by half a turn.
     let turn = spot[3..].iter().map(|v| v * v).sum::<f64>().sqrt();

@@ -81,7 +81,9 @@ fn near_vector(a: &Vector3<f64>, b: &Vector3<f64>, by: f64) -> bool {
 fn is_box(shape: &Shape, pose: &Pose, size: [f64; 3]) -> bool {
     let Shape::Box { pose: found, size: edges } = shape else { return false };
     let same_pose = (found.rotation - pose.rotation).amax() < 1e-10;
-    same_pose && near_vector(&found.translation, &pose.translation, 1e-10) && near_vector(edges, &size.into(), 1e-10)
+    same_pose
+        && near_vector(&found.translation, &pose.translation, 1e-10)
+        && near_vector(edges, &size.into(), 1e-10)
 }
 
 #[test]
@@ -106,12 +108,17 @@ fn a_urdf_of_the_layout_is_read_back_with_its_poses() {
                     assert!(near_vector(&centre, c, 1e-10) && radius == *r);
                 }
                 (Shape::Cylinder { a, b, radius }, Shape::Cylinder { a: p, b: q, radius: r }) => {
-                    assert!(near_vector(&a, p, 1e-10) && near_vector(&b, q, 1e-10) && radius == *r, "{a} {p}");
+                    assert!(
+                        near_vector(&a, p, 1e-10) && near_vector(&b, q, 1e-10) && radius == *r,
+                        "{a} {p}"
+                    );
                 }
                 (Shape::Capsule { a, b, radius }, Shape::Cylinder { a: p, b: q, radius: r }) => {
                     assert!(near_vector(&a, p, 1e-10) && near_vector(&b, q, 1e-10) && radius == *r);
                     for end in [a, b] {
-                        let Shape::Sphere { centre, radius: r } = *read.next().unwrap() else { panic!("no end") };
+                        let Shape::Sphere { centre, radius: r } = *read.next().unwrap() else {
+                            panic!("no end")
+                        };
                         assert!(near_vector(&end, centre, 1e-10) && radius == *r);
                     }
                 }
@@ -129,7 +136,10 @@ fn a_urdf_of_the_layout_is_read_back_with_its_poses() {
                     assert_eq!((triangles.len(), closed), (faces.len(), *shut));
                     for (t, f) in triangles.iter().zip(faces) {
                         for (i, j) in t.iter().zip(f) {
-                            let [a, b] = [pose.transform(&vertices[*i as usize]), own.transform(&corners[*j as usize])];
+                            let [a, b] = [
+                                pose.transform(&vertices[*i as usize]),
+                                own.transform(&corners[*j as usize]),
+                            ];
                             assert!(near_vector(&a, &b, 2e-7), "{a} {b}");
                         }
                     }
@@ -158,7 +168,8 @@ fn spots_are_frames_of_the_urdf() {
     let document = roxmltree::Document::parse(&urdf).unwrap();
     let origin = |child: &str| {
         let joint = document.descendants().find(|n| {
-            n.has_tag_name("joint") && n.children().any(|c| c.has_tag_name("child") && c.attribute("link") == Some(child))
+            n.has_tag_name("joint")
+                && n.children().any(|c| c.has_tag_name("child") && c.attribute("link") == Some(child))
         });
         let joint = joint.unwrap_or_else(|| panic!("no joint to {child}"));
         let of = |name: &str| {
@@ -174,17 +185,34 @@ fn spots_are_frames_of_the_urdf() {
         if operation["best"].is_null() {
             continue;
         }
-        let tcp = origin(text(&operation["equipment"])) * origin(&format!("spot_{}", text(&operation["name"])));
+        let tcp =
+            origin(text(&operation["equipment"])) * origin(&format!("spot_{}", text(&operation["name"])));
         let expected = numbers(&operation["best"]["position_mm"]);
-        assert!((0..3).all(|k| (tcp.translation[k] - expected[k] / 1e3).abs() < 1e-9), "{tcp:?} {expected:?}");
+        assert!(
+            (0..3).all(|k| (tcp.translation[k] - expected[k] / 1e3).abs() < 1e-9),
+            "{tcp:?} {expected:?}"
+        );
         // The tool of this robot points along x of its TCP, and here it points down.
         assert!((tcp.rotation.column(0) + Vector3::z()).amax() < 1e-9, "{tcp:?}");
         tried += 1;
     }
     assert!(tried > 0, "no spot at all");
     // A prefix makes the meshes files of a ROS package.
-    shop.done(&["export", "cells/ros.toml", "--to", "urdf", "--meshes", "package://my_cell/meshes", "-o", "p.urdf"]);
-    assert!(shop.text("p.urdf").contains("filename=\"package://my_cell/meshes/machine_"), "{}", shop.text("p.urdf"));
+    shop.done(&[
+        "export",
+        "cells/ros.toml",
+        "--to",
+        "urdf",
+        "--meshes",
+        "package://my_cell/meshes",
+        "-o",
+        "p.urdf",
+    ]);
+    assert!(
+        shop.text("p.urdf").contains("filename=\"package://my_cell/meshes/machine_"),
+        "{}",
+        shop.text("p.urdf")
+    );
     let ran = shop.run(&["export", "cells/ros.toml", "--to", "dxf", "--meshes", "m"]);
     assert!(ran.code == Some(2) && ran.err.contains("--meshes needs --to urdf"), "{}", ran.err);
 }
@@ -202,7 +230,10 @@ fn scene(text: &str) -> Scene {
         let (at, q) = (list(lines.next()), list(lines.next()));
         let turn = UnitQuaternion::from_quaternion(Quaternion::new(q[3], q[0], q[1], q[2]));
         assert!((q.iter().map(|v| v * v).sum::<f64>() - 1.0).abs() < 1e-9);
-        Pose { rotation: turn.to_rotation_matrix().into_inner(), translation: Vector3::new(at[0], at[1], at[2]) }
+        Pose {
+            rotation: turn.to_rotation_matrix().into_inner(),
+            translation: Vector3::new(at[0], at[1], at[2]),
+        }
     }
     let mut all = Scene::new();
     loop {
@@ -224,7 +255,8 @@ fn scene(text: &str) -> Scene {
             shapes.push((kind, sizes, pose(&mut lines)));
             assert_eq!(lines.next(), Some("0 0 0 0"));
         }
-        let frames = (0..list(lines.next())[0] as usize).map(|_| (lines.next().unwrap().to_string(), pose(&mut lines)));
+        let frames = (0..list(lines.next())[0] as usize)
+            .map(|_| (lines.next().unwrap().to_string(), pose(&mut lines)));
         let frames = frames.collect();
         all.push((name, at, shapes, frames));
     }
@@ -237,7 +269,9 @@ fn a_planning_scene_has_the_solids_of_the_urdf_in_the_frame_of_the_robot_base() 
     let robot = with_arm(&shop);
     let base = cell.start().base.pose();
     let text = shop.text("ros.scene");
-    assert!(text.starts_with("A & B -- <cell> (layout as drawn, in the frame of the robot base)\n* pedestal\n"));
+    assert!(
+        text.starts_with("A & B -- <cell> (layout as drawn, in the frame of the robot base)\n* pedestal\n")
+    );
     let objects = scene(&text);
     let mut compared = 0;
     for (name, at, shapes, _) in &objects {
@@ -249,7 +283,10 @@ fn a_planning_scene_has_the_solids_of_the_urdf_in_the_frame_of_the_robot_base() 
             let centre = in_world.translation;
             match solid {
                 Shape::Box { .. } => {
-                    assert!(kind == "box" && is_box(solid, &in_world, [sizes[0], sizes[1], sizes[2]]), "{name}");
+                    assert!(
+                        kind == "box" && is_box(solid, &in_world, [sizes[0], sizes[1], sizes[2]]),
+                        "{name}"
+                    );
                 }
                 Shape::Sphere { centre: c, radius } => {
                     assert!(kind == "sphere" && sizes == &[*radius] && near_vector(c, &centre, 1e-10));
@@ -257,16 +294,20 @@ fn a_planning_scene_has_the_solids_of_the_urdf_in_the_frame_of_the_robot_base() 
                 Shape::Cylinder { a, b, radius } => {
                     let half = in_world.rotation * Vector3::new(0.0, 0.0, sizes[1] / 2.0);
                     assert!(kind == "cylinder" && sizes[0] == *radius);
-                    assert!(near_vector(b, &(centre + half), 1e-10) && near_vector(a, &(centre - half), 1e-10));
+                    assert!(
+                        near_vector(b, &(centre + half), 1e-10) && near_vector(a, &(centre - half), 1e-10)
+                    );
                 }
                 Shape::Mesh { vertices, triangles, pose, .. } => {
                     let count = (sizes[0] as usize, sizes[1] as usize);
                     assert_eq!((kind.as_str(), count.1), ("mesh", triangles.len()));
-                    let corner = |i: usize| Vector3::new(sizes[2 + 3 * i], sizes[3 + 3 * i], sizes[4 + 3 * i]);
+                    let corner =
+                        |i: usize| Vector3::new(sizes[2 + 3 * i], sizes[3 + 3 * i], sizes[4 + 3 * i]);
                     for (k, t) in triangles.iter().enumerate() {
                         for (c, i) in t.iter().enumerate() {
                             let own = sizes[2 + 3 * count.0 + 3 * k + c] as usize;
-                            let [a, b] = [in_world.transform(&corner(own)), pose.transform(&vertices[*i as usize])];
+                            let [a, b] =
+                                [in_world.transform(&corner(own)), pose.transform(&vertices[*i as usize])];
                             assert!(near_vector(&a, &b, 2e-7), "{a} {b}");
                         }
                     }

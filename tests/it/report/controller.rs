@@ -139,7 +139,9 @@ fn every_pose_is_read_back_by_the_formula_of_the_controller() {
         let text = file(controller, "2 cells", &frames);
         assert!(text.is_ascii(), "{controller:?}");
         let of = |mark: &str| {
-            let has = |l: &&str| if controller == Controller::Fanuc { l.starts_with(mark) } else { l.contains(mark) };
+            let has = |l: &&str| {
+                if controller == Controller::Fanuc { l.starts_with(mark) } else { l.contains(mark) }
+            };
             text.lines().filter(has).map(str::to_string).collect::<Vec<_>>()
         };
         let (works, spots) = (of(marks[0]), of(marks[1]));
@@ -168,18 +170,29 @@ fn identifiers_differ_and_comments_state_origin_and_convention() {
     let krl = file(Controller::Krl, "2 cells", &frames);
     assert!(krl.starts_with("DEFDAT cell_2_cells PUBLIC\r\n; ") && krl.ends_with("ENDDAT\r\n"), "{krl}");
     assert!(krl.contains("under the name cell_2_cells.dat") && krl.contains("base_TISCH___0_2={X"), "{krl}");
-    let mut words: Vec<_> = krl.split("GLOBAL FRAME ").skip(1).map(|l| l.split('=').next().unwrap()).collect();
+    let mut words: Vec<_> =
+        krl.split("GLOBAL FRAME ").skip(1).map(|l| l.split('=').next().unwrap()).collect();
     let count = words.len();
     words.sort_unstable();
     words.dedup();
     assert!(words.len() == count && words.iter().all(|w| w.len() <= 24));
     for controller in [Controller::Krl, Controller::Rapid, Controller::UrScript, Controller::Fanuc] {
         let text = file(controller, "cells", &frames);
-        for said in ["cell: cell ; ! # ?", "layout: best layout", "robot: arm", "welding has no spot", " mm", "ISO 9787"]
-        {
-            let said = if controller == Controller::UrScript { said.replace(" mm", " m,") } else { said.into() };
+        for said in [
+            "cell: cell ; ! # ?",
+            "layout: best layout",
+            "robot: arm",
+            "welding has no spot",
+            " mm",
+            "ISO 9787",
+        ] {
+            let said =
+                if controller == Controller::UrScript { said.replace(" mm", " m,") } else { said.into() };
             assert!(text.contains(&said), "{controller:?} lacks {said}: {text}");
         }
     }
-    assert!(file(Controller::Fanuc, "c", &frames).contains("UFRAME is relative to the world frame of the controller"));
+    assert!(
+        file(Controller::Fanuc, "c", &frames)
+            .contains("UFRAME is relative to the world frame of the controller")
+    );
 }
