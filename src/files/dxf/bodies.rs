@@ -2,7 +2,7 @@
 
 use super::DxfFault;
 use super::convex::convex_parts;
-use super::outlines::{Outline, OutlineShape};
+use super::outlines::{FloorOutline, OutlineShape};
 use crate::cell::{Placement, Shape};
 use crate::files::fault::shown;
 use crate::geometry::{PlanePoint, convex_hull, polygon_area};
@@ -33,7 +33,7 @@ pub struct PlanBody {
 ///
 /// # Errors
 /// Fails if there are too many bodies, or if an outline cannot be divided.
-pub fn bodies(outlines: &[Outline], height: f64) -> Result<Vec<PlanBody>, DxfFault> {
+pub fn bodies(outlines: &[FloorOutline], height: f64) -> Result<Vec<PlanBody>, DxfFault> {
     let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut all = Vec::new();
     for outline in outlines {

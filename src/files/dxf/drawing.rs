@@ -2,7 +2,7 @@
 
 use super::DxfFault;
 use super::entities::{Entity, EntityKind, entities};
-use super::pairs::{Pair, pairs};
+use super::pairs::{GroupCode, pairs};
 use nalgebra::Vector2;
 use std::collections::{BTreeMap, HashMap};
 
@@ -67,12 +67,12 @@ impl PlanDrawing {
     }
 }
 
-fn unit_code(header: &[Pair<'_>]) -> Result<Option<i64>, DxfFault> {
+fn unit_code(header: &[GroupCode<'_>]) -> Result<Option<i64>, DxfFault> {
     let at = header.iter().position(|p| p.code == 9 && p.value == "$INSUNITS");
-    at.and_then(|k| header.get(k + 1)).filter(|p| p.code == 70).map(Pair::whole).transpose()
+    at.and_then(|k| header.get(k + 1)).filter(|p| p.code == 70).map(GroupCode::whole).transpose()
 }
 
-fn layers<'p>(tables: &'p [Pair<'_>]) -> impl Iterator<Item = &'p str> {
+fn layers<'p>(tables: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     tables.split(|p| p.code == 0).zip(starts(tables)).filter_map(|(own, start)| {
         let name = own.iter().find(|p| p.code == 2)?.value;
         (start == "LAYER").then_some(name)
@@ -80,17 +80,17 @@ fn layers<'p>(tables: &'p [Pair<'_>]) -> impl Iterator<Item = &'p str> {
 }
 
 /// Returns the value of the group code 0 before each part of [`slice::split`] at these codes; empty for the first.
-fn starts<'p>(pairs: &'p [Pair<'_>]) -> impl Iterator<Item = &'p str> {
+fn starts<'p>(pairs: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     std::iter::once("").chain(pairs.iter().filter(|p| p.code == 0).map(|p| p.value))
 }
 
-fn blocks(content: &[Pair<'_>]) -> Result<HashMap<String, Block>, DxfFault> {
+fn blocks(content: &[GroupCode<'_>]) -> Result<HashMap<String, Block>, DxfFault> {
     let mut all = HashMap::new();
     for part in content.split(|p| p.begins("BLOCK")).skip(1) {
         let end = part.iter().position(|p| p.begins("ENDBLK")).unwrap_or(part.len());
         let head = part[..end].iter().position(|p| p.code == 0).unwrap_or(end);
         let first = |code: i32| part[..head].iter().find(|p| p.code == code);
-        let number = |code: i32| first(code).map_or(Ok(0.0), Pair::number);
+        let number = |code: i32| first(code).map_or(Ok(0.0), GroupCode::number);
         let Some(name) = first(2) else { continue };
         let base = Vector2::new(number(10)?, number(20)?);
         let block = Block { name: name.value.to_string(), base, entities: entities(&part[head..end])? };

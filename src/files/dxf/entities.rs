@@ -1,7 +1,7 @@
 //! Entities of a drawing: outlines, circles and inserts of blocks, in the unit of the drawing.
 
 use super::DxfFault;
-use super::pairs::Pair;
+use super::pairs::GroupCode;
 use crate::units::rad_from_deg;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -79,7 +79,7 @@ const ANNOTATIONS: [&str; 16] = [
 ];
 
 /// Reads the entities between two places of a drawing. Entities of the paper space and annotations are left out.
-pub fn entities(pairs: &[Pair<'_>]) -> Result<Vec<Entity>, DxfFault> {
+pub fn entities(pairs: &[GroupCode<'_>]) -> Result<Vec<Entity>, DxfFault> {
     let mut all = Vec::new();
     let mut rest = pairs;
     while let Some(start) = rest.first() {
@@ -101,18 +101,18 @@ pub fn entities(pairs: &[Pair<'_>]) -> Result<Vec<Entity>, DxfFault> {
 }
 
 /// Splits off the pairs up to the next group code 0.
-fn split_next<'p, 't>(pairs: &'p [Pair<'t>]) -> (&'p [Pair<'t>], &'p [Pair<'t>]) {
+fn split_next<'p, 't>(pairs: &'p [GroupCode<'t>]) -> (&'p [GroupCode<'t>], &'p [GroupCode<'t>]) {
     let end = pairs.iter().skip(1).position(|p| p.code == 0).map_or(pairs.len(), |k| k + 1);
     pairs.split_at(end)
 }
 
-fn entity(own: &[Pair<'_>], vertices: &[&[Pair<'_>]]) -> Result<Option<Entity>, DxfFault> {
+fn entity(own: &[GroupCode<'_>], vertices: &[&[GroupCode<'_>]]) -> Result<Option<Entity>, DxfFault> {
     let Some(start) = own.first().filter(|p| p.code == 0) else { return Ok(None) };
     let is_in_paper_space = own.iter().any(|p| p.code == 67 && p.value == "1");
     if is_in_paper_space || ANNOTATIONS.contains(&start.value) {
         return Ok(None);
     }
-    let number = |code: i32, default: f64| find(own, code).map_or(Ok(default), Pair::number);
+    let number = |code: i32, default: f64| find(own, code).map_or(Ok(default), GroupCode::number);
     let point = |x: i32| Ok::<_, DxfFault>(Vector2::new(number(x, 0.0)?, number(x + 10, 0.0)?));
     let other = || EntityKind::Other(start.value.to_string());
     let normal = [number(210, 0.0)?, number(220, 0.0)?, number(230, 1.0)?];
@@ -145,15 +145,15 @@ fn entity(own: &[Pair<'_>], vertices: &[&[Pair<'_>]]) -> Result<Option<Entity>, 
     Ok(Some(Entity { kind, layer, line: start.line, is_flipped }))
 }
 
-fn find<'p, 't>(own: &'p [Pair<'t>], code: i32) -> Option<&'p Pair<'t>> {
+fn find<'p, 't>(own: &'p [GroupCode<'t>], code: i32) -> Option<&'p GroupCode<'t>> {
     own.iter().find(|p| p.code == code)
 }
 
-fn flags(own: &[Pair<'_>]) -> Result<i64, DxfFault> {
-    find(own, 70).map_or(Ok(0), Pair::whole)
+fn flags(own: &[GroupCode<'_>]) -> Result<i64, DxfFault> {
+    find(own, 70).map_or(Ok(0), GroupCode::whole)
 }
 
-fn closes(own: &[Pair<'_>]) -> Result<bool, DxfFault> {
+fn closes(own: &[GroupCode<'_>]) -> Result<bool, DxfFault> {
     Ok(flags(own)? & 1 == 1)
 }
 
@@ -179,7 +179,7 @@ fn arc(centre: Vector2<f64>, radius: f64, start: f64, end: f64) -> EntityKind {
     path(vec![half(start, bulge), half(start + sweep / 2.0, bulge), half(end, 0.0)], false)
 }
 
-fn light_vertices(own: &[Pair<'_>]) -> Result<Vec<PathVertex>, DxfFault> {
+fn light_vertices(own: &[GroupCode<'_>]) -> Result<Vec<PathVertex>, DxfFault> {
     let mut vertices: Vec<PathVertex> = Vec::new();
     for pair in own {
         match (pair.code, vertices.last_mut()) {
@@ -192,10 +192,10 @@ fn light_vertices(own: &[Pair<'_>]) -> Result<Vec<PathVertex>, DxfFault> {
     Ok(vertices)
 }
 
-fn heavy_vertices(vertices: &[&[Pair<'_>]]) -> Result<Vec<PathVertex>, DxfFault> {
+fn heavy_vertices(vertices: &[&[GroupCode<'_>]]) -> Result<Vec<PathVertex>, DxfFault> {
     let mut all = Vec::new();
     for own in vertices {
-        let number = |code: i32| find(own, code).map_or(Ok(0.0), Pair::number);
+        let number = |code: i32| find(own, code).map_or(Ok(0.0), GroupCode::number);
         // A control point of a spline is no point of the line.
         if flags(own)? & 16 == 0 {
             all.push(PathVertex { at: Vector2::new(number(10)?, number(20)?), bulge: number(42)? });

@@ -1,4 +1,4 @@
-//! Expansion of blocks: every outline of the named layers in the frame of the drawing.
+//! BlockWalk of blocks: every outline of the named layers in the frame of the drawing.
 
 use super::DxfFault;
 use super::drawing::PlanDrawing;
@@ -80,12 +80,12 @@ pub struct Expanded {
 /// # Errors
 /// Fails if a block contains itself, is missing or nested too deeply, or if there are too many entities.
 pub fn expanded(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64) -> Result<Expanded, DxfFault> {
-    let mut walk = Expansion { drawing, layers, found: Expanded::default(), visited: 0, inside: Vec::new() };
+    let mut walk = BlockWalk { drawing, layers, found: Expanded::default(), visited: 0, inside: Vec::new() };
     walk.entities(&drawing.entities, &PlaneMap::scaling(unit), None)?;
     Ok(walk.found)
 }
 
-struct Expansion<'d> {
+struct BlockWalk<'d> {
     drawing: &'d PlanDrawing,
     layers: &'d BTreeSet<String>,
     found: Expanded,
@@ -94,7 +94,7 @@ struct Expansion<'d> {
     inside: Vec<String>,
 }
 
-impl Expansion<'_> {
+impl BlockWalk<'_> {
     /// Adds entities. Those on layer 0 of a block lie on the layer of its insert, `inherited`.
     fn entities(&mut self, all: &[Entity], map: &PlaneMap, inherited: Option<&str>) -> Result<(), DxfFault> {
         let flip = PlaneMap { linear: Matrix2::new(-1.0, 0.0, 0.0, 1.0), offset: Vector2::zeros() };

@@ -17,7 +17,7 @@ mod unit;
 
 pub use bodies::{PlanBody, bodies};
 pub use drawing::PlanDrawing;
-pub use outlines::{Outline, OutlineShape, outlines};
+pub use outlines::{FloorOutline, OutlineShape, outlines};
 pub use unit::DrawingUnit;
 
 /// Fault or warning of a drawing, with its line.

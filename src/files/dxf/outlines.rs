@@ -24,9 +24,9 @@ const ROUNDING: f64 = 1e-9;
 /// Least area of an outline, m2.
 const MIN_AREA: f64 = 1e-8;
 
-/// Outline with its layer as the drawing writes it, and the line of the drawing at which it begins.
+/// FloorOutline with its layer as the drawing writes it, and the line of the drawing at which it begins.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outline {
+pub struct FloorOutline {
     pub layer: String,
     pub line: usize,
     pub shape: OutlineShape,
@@ -46,7 +46,7 @@ pub enum OutlineShape {
 /// Outlines of a drawing, with its faults and warnings.
 #[derive(Debug, Default)]
 pub struct Outlines {
-    pub found: Vec<Outline>,
+    pub found: Vec<FloorOutline>,
     pub errors: Vec<DxfFault>,
     pub warnings: Vec<DxfFault>,
 }
@@ -123,7 +123,7 @@ impl Outlines {
         if radius * radius < MIN_AREA {
             return self.errors.push(no_area(line, &layer));
         }
-        self.found.push(Outline { layer, line, shape: OutlineShape::Circle { centre, radius } });
+        self.found.push(FloorOutline { layer, line, shape: OutlineShape::Circle { centre, radius } });
     }
 
     /// Adds a closed outline, given in a frame that `map` takes to the frame of the drawing, m.
@@ -165,7 +165,7 @@ impl Outlines {
         if area < 0.0 {
             corners.reverse();
         }
-        self.found.push(Outline { layer, line, shape: OutlineShape::Polygon(corners) });
+        self.found.push(FloorOutline { layer, line, shape: OutlineShape::Polygon(corners) });
     }
 
     /// Refuses more outlines than a search can check.
@@ -198,7 +198,7 @@ impl Outlines {
     }
 }
 
-impl Outline {
+impl FloorOutline {
     /// Returns a point of the outline.
     fn first(&self) -> PlanePoint {
         match &self.shape {

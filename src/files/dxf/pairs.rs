@@ -13,13 +13,13 @@ const DAMAGED: &str = "save the drawing again as DXF (ASCII) in the CAD program"
 
 /// Group code with its value, and the line of the value, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pair<'t> {
+pub struct GroupCode<'t> {
     pub code: i32,
     pub value: &'t str,
     pub line: usize,
 }
 
-impl Pair<'_> {
+impl GroupCode<'_> {
     /// Returns whether the pair begins an entity, section or end of this name.
     pub fn begins(&self, name: &str) -> bool {
         self.code == 0 && self.value == name
@@ -44,7 +44,7 @@ impl Pair<'_> {
 }
 
 /// Returns the group codes of a drawing up to its end, without comments.
-pub fn pairs(text: &str) -> Result<Vec<Pair<'_>>, DxfFault> {
+pub fn pairs(text: &str) -> Result<Vec<GroupCode<'_>>, DxfFault> {
     let mut lines = text.lines().map(str::trim).enumerate();
     let mut all = Vec::new();
     while let Some((at, code)) = lines.next() {
@@ -54,7 +54,7 @@ pub fn pairs(text: &str) -> Result<Vec<Pair<'_>>, DxfFault> {
         let Some((line, value)) = lines.next() else {
             return Err(DxfFault::new(at, "the drawing is cut off after a group code", DAMAGED));
         };
-        let pair = Pair { code, value, line };
+        let pair = GroupCode { code, value, line };
         if pair.begins("EOF") {
             return Ok(all);
         }

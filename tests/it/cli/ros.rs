@@ -6,6 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use sweetspot::cell::{Cell, LinkSolid, Robot, Shape};
 use sweetspot::files::load_robot;
 use sweetspot::pose::Pose;
+use sweetspot::robot::Chain;
 
 /// Cell with every shape, a fence, a keep-out box, and a robot on a pedestal that is turned and moved.
 const ROS_CELL: &str = r#"from = "hitachi_cell.toml"
@@ -40,7 +41,7 @@ tip_link = "tool"
 position_mm = [0, 0, 0]
 axis = [1, 0, 0]
 [footprint]
-size_mm = [600, 600]
+size_mm = [9000, 9000]
 [errors.none]
 kind = "signed"
 source = "a test"
@@ -92,10 +93,15 @@ fn a_urdf_of_the_layout_is_read_back_with_its_poses() {
     let cell = exported(&shop);
     let robot = with_arm(&shop);
     let layout = cell.start();
-    // The arm stands where the base of the cell stands.
-    let base = layout.base.pose();
-    assert!((robot.mount.rotation - base.rotation).amax() < 1e-10);
-    assert!(near_vector(&robot.mount.translation, &base.translation, 1e-10));
+    // The arm stands where the base of the cell stands: its tool is at the same places.
+    let (base, own, whole) = (layout.base.pose(), Chain::new(&cell.robot), Chain::new(&robot));
+    for k in 0..20 {
+        let joints = own.halton_sample(k);
+        let expected = base * own.forward(&own.posture(&joints));
+        let found = whole.forward(&whole.posture(&joints));
+        assert!((found.rotation - expected.rotation).amax() < 1e-9, "{found:?} {expected:?}");
+        assert!(near_vector(&found.translation, &expected.translation, 1e-9), "{found:?} {expected:?}");
+    }
     for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
         let name = equipment.name.replace("2 lamps", "object_2_lamps");
         let read = of_link(&robot, &name);
