@@ -53,9 +53,12 @@ pub fn joined(paths: Vec<OpenPath>) -> (Vec<(PlanPath, usize)>, Vec<OpenPath>) {
     (closed, open)
 }
 
+/// Place of a joint, with its number.
+type NumberedJoint = (Vector2<f64>, usize);
+
 /// Returns the joints at both ends of every path: equal numbers for ends that count as one point.
 fn ends(paths: &[OpenPath]) -> Vec<[usize; 2]> {
-    let mut joints: HashMap<(i64, i64), Vec<(Vector2<f64>, usize)>> = HashMap::new();
+    let mut joints: HashMap<(i64, i64), Vec<NumberedJoint>> = HashMap::new();
     let mut count = 0;
     let mut joint = |p: Vector2<f64>| {
         let cell = ((p.x / JOINT).floor() as i64, (p.y / JOINT).floor() as i64);
