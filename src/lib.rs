@@ -60,10 +60,11 @@
 //! | [`files`] | input files | TOML, URDF and mesh files to a validated [`cell::Cell`]; schemas of the files |
 //! | [`record`] | documents | assessments to typed documents: JSON, CSV, Parquet, schemas |
 //! | [`report`] | output | records to JSON, CSV, SVG, TOML, text |
-//! | [`cli`] | command line | arguments, files, progress, exit codes |
+//! | `cli` | command line | arguments, files, progress, exit codes |
+//! | [`study`] | stable entry | a cell file and keys to evaluations and searches |
 //!
-//! All these modules may also use [`units`] for conversions, [`safe_text`], [`geometry`] for plane geometry
-//! and [`pose`] for rigid transforms.
+//! All these modules may also use [`units`] for conversions, `safe_text`, `geometry` for plane geometry and
+//! [`pose`] for rigid transforms.
 //!
 //! The modules up to [`raster`] compute. They are the package `sweetspot-core`, which the compiler optimises
 //! fully; this package re-exports them under the same names.
@@ -75,7 +76,7 @@
 //!
 //! - SI units inside: m, rad, f64. Millimetres and degrees occur only in files and reports, where every name
 //!   states its unit. Only [`units`] converts.
-//! - The core does no input or output: only [`cli`] touches files, clock and terminal.
+//! - The core does no input or output: only `cli` touches files, clock and terminal.
 //! - A [`cell::Cell`] is valid by construction. The reader reports all faults at once. Each fault states
 //!   file, line and column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
@@ -94,6 +95,31 @@
 //!
 //! # Example
 //!
+//! [`Study`] is the stable entry: it loads a cell, sets keys as `--set` does, evaluates and searches.
+//!
+//! ```
+//! use sweetspot::Study;
+//!
+//! let cells = concat!(env!("CARGO_MANIFEST_DIR"), "/cells/");
+//! let study = Study::load(format!("{cells}hitachi_paper.toml"))?;
+//! let drawn = study.evaluate()?;
+//! assert!((drawn.objective.ok_or("not feasible")? - 3.768569).abs() < 1e-6);
+//!
+//! let moved = Study::load(format!("{cells}hitachi_cell.toml"))?
+//!     .set("equipment.worktable.placement.x_mm", 300.0)?
+//!     .set("search.budget", 200)?
+//!     .search()?;
+//! let best = moved.best.ok_or("no layout is feasible")?;
+//! assert_eq!(best.evaluate()?.objective, moved.result.objective_value);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`Study`] and the documents in [`record`] change only with the version of the format that they state, and with the
+//! major version. The modules below them are documented for those who build on them, and may change with any version.
+//! What serves only the command line is hidden from this documentation.
+//!
+//! The modules below give more, such as the error at every node:
+//!
 //! ```
 //! use sweetspot::{error_map, files, layout};
 //!
@@ -104,10 +130,6 @@
 //!
 //! let workcell = layout::Workcell::new(loaded.cell)?;
 //! let start = workcell.cell.start();
-//! let evaluation = layout::evaluate(&workcell, &start);
-//! let least_mm = evaluation.objective.ok_or("not feasible")? * 1000.0;
-//! assert!((least_mm - 3.768569).abs() < 1e-6);
-//!
 //! let map = &workcell.maps(&start)[0];
 //! assert_eq!((map.count(error_map::NodeSign::Usable), map.nodes.len()), (80, 99));
 //! # Ok::<(), String>(())
@@ -115,12 +137,19 @@
 
 #[doc(inline)]
 pub use sweetspot_core::{
-    allocation, assess, calibration, cell, clearance, colours, correction, drawing, error_map, geometry,
-    kinematic_error, layout, low_discrepancy, mesh, motion, pose, pose_accuracy, proof, raster, reach,
-    reading, region, robot, safe_text, search, svg_text, units, verification,
+    allocation, assess, calibration, cell, clearance, correction, drawing, error_map, kinematic_error,
+    layout, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot, search, units,
+    verification,
 };
+// Parts of the machinery that no user of the library needs.
+#[doc(hidden)]
+pub use sweetspot_core::{colours, geometry, low_discrepancy, mesh, safe_text, svg_text};
 
+#[doc(hidden)]
 pub mod cli;
 pub mod files;
 pub mod record;
 pub mod report;
+pub mod study;
+
+pub use study::Study;

@@ -1,6 +1,6 @@
 //! Rigid poses, and small rigid motions computed without cancellation.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Pose of a frame b in a frame a.
 ///
@@ -31,6 +31,33 @@ impl Pose {
     pub fn from_translation_rpy(translation: Vector3<f64>, rpy: Vector3<f64>) -> Self {
         let rotation = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z).into_inner();
         Self { rotation, translation }
+    }
+
+    /// Returns roll, pitch and yaw (rad), from which [`Self::from_translation_rpy`] makes the rotation.
+    ///
+    /// The result is accurate for every rotation. At a pitch of +-90 degrees (gimbal lock), where only the sum or the
+    /// difference of roll and yaw is defined, one of the equivalent triples is returned.
+    pub fn roll_pitch_yaw(&self) -> Vector3<f64> {
+        let r = &self.rotation;
+        // The rotation about z by -yaw leaves Ry(pitch) Rx(roll), from whose elements the other angles follow.
+        let yaw = r[(1, 0)].atan2(r[(0, 0)]);
+        let (s, c) = yaw.sin_cos();
+        let pitch = (-r[(2, 0)]).atan2(c * r[(0, 0)] + s * r[(1, 0)]);
+        let roll = (s * r[(0, 2)] - c * r[(1, 2)]).atan2(c * r[(1, 1)] - s * r[(0, 1)]);
+        Vector3::new(roll, pitch, yaw)
+    }
+
+    /// Returns the rotation as a unit quaternion w, x, y, z with w >= 0.
+    pub fn quaternion(&self) -> [f64; 4] {
+        let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(self.rotation));
+        let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+        [q.w, q.i, q.j, q.k].map(|part| sign * part)
+    }
+
+    /// Returns the rotation vector (rad): along the axis of the rotation, with the angle, at most pi, as its length.
+    pub fn rotation_vector(&self) -> Vector3<f64> {
+        let [w, x, y, z] = self.quaternion();
+        SmallRotation { w, v: Vector3::new(x, y, z) }.vector()
     }
 
     /// Returns the pose of a translation (m) and a rotation about z by `yaw` (rad).

@@ -89,17 +89,16 @@ impl FileContent {
 
     /// Returns the next command or step for the file at `path`, which is quoted for a shell.
     pub fn next_step(self, path: &str) -> String {
-        let mesh =
-            "name the mesh in a solid: mesh = { file = \"NAME.stl\", units = \"mm\", centre_mm = [0, 0, 0] }";
+        let mesh = "name the mesh in a solid: mesh = { file = \"NAME.stl\", units = \"mm\" }";
         match self {
             Self::Urdf | Self::Xacro => format!("write a cell for it: sweetspot init {path}"),
-            Self::Collada => format!("convert it: {}; then {mesh}", conversion(path)),
+            Self::Collada | Self::Step => format!("convert it: {}; then {mesh}", conversion(path)),
             Self::OtherXml | Self::Binary => {
                 "give a cell or robot file in TOML; `sweetspot init` lists first cells".into()
             }
             Self::Stl | Self::Obj => mesh.into(),
-            Self::Dxf | Self::Step => {
-                format!("export its solids as STL or OBJ from your CAD system; then {mesh}")
+            Self::Dxf => {
+                "for a floor plan, name it in an obstacle: plan = { file = \"NAME.dxf\", layers = [\"LAYER\"], height_mm = 3000 }".into()
             }
             Self::Json => "give the cell file, or the result folder: sweetspot report FOLDER".into(),
             Self::Yaml => format!("for a stated calibration: sweetspot calibrate ROBOT {path}"),
@@ -112,12 +111,15 @@ impl FileContent {
     }
 }
 
-/// Returns the command that converts the COLLADA mesh at `path` to STL.
+/// Returns the command that converts the COLLADA mesh or the STEP model at `path` to STL.
 pub fn conversion(path: &str) -> String {
     let quote = if path.ends_with('\'') { "'" } else { "" };
-    let stem = path.trim_end_matches('\'');
-    let stem = stem.get(..stem.len().saturating_sub(4)).unwrap_or(stem);
-    format!("assimp export {path} {stem}.stl{quote}")
+    let name = path.trim_end_matches('\'');
+    let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
+    match ending.to_ascii_lowercase().as_str() {
+        "step" | "stp" => format!("gmsh {path} -2 -format stl -o {stem}.stl{quote}"),
+        _ => format!("assimp export {path} {stem}.stl{quote}"),
+    }
 }
 
 /// Returns the message of a file that is of another kind than is needed.

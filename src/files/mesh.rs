@@ -15,7 +15,8 @@ pub fn is_mesh(name: &str, at: At, lib: &mut Library<'_>) -> bool {
     let known = [".obj", ".stl"].iter().any(|end| lower.ends_with(end));
     if !known {
         let message = format!("`{}` is not an OBJ or STL file", shown(name));
-        let help = match lower.ends_with(".dae") {
+        let is_step = [".step", ".stp"].iter().any(|end| lower.ends_with(end));
+        let help = match lower.ends_with(".dae") || is_step {
             true => format!("convert it: {}", conversion(&shown(name))),
             false => "export the mesh as STL or Wavefront OBJ".into(),
         };

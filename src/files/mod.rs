@@ -5,10 +5,13 @@
 //! reports every fault of every file in one pass, each with file, line, column, message and help.
 
 mod content;
+#[doc(hidden)] // open for tests/it
+pub mod dxf;
 pub mod fault;
 mod keys;
 pub mod measured;
 mod mesh;
+mod polygon;
 mod read;
 mod schema;
 pub mod stated;

@@ -91,7 +91,7 @@ pub use node::{DiscrepancyEntry, MapNode, MapNodes};
 pub use node_table::{ColumnKind, NodeTable, TableColumn, TableValue};
 pub use numbers::{NEAR_LIMIT, joints, near_limits, nine_digits, position_mm};
 pub use parameter_unit::ParameterUnit;
-pub use placement::{AttitudeEntry, ByName, PlacementEntry};
+pub use placement::{AttitudeEntry, ByName, PlacementEntry, placements};
 pub use readings::{OperationReadings, ReadingEntry, ReadingsDocument, RegretEntry};
 pub use refined::RefinedEntry;
 pub use region::{RegionEntry, TurnEntry};

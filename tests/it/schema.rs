@@ -88,11 +88,11 @@ fn the_schemas_distinguish_the_file_kinds() {
 const BEYOND: [(&str, &str); 6] = [
     (
         "another file gives it, or should",
-        "covariance_incomplete cyclic_from cyclic_from_itself equipment_of_nothing error_set_without_kind fence_without_polygon file_without_schema held_of_nothing mesh_empty mesh_file_missing mesh_open mesh_with_lost_vertex mesh_with_nan mesh_with_words missing_keys missing_reference missing_robot missing_similar_key part_in_metres path_leaves_folder placement_missing_z robot_where_equipment_is_wanted sense_of_nothing tool_without_axis",
+        "covariance_incomplete cyclic_from cyclic_from_itself equipment_of_nothing error_set_without_kind fence_without_polygon file_without_schema held_of_nothing mesh_empty mesh_file_missing mesh_open mesh_with_lost_vertex mesh_with_nan mesh_with_words missing_keys missing_reference missing_robot missing_similar_key part_in_metres path_leaves_folder placement_missing_z plan_block_in_itself plan_crosses_itself plan_cut_off plan_of_lines_only plan_of_other_content plan_with_nan plan_without_unit robot_where_equipment_is_wanted sense_of_nothing tool_without_axis",
     ),
     (
         "a name refers to nothing, or to the wrong thing",
-        "error_set_unknown joint_errors_twice joints_of_same_name obstacle_named_like_equipment operation_on_no_surface operation_on_unknown_equipment operation_with_misspelt_sense operation_with_unknown_sense relative_to_everywhere relative_to_itself relative_to_later relative_to_relative relative_to_unknown solids_of_same_name stands_on_in_a_circle stands_on_itself",
+        "error_set_unknown joint_errors_twice joints_of_same_name obstacle_named_like_equipment operation_on_no_surface operation_on_unknown_equipment operation_with_misspelt_sense operation_with_unknown_sense plan_with_unknown_layer relative_to_everywhere relative_to_itself relative_to_later relative_to_relative relative_to_unknown solids_of_same_name stands_on_in_a_circle stands_on_itself",
     ),
     (
         "the robot has so many joints, of such a kind, with such limits",
@@ -100,7 +100,7 @@ const BEYOND: [(&str, &str); 6] = [
     ),
     (
         "numbers contradict each other",
-        "capsule_of_no_length costs_do_not_suit covariance_besides_plus_minus covariance_beyond_one covariance_negative_variance covariance_not_definite covariance_not_symmetric covariance_wrong_rows covariance_wrong_shape fence_corner_twice fence_crosses_itself fence_in_metres fence_runs_back footprint_too_small keep_out_empty limits_reversed limits_without_travel placement_reversed placement_start_outside sense_mixed_units sense_too_many_rows teach_in_line teach_off_the_surface",
+        "capsule_of_no_length costs_do_not_suit covariance_besides_plus_minus covariance_beyond_one covariance_negative_variance covariance_not_definite covariance_not_symmetric covariance_wrong_rows covariance_wrong_shape fence_corner_twice fence_crosses_itself fence_in_metres fence_runs_back footprint_too_small keep_out_empty limits_reversed limits_without_travel placement_reversed placement_start_outside plan_in_another_unit sense_mixed_units sense_too_many_rows teach_in_line teach_off_the_surface",
     ),
     (
         "the question has no answer",
@@ -108,7 +108,7 @@ const BEYOND: [(&str, &str); 6] = [
     ),
     (
         "it is odd, not wrong",
-        "compliance_in_wrong_unit compliance_without_masses equipment_in_metres equipment_too_large keep_out_in_metres limits_in_radians robot_in_metres tolerance_in_metres tolerance_too_large",
+        "compliance_in_wrong_unit compliance_without_masses equipment_in_metres equipment_too_large keep_out_in_metres limits_in_radians plan_with_open_lines robot_in_metres tolerance_in_metres tolerance_too_large",
     ),
 ];
 

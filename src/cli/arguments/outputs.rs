@@ -23,11 +23,23 @@ pub enum ExportFormat {
     Parquet,
     /// Picture of the cell
     Png,
+    /// Frames of equipment and spots for KUKA controllers (KRL data list)
+    Krl,
+    /// Frames of equipment and spots for ABB controllers (work objects in a RAPID module)
+    Rapid,
+    /// Frames of equipment and spots for Universal Robots (poses in URScript)
+    Urscript,
+    /// Frames of equipment and spots for FANUC controllers (text, to be entered by hand)
+    Fanuc,
+    /// Static URDF in m: base, equipment, obstacles and spots as links; meshes go to a folder beside it
+    Urdf,
+    /// Planning scene of MoveIt: collision objects in the frame of the robot base
+    Moveit,
 }
 
 impl ExportFormat {
-    /// Returns the file name extension, which is also the name of the format.
-    pub fn extension(self) -> &'static str {
+    /// Returns the name of the format, as the option `--to` takes it.
+    pub fn name(self) -> &'static str {
         match self {
             ExportFormat::Dxf => "dxf",
             ExportFormat::Glb => "glb",
@@ -36,6 +48,24 @@ impl ExportFormat {
             ExportFormat::Json => "json",
             ExportFormat::Parquet => "parquet",
             ExportFormat::Png => "png",
+            ExportFormat::Krl => "krl",
+            ExportFormat::Rapid => "rapid",
+            ExportFormat::Urscript => "urscript",
+            ExportFormat::Fanuc => "fanuc",
+            ExportFormat::Urdf => "urdf",
+            ExportFormat::Moveit => "moveit",
+        }
+    }
+
+    /// Returns the file name extension.
+    pub fn extension(self) -> &'static str {
+        match self {
+            ExportFormat::Krl => "dat",
+            ExportFormat::Rapid => "mod",
+            ExportFormat::Urscript => "script",
+            ExportFormat::Fanuc => "txt",
+            ExportFormat::Moveit => "scene",
+            other => other.name(),
         }
     }
 }
@@ -57,6 +87,9 @@ pub struct ExportArguments {
     /// Posture of the robot: at the spot of this operation, or `home` [default: the first spot]
     #[arg(long, value_name = "OPERATION|home")]
     pub posture: Option<String>,
+    /// Prefix of the mesh files in a URDF, such as package://my_cell/meshes/ [default: their folder]
+    #[arg(long, value_name = "URI")]
+    pub meshes: Option<String>,
     #[command(flatten)]
     pub packages: PackageFolders,
     #[command(flatten)]

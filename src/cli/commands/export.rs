@@ -12,6 +12,9 @@ use crate::files::{Loaded, shown};
 use crate::raster::{self, Shot};
 use crate::record::MapDocument;
 use crate::report;
+use crate::report::controller::{self, Controller};
+use crate::report::layout_frames::LayoutFrames;
+use crate::report::{moveit, urdf};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +25,7 @@ const PNG_SIZE: (usize, usize) = (1600, 1000);
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     refuse_missing_writer(a.to)?;
+    refuse_idle_meshes(a)?;
     let (Loaded { cell, .. }, file, best) = subject(a)?;
     let workcell = workcell(cell, &file)?;
     let label = if a.of.is_dir() && !a.start { "best layout" } else { "layout as drawn" };
@@ -30,13 +34,13 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
         assessment = assessment.with_regions();
     }
     let operation = posture(&assessment, a.posture.as_deref())?;
-    let bytes = rendered(&assessment, a.to, operation)?;
     let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())));
+    let bytes = rendered(&assessment, a, &out, operation)?;
     loading::write_whole(&out, &bytes)?;
     output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
     warn_of_distrust(&assessment);
     let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
-    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.extension()), &a.packages);
+    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.name()), &a.packages);
     Ok(Exit::Done)
 }
 
@@ -60,6 +64,50 @@ fn refuse_missing_writer(format: ExportFormat) -> Result<(), Exit> {
     output::error("this build has no Parquet writer");
     output::talk("  help: cargo install --path . --features parquet");
     Err(Exit::BadInput)
+}
+
+/// Refuses a prefix of mesh files for a format that names none.
+fn refuse_idle_meshes(a: &ExportArguments) -> Result<(), Exit> {
+    if a.meshes.is_none() || a.to == ExportFormat::Urdf {
+        return Ok(());
+    }
+    output::error("--meshes needs --to urdf: no other format names mesh files");
+    Err(Exit::BadInput)
+}
+
+/// Returns the URDF of a layout, after its meshes are written to a folder beside the file `out`.
+///
+/// The URDF names the meshes relative to its own folder, or with the given prefix.
+fn with_meshes(a: &Assessment<'_>, out: &Path, prefix: Option<&str>) -> Result<Vec<u8>, Exit> {
+    let folder = format!("{}_meshes", stem(out));
+    let prefix =
+        prefix.map_or_else(|| format!("{folder}/"), |prefix| format!("{}/", prefix.trim_end_matches('/')));
+    let drawing = plain_drawing(a).map_err(|why| cannot(ExportFormat::Urdf, &why))?;
+    let urdf::UrdfExport { urdf, meshes } =
+        urdf::urdf(&drawing, &prefix).map_err(|why| cannot(ExportFormat::Urdf, &why))?;
+    if !meshes.is_empty() {
+        let folder = out.with_file_name(&folder);
+        std::fs::create_dir_all(&folder).map_err(|e| loading::cannot_write(&folder, &e))?;
+        for (name, bytes) in &meshes {
+            loading::write_whole(&folder.join(name), bytes)?;
+        }
+        output::talk(&format!(
+            "wrote {}: {}",
+            path_word(&folder),
+            output::counted(meshes.len(), "mesh file")
+        ));
+    }
+    Ok(urdf.into_bytes())
+}
+
+/// Returns the drawing without envelopes, for formats that show none.
+fn plain_drawing<'a>(a: &Assessment<'a>) -> Result<Drawing<'a>, String> {
+    Drawing::new(a, &Detail { envelopes: false, ..Detail::PLAIN })
+}
+
+fn cannot(format: ExportFormat, why: &str) -> Exit {
+    output::error(&format!("cannot export {}: {}", format.name(), shown(why)));
+    Exit::BadInput
 }
 
 /// Refuses a file name with the extension of another format, which would mislead the program that opens it.
@@ -117,12 +165,20 @@ fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exi
     }
 }
 
-fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) -> Result<Vec<u8>, Exit> {
-    let cannot = |why: String| {
-        output::error(&format!("cannot export {}: {}", format.extension(), shown(&why)));
-        Exit::BadInput
-    };
+/// Returns the bytes of the file `out`. Meshes that it names are written beside it first.
+fn rendered(
+    a: &Assessment<'_>,
+    asked: &ExportArguments,
+    out: &Path,
+    operation: Option<usize>,
+) -> Result<Vec<u8>, Exit> {
+    let format = asked.to;
+    let cannot = |why: String| cannot(format, &why);
     let drawing = || Drawing::new(a, &Detail::PLAIN).map_err(cannot);
+    let frames = |controller: Controller| {
+        let drawing = plain_drawing(a).map_err(cannot)?;
+        Ok(controller::file(controller, &stem(out), &LayoutFrames::new(&drawing)).into_bytes())
+    };
     match format {
         ExportFormat::Csv => results::csv(&MapDocument::new(a)),
         ExportFormat::Json => json_text::pretty(&MapDocument::new(a)),
@@ -137,5 +193,11 @@ fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) 
             let shot = Shot { context: operation, width: PNG_SIZE.0, height: PNG_SIZE.1, ..Shot::default() };
             raster::png(&drawing()?, &shot).map_err(cannot)
         }
+        ExportFormat::Krl => frames(Controller::Krl),
+        ExportFormat::Rapid => frames(Controller::Rapid),
+        ExportFormat::Urscript => frames(Controller::UrScript),
+        ExportFormat::Fanuc => frames(Controller::Fanuc),
+        ExportFormat::Moveit => Ok(moveit::scene(&plain_drawing(a).map_err(cannot)?).into_bytes()),
+        ExportFormat::Urdf => with_meshes(a, out, asked.meshes.as_deref()),
     }
 }

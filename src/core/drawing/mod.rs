@@ -23,7 +23,7 @@ pub use floor::floor_corners;
 pub use mesh::Mesh;
 pub use movement::{Movement, MovementStop};
 pub use node_glyph::{GlyphRing, GlyphStroke, GlyphTone, NodeGlyph, node_glyph};
-pub use parts::{DrawnPart, PartCarrier, PartKind};
+pub use parts::{DrawnPart, PartCarrier, PartKind, fence_walls, pedestal};
 pub use regions::DrawnRegion;
 
 use crate::assess::Assessment;

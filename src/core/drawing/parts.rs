@@ -67,7 +67,7 @@ const WALL: f64 = 0.01;
 pub fn parts(a: &Assessment<'_>) -> Vec<DrawnPart> {
     let cell = a.cell;
     let mut parts = robot(cell);
-    parts.extend(pedestal(cell, a.layout.base.z));
+    parts.extend(drawn_pedestal(cell, a.layout.base.z));
     for (k, operation) in cell.operations.iter().enumerate() {
         parts.extend(operation.held.solids.iter().map(|solid| DrawnPart {
             name: solid.name.clone(),
@@ -83,7 +83,9 @@ pub fn parts(a: &Assessment<'_>) -> Vec<DrawnPart> {
         let floor = cell.floor - at.z;
         parts.extend(stand(equipment, k, at.pose(), floor));
     }
-    parts.extend(fence(cell));
+    parts.extend(fence_walls(cell).into_iter().enumerate().map(|(k, (pose, size))| {
+        fixed(&format!("fence {}", k + 1), PartKind::Fence, &Shape::Box { pose, size })
+    }));
     parts.extend(cell.keep_out.iter().map(|space| {
         let pose = Pose { translation: (space.min + space.max) / 2.0, ..Pose::IDENTITY };
         fixed(&space.name, PartKind::KeepOut, &Shape::Box { pose, size: space.max - space.min })
@@ -117,12 +119,18 @@ fn robot(cell: &Cell) -> Vec<DrawnPart> {
     parts
 }
 
-/// Returns the pedestal of a robot base at height `z` in the world.
-fn pedestal(cell: &Cell, z: f64) -> Option<DrawnPart> {
+/// Returns the pedestal of a robot base at height `z` in the world: pose of its centre in the base frame, and full
+/// edges, m. None if the base stands on the floor or hangs.
+pub fn pedestal(cell: &Cell, z: f64) -> Option<(Pose, Vector3<f64>)> {
     let (section, height) = cell.pedestal(z)?;
     let (centre, size) = (section.centre, section.size);
     let pose = Pose { translation: Vector3::new(centre.0, centre.1, -height / 2.0), ..Pose::IDENTITY };
-    let shape = Shape::Box { pose, size: Vector3::new(size.0, size.1, height) };
+    Some((pose, Vector3::new(size.0, size.1, height)))
+}
+
+fn drawn_pedestal(cell: &Cell, z: f64) -> Option<DrawnPart> {
+    let (pose, size) = pedestal(cell, z)?;
+    let shape = Shape::Box { pose, size };
     Some(DrawnPart {
         name: "pedestal".into(),
         owner: cell.robot.name.clone(),
@@ -176,17 +184,17 @@ fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Dra
     equipment.solids.iter().map(part).collect()
 }
 
-/// Returns the walls of a fence. If the fence has no height, its walls are drawn 10 mm high.
-fn fence(cell: &Cell) -> Vec<DrawnPart> {
+/// Returns the walls of the fence as boxes: pose of the centre in the world and full edges, m.
+///
+/// A wall is 10 mm thick; if the fence has no height, it is also 10 mm high.
+pub fn fence_walls(cell: &Cell) -> Vec<(Pose, Vector3<f64>)> {
     let Some(Fence { corners, height }) = &cell.fence else { return Vec::new() };
     let height = height.unwrap_or(WALL);
     let wall = |k: usize| {
         let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
         let (x, y) = (b.0 - a.0, b.1 - a.1);
         let middle = Vector3::new((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0, cell.floor + height / 2.0);
-        let pose = Pose::from_translation_yaw(middle, y.atan2(x));
-        let size = Vector3::new(x.hypot(y), WALL, height);
-        fixed(&format!("fence {}", k + 1), PartKind::Fence, &Shape::Box { pose, size })
+        (Pose::from_translation_yaw(middle, y.atan2(x)), Vector3::new(x.hypot(y), WALL, height))
     };
     (0..corners.len()).map(wall).collect()
 }

@@ -1,4 +1,4 @@
-//! Triangle meshes of equipment and links: readers of mesh files, and a check whether a mesh bounds a solid.
+//! Triangle meshes of equipment and links: readers of mesh files, a writer of STL, and a check whether a mesh bounds a solid.
 
 mod obj;
 mod solidity;
@@ -6,6 +6,7 @@ mod stl;
 mod triangles;
 
 pub use solidity::{Solidity, solidity};
+pub use stl::to_stl;
 pub use triangles::{MeshFault, Triangles, Vertices};
 
 /// Returns the vertices (in m, duplicates merged) and the triangles of a Wavefront OBJ file.

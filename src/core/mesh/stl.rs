@@ -37,6 +37,22 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
     ))
 }
 
+/// Returns a binary STL file of triangles, with coordinates in the unit of the vertices and in single precision.
+///
+/// # Errors
+/// Fails if the STL writer fails, which is not expected because it writes to memory.
+pub fn to_stl(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<u8>, String> {
+    let single = |v: Vector3<f64>| stl_io::Vector::new(v.cast::<f32>().into());
+    let facet = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| vertices[i as usize]);
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+        stl_io::Triangle { normal: single(normal), vertices: [a, b, c].map(single) }
+    };
+    let mut bytes = Vec::new();
+    stl_io::write_stl(&mut bytes, triangles.iter().map(facet)).map_err(|e| e.to_string())?;
+    Ok(bytes)
+}
+
 /// Returns the bytes of a binary file with a blank title, so the STL reader cannot mistake them for text.
 fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
     if bytes.len() > HEADER + TRIANGLE * MAX_TRIANGLES {

@@ -4,9 +4,16 @@ use super::errors::errors_of_equipment;
 use super::key::*;
 use super::parts::*;
 use super::solid::{equipment_solid, rectangle};
+use crate::files::dxf::DrawingUnit;
+use serde_json::{Value, json};
 
 /// Keys that define the floor space; a piece of equipment needs at least one of them.
 pub const BODY: [&str; 3] = ["footprint", "solid", "surface"];
+
+/// Keys that define an obstacle; it needs at least one of them.
+pub const OBSTACLE_BODY: [&str; 4] = ["footprint", "solid", "surface", "plan"];
+
+words!(DrawingUnit);
 
 key_table! {
     /// Keys that equipment and obstacles have in common.
@@ -20,7 +27,7 @@ key_table! {
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height if there are no solids; if left out, the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, MANY), "solids"), "Solids, in the frame of the equipment.");
     }
-    rules [Rule::AnyOf(&BODY), Rule::Needs("schema", "units")];
+    rules [Rule::Needs("schema", "units")];
 }
 
 key_table! {
@@ -31,6 +38,7 @@ key_table! {
         ERRORS = table("errors", &errors_of_equipment::TABLE, "Errors of the placement or the fixture, in the frame of the equipment.");
     }
     extends super::body::TABLE;
+    rules [Rule::AnyOf(&BODY)];
 }
 
 key_table! {
@@ -43,10 +51,26 @@ key_table! {
 }
 
 key_table! {
+    plan, "a floor plan", "Closed outlines of a drawing, each an obstacle of one height.", {
+        FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, dxf), "DXF drawing (ASCII), with its path relative to the folder of this file.").required().example("\"hall.dxf\"").remedy("add file = \"NAME.dxf\"");
+        LAYERS = Key::new("layers", ValueKind::List(&ValueKind::Text, (1, MANY), "layers"), "Layers of the drawing whose closed outlines are obstacles.").required().example("[\"COLUMNS\", \"MACHINES\"]");
+        HEIGHT = number("height_mm", NumberRange::Positive, "Height of the obstacles above the placement.").required().example("3000");
+        UNITS = word::<DrawingUnit>("units", "Length of one unit of the drawing; needed if the header of the drawing does not state it.").example("\"mm\"");
+        TOLERANCE = number("tolerance_mm", NumberRange::Positive, "Largest distance of the straight lines that replace an arc, on its outer side.").default(Literal::Number(1.0));
+    }
+}
+
+fn dxf() -> Value {
+    json!({ "allOf": [{ "pattern": "\\.[dD][xX][fF]$" }] })
+}
+
+key_table! {
     obstacle, "an obstacle", "Obstacle: fixed in the world, with no work done on it.", {
-        PLACEMENT = table("placement", &fixed_placement::TABLE, "Placement in the world.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
+        PLACEMENT = table("placement", &fixed_placement::TABLE, "Placement in the world; for a floor plan, the placement of the origin of the drawing.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
+        PLAN = table("plan", &plan::TABLE, "Floor plan whose closed outlines are obstacles; each convex part of an outline is one obstacle.").example("{ file = \"hall.dxf\", layers = [\"COLUMNS\"], height_mm = 3000 }");
     }
     extends super::body::TABLE;
+    rules [Rule::AnyOf(&OBSTACLE_BODY), Rule::Excludes("plan", &BODY)];
     refused [
         Refused { name: "errors", message: "an obstacle has no `errors`", remedy: "make the obstacle an [equipment.NAME] if work is done on it, or remove the errors" },
         Refused { name: "stands_on", message: "an obstacle stands still: it has no `stands_on`", remedy: "make the obstacle an [equipment.NAME], or give its placement in the world" },

@@ -83,7 +83,7 @@ key_table! {
 
 key_table! {
     mesh, "a mesh", "Triangles of a mesh file.", {
-        CENTRE = vector("centre_mm", "Position of the origin of the mesh.").required();
+        CENTRE = vector("centre_mm", "Position of the origin of the mesh.").default(Literal::Zeros(3));
         RPY = super::RPY;
         UNITS = word::<MeshUnit>("units", "Length of one unit of the mesh file.").required();
         FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, obj_or_stl), "STL or OBJ file, with its path relative to the folder of this file.").required().example("\"machine.stl\"").remedy("add file = \"NAME.stl\" or \"NAME.obj\"");

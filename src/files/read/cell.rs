@@ -1,12 +1,12 @@
 //! Reader of cell files: robot, equipment, obstacles, operations, search settings.
 
 use super::header::header;
-use super::{constraints, equipment, operation, placement, robot, sense, solid};
+use super::{constraints, equipment, operation, placement, plan, robot, sense, solid};
 use crate::cell::*;
 use crate::files::fault::{did_you_mean, listed, shown};
 use crate::files::keys::cell::{cell, search};
 use crate::files::keys::constraints::margins;
-use crate::files::keys::equipment::equipment as equipment_keys;
+use crate::files::keys::equipment::{equipment as equipment_keys, obstacle};
 use crate::files::keys::key::Key;
 use crate::files::keys::robot::robot_in_cell;
 use crate::files::toml::document::Library;
@@ -194,13 +194,20 @@ fn read_error_choice(t: &mut Table) -> Option<usize> {
 fn read_equipment(t: &mut Table) -> Vec<Equipment> {
     let taken = t.get(&cell::EQUIPMENT);
     let mut all = t.named(&cell::EQUIPMENT, |name, t| equipment::read(name, t, Role::Equipment));
+    let mut drawn = Vec::new();
     all.extend(t.named(&cell::OBSTACLE, |name, t| {
         if taken.is_some_and(|taken| taken.value.get(name).is_some()) {
             let message = format!("the name `{}` is already used by a piece of equipment", shown(name));
             t.error(t.at, message, "give the obstacle a name of its own");
         }
+        if t.get(&obstacle::PLAN).is_some() {
+            drawn.extend(plan::read(name, t)?);
+            return None;
+        }
         equipment::read(name, t, Role::Obstacle)
     }));
+    // The bodies of plans come last, so that the others keep the order of the file.
+    all.extend(drawn);
     all
 }
 

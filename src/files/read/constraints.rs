@@ -5,6 +5,7 @@ use crate::files::fault::shown;
 use crate::files::keys::cell::cell;
 use crate::files::keys::constraints::{fence, margins, transfer};
 use crate::files::keys::key::NumberRange;
+use crate::files::polygon::crossing_edges;
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Node;
 use crate::files::toml::value;
@@ -126,10 +127,7 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
         );
         return None;
     }
-    let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
-    if let Some((i, j)) =
-        pairs.into_iter().find(|&(i, j)| cross(edge(i), edge(j), j == i + 1, j + 1 == n && i == 0))
-    {
+    if let Some((i, j)) = crossing_edges(&corners) {
         let message = format!("the fence crosses itself: its edges {} and {}", i + 1, j + 1);
         t.error(items[j].at, message, "list the corners in their order along the fence");
         return None;
@@ -144,23 +142,3 @@ fn read_corners(node: &Node, t: &mut Table) -> Option<Vec<(f64, f64)>> {
     }
     Some(corners)
 }
-
-/// Returns whether two edges share a point other than a common corner.
-///
-/// `follows` means that `b` begins at the end of `a`; `leads` means that `b` ends at the start of `a`.
-fn cross(a: Edge, b: Edge, follows: bool, leads: bool) -> bool {
-    let (u, v) = (a.1 - a.0, b.1 - b.0);
-    if follows || leads {
-        // Neighbouring edges meet again only if one runs back over the other.
-        let back = if follows { u.dot(&v) } else { v.dot(&u) };
-        let flat = u.perp(&v).abs() <= 1e-12 * u.norm() * v.norm();
-        return flat && back < 0.0;
-    }
-    let side = |e: Edge, p: Vector2<f64>| (e.1 - e.0).perp(&(p - e.0));
-    let between = |e: Edge, p: Vector2<f64>| side(e, p) == 0.0 && (p - e.0).dot(&(p - e.1)) <= 0.0;
-    let apart = |e: Edge, f: Edge| side(e, f.0) * side(e, f.1) >= 0.0;
-    let proper = !apart(a, b) && !apart(b, a);
-    proper || between(a, b.0) || between(a, b.1) || between(b, a.0) || between(b, a.1)
-}
-
-type Edge = (Vector2<f64>, Vector2<f64>);

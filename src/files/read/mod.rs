@@ -18,6 +18,7 @@ pub mod operation;
 mod periodic;
 pub mod place;
 pub mod placement;
+mod plan;
 pub mod plausible;
 pub mod question;
 pub mod robot;

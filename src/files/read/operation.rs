@@ -4,6 +4,7 @@ use super::{attitude, place, teach, tool};
 use crate::cell::*;
 use crate::files::fault::{did_you_mean, listed, shown};
 use crate::files::keys::cell::cell;
+use crate::files::keys::equipment::obstacle;
 use crate::files::keys::operation::operation;
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{Entry, Node, Value};
@@ -26,7 +27,12 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
     let around = References {
         complete,
         equipment,
-        entries: standing.into_iter().flatten().flat_map(|node| node.value.entries()).collect(),
+        entries: standing
+            .into_iter()
+            .flatten()
+            .flat_map(|node| node.value.entries())
+            .filter(has_own_body)
+            .collect(),
         senses: senses.iter().map(|sense| (sense.name.as_str(), sense)).collect(),
         sense_names: names(named),
         sense_entries: entries_of(named),
@@ -44,12 +50,17 @@ struct References<'c> {
     equipment: &'c [Equipment],
     /// Senses that could be read, by name.
     senses: HashMap<&'c str, &'c Sense>,
-    /// Entries of equipment and obstacles, equipment first.
+    /// Entries of equipment and obstacles, equipment first, in the order of the equipment; without floor plans.
     entries: Vec<&'c Entry>,
     sense_names: Places<'c>,
     sense_entries: &'c [Entry],
     operation_names: Places<'c>,
     operations: &'c [Entry],
+}
+
+/// Returns whether an entry is one obstacle or piece of equipment, and not the plan of several obstacles.
+fn has_own_body((_, _, node): &&Entry) -> bool {
+    node.value.get(obstacle::PLAN.name).is_none()
 }
 
 /// Indices of entries by their names.

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 
 /// Formats of this build.
 const FORMATS: &[&str] = if cfg!(feature = "parquet") {
-    &["dxf", "glb", "svg", "csv", "json", "parquet"]
+    &["dxf", "glb", "svg", "csv", "json", "krl", "rapid", "urscript", "fanuc", "urdf", "moveit", "parquet"]
 } else {
-    &["dxf", "glb", "svg", "csv", "json"]
+    &["dxf", "glb", "svg", "csv", "json", "krl", "rapid", "urscript", "fanuc", "urdf", "moveit"]
 };
 
 /// Name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML string. The reader
@@ -323,11 +323,19 @@ fn the_exported_parquet_table_equals_the_csv_of_map() {
 #[test]
 fn one_layout_exports_to_the_same_bytes() {
     let shop = Sandbox::new();
+    for folder in ["a", "b"] {
+        std::fs::create_dir(shop.path(folder)).unwrap();
+    }
     for format in FORMATS.iter().copied() {
-        for name in ["a", "b"] {
-            shop.done(&["export", PAPER, "--to", format, "-o", &format!("{name}.{format}")]);
+        // A module of KRL or RAPID is named after its file.
+        for folder in ["a", "b"] {
+            shop.done(&["export", PAPER, "--to", format, "-o", &format!("{folder}/cell.{format}")]);
         }
-        assert_eq!(shop.read(&format!("a.{format}")), shop.read(&format!("b.{format}")), "{format}");
+        assert_eq!(
+            shop.read(&format!("a/cell.{format}")),
+            shop.read(&format!("b/cell.{format}")),
+            "{format}"
+        );
     }
 }
 
@@ -422,4 +430,44 @@ fn an_output_name_of_another_format_is_refused() {
     let ran = shop.run(&["export", "cells/hitachi_paper.toml", "--to", "png", "-o", "a.dxf"]);
     assert_eq!(ran.code, Some(2), "{}", ran.err);
     assert!(ran.err.contains(".png") && !shop.path("a.dxf").exists(), "{}", ran.err);
+}
+
+#[test]
+fn frames_for_controllers_are_those_of_the_layout() {
+    let shop = Sandbox::new();
+    let map = shop.json(&["map", CELL]);
+    let table = &map["layout"]["worktable"];
+    for (format, file) in [("krl", "hitachi_cell.dat"), ("rapid", "hitachi_cell.mod")] {
+        shop.done(&["export", CELL, "--to", format]);
+        let text = shop.text(file);
+        let line = text.lines().find(|l| l.contains("_worktable")).unwrap();
+        for key in ["x_mm", "y_mm", "z_mm"] {
+            let value = format!("{:.4}", number(&table[key]));
+            assert!(line.contains(&value), "{key} {value} is not in {line}");
+        }
+    }
+    // The base of a robot on a pedestal is not the world, and the spot is the TCP in its work object.
+    shop.done(&["export", "cells/ur_cell.toml", "--to", "urscript"]);
+    let map = shop.json(&["map", "cells/ur_cell.toml"]);
+    let script = shop.text("ur_cell.script");
+    let pose = |name: &str| {
+        let line = script.lines().find(|l| l.starts_with(&format!("global {name} = p["))).unwrap();
+        let inside = line.split_once("p[").unwrap().1.trim_end_matches(']').to_string();
+        inside.split(", ").map(|v| v.parse().unwrap()).collect::<Vec<f64>>()
+    };
+    let operation = &map["operations"][0];
+    let on = text(&operation["equipment"]);
+    let spot = pose(&format!("spot_{}", text(&operation["name"])));
+    let at = &map["layout"][on];
+    let yaw = number(&at["yaw_deg"]).to_radians();
+    let world = [
+        number(&at["x_mm"]) / 1e3 + yaw.cos() * spot[0] - yaw.sin() * spot[1],
+        number(&at["y_mm"]) / 1e3 + yaw.sin() * spot[0] + yaw.cos() * spot[1],
+        number(&at["z_mm"]) / 1e3 + spot[2],
+    ];
+    let expected: Vec<f64> = numbers_of(&operation["best"]["position_mm"]).iter().map(|v| v / 1e3).collect();
+    assert!(near(&world, &expected, 1e-6), "{world:?} {expected:?}");
+    // The tool points down: the z axis of the TCP is turned by half a turn.
+    let turn = spot[3..].iter().map(|v| v * v).sum::<f64>().sqrt();
+    assert!((turn - std::f64::consts::PI).abs() < 1e-6, "{turn}");
 }

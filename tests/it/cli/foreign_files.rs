@@ -29,9 +29,14 @@ fn files() -> Vec<(&'static str, Vec<u8>, &'static str, &'static str)> {
             "plan.dxf",
             text("  0\nSECTION\n  2\nHEADER\n  0\nENDSEC\n  0\nEOF\n"),
             "a DXF drawing",
-            "STL or OBJ",
+            "plan = { file",
         ),
-        ("part.step", text("ISO-10303-21;\nHEADER;\n"), "a STEP model", "STL or OBJ"),
+        (
+            "part.step",
+            text("ISO-10303-21;\nHEADER;\n"),
+            "a STEP model",
+            "gmsh cells/part.step -2 -format stl -o cells/part.stl",
+        ),
         ("map.json", text("{\n  \"schema\": 1\n}\n"), "a JSON file", "sweetspot report FOLDER"),
         (
             "arm.yaml",

@@ -28,6 +28,7 @@ mod readings;
 mod report;
 mod robots;
 mod robust;
+mod ros;
 pub mod sandbox;
 mod schema;
 mod shared_sweep;

@@ -25,7 +25,7 @@ const NUMERIC: [(&str, &[&str]); 18] = [
 ];
 
 /// Placeholders of options whose values are no numbers.
-const OTHERS: [&str; 23] = [
+const OTHERS: [&str; 24] = [
     "CELL",
     "DIR",
     "ENGINE",
@@ -49,6 +49,7 @@ const OTHERS: [&str; 23] = [
     "SENSE",
     "SOLVER",
     "OPERATION",
+    "URI",
 ];
 
 const HOSTILE: [&str; 8] = ["nan", "inf", "-inf", "1e308", "-1e308", "1e-320", "-0", "ten"];

@@ -186,6 +186,11 @@ fn obj_meshes() {
 }
 
 #[test]
+fn floor_plans() {
+    fuzz(targets::dxf, 3_000);
+}
+
+#[test]
 fn checkpoints() {
     fuzz(targets::checkpoint, 9_000);
 }

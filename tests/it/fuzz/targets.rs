@@ -2,11 +2,14 @@
 
 use super::corpus::{OBJ, STL, files, keys_and_words, named_files, seed, words, words_of_json};
 use crate::cli::sandbox::sha256;
+use crate::common::root;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::collections::BTreeSet;
 use sweetspot::cell::Cell;
 use sweetspot::cli;
 use sweetspot::files as cell_files;
+use sweetspot::files::dxf::{PlanDrawing, bodies, outlines, text_of};
 use sweetspot::files::measured;
 use sweetspot::files::stated::{self, StatedCalibration};
 use sweetspot::files::{Choices, Fault, Setting};
@@ -230,6 +233,39 @@ pub fn obj() -> Target {
         }
     };
     Target { name: "obj", seeds: vec![OBJ.into(), rich.into()], words: words(&list), parse: Box::new(parse) }
+}
+
+pub fn dxf() -> Target {
+    let hall = std::fs::read(root().join("cells/equipment/hall.dxf")).unwrap();
+    // The entities come last; the tables before them hold only layers.
+    let start = hall.windows(6).position(|w| w == b"BLOCKS").unwrap() - 12;
+    let small = [&b"0\nSECTION\n"[..], &hall[start..]].concat();
+    let list = [
+        "0",
+        "10",
+        "20",
+        "42",
+        "70",
+        "8",
+        "LWPOLYLINE",
+        "INSERT",
+        "BLOCK",
+        "COLUMN",
+        "ENDBLK",
+        "1e9",
+        "-1",
+        "nan",
+    ];
+    let layers = BTreeSet::from(["WALLS", "COLUMNS", "MACHINES"].map(String::from));
+    let parse = move |input: &[u8]| {
+        let drawing = PlanDrawing::read(&text_of(input)).map_err(|fault| fault.message)?;
+        let found = outlines(&drawing, &layers, 1e-3, 1e-3);
+        match found.errors.into_iter().next() {
+            Some(fault) => Err(fault.message),
+            None => bodies(&found.found, 3.0).map(|_| ()).map_err(|fault| fault.message),
+        }
+    };
+    Target { name: "dxf", seeds: vec![small], words: words(&list), parse: Box::new(parse) }
 }
 
 /// Returns the text of a sealed document: the hash of its last line is that of the text before it.

@@ -1,6 +1,7 @@
 //! Tests the formats of a report, each by itself.
 
 mod colours;
+mod controller;
 mod dxf;
 mod page;
 mod raster;

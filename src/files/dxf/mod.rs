@@ -1,0 +1,44 @@
+//! Reader of floor plans: closed outlines on named layers of a DXF drawing (ASCII), as bodies of a height.
+//!
+//! The reader takes LWPOLYLINE, POLYLINE, CIRCLE, LINE and ARC, in blocks and in the model space. Open lines whose ends
+//! meet form outlines, too. Other entities on the named layers are reported. The group codes are those of Autodesk's
+//! DXF reference. The source of every limit is in the file that applies it.
+
+mod bodies;
+mod chords;
+mod convex;
+mod drawing;
+mod entities;
+mod expand;
+mod joined;
+mod outlines;
+mod pairs;
+mod unit;
+
+pub use bodies::{PlanBody, bodies};
+pub use drawing::PlanDrawing;
+pub use outlines::{FloorOutline, OutlineShape, outlines};
+pub use unit::DrawingUnit;
+
+/// Fault or warning of a drawing, with its line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DxfFault {
+    /// Line of the file, counted from 0.
+    pub line: usize,
+    pub message: String,
+    pub help: String,
+}
+
+impl DxfFault {
+    fn new(line: usize, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { line, message: message.into(), help: help.into() }
+    }
+}
+
+/// Returns the text of a drawing: UTF-8, or the Latin alphabet of older drawings (ISO 8859-1).
+pub fn text_of(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_string(),
+        Err(_) => bytes.iter().map(|b| char::from(*b)).collect(),
+    }
+}

@@ -1,0 +1,38 @@
+//! Identifiers for programs that take neither blanks nor letters beyond ASCII.
+
+use std::collections::HashSet;
+
+/// Identifiers given so far; no two are equal, even without regard to case.
+pub struct Identifiers {
+    longest: usize,
+    given: HashSet<String>,
+}
+
+impl Identifiers {
+    /// Returns an empty set of identifiers with at most `longest` characters.
+    pub fn new(longest: usize) -> Self {
+        Self { longest, given: HashSet::new() }
+    }
+
+    /// Returns the identifier of a name: `prefix`, then the letters and digits of the name, with `_` for all others.
+    ///
+    /// The prefix must begin with a letter. A number at the end distinguishes equal identifiers.
+    pub fn give(&mut self, prefix: &str, name: &str) -> String {
+        let plain = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
+        let whole: String = prefix.chars().chain(plain).collect();
+        let numbered = |k: usize| {
+            let end = if k == 1 { String::new() } else { format!("_{k}") };
+            let start = whole.len().min(self.longest - end.len());
+            format!("{}{end}", &whole[..start])
+        };
+        let free = (1..).map(numbered).find(|word| !self.given.contains(&word.to_lowercase()));
+        let word = free.unwrap_or(whole);
+        self.given.insert(word.to_lowercase());
+        word
+    }
+}
+
+/// Returns a text for a comment in ASCII; any other character becomes `?`.
+pub fn ascii(text: &str) -> String {
+    text.chars().map(|c| if (' '..='~').contains(&c) { c } else { '?' }).collect()
+}

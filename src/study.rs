@@ -1,0 +1,282 @@
+//! Stable entry to the library: load a cell, set keys, evaluate and search.
+//!
+//! A [`Study`] is a cell file with everything that it refers to, and keys set as `--set` sets them. It never changes:
+//! [`Study::set`] makes another study. Results are the documents that the commands print with `--json`.
+
+use crate::assess::{Assessment, Comparison};
+use crate::cell::{Cell, Layout, Unit};
+use crate::cli::front_end::{FileSnapshot, PackageFolders, read_cell_with, remember};
+use crate::files::{Fault, Loaded, Setting, of_setting, shown, toml_string};
+use crate::layout::Workcell;
+use crate::proof::{ProofOptions, prove};
+use crate::record::{ByName, PlacementEntry, SearchResult, SpotEntry, nine_digits, placements};
+use crate::report;
+use crate::search::{Progress, SearchJob, Watch, search_job};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Cell with its files and settings, valid by construction.
+#[derive(Clone)]
+pub struct Study {
+    origin: Arc<StudyOrigin>,
+    settings: Vec<Setting>,
+    loaded: Arc<Loaded>,
+}
+
+/// Files of a study: path of the cell file, folders of ROS packages, and the bytes of all files read so far.
+struct StudyOrigin {
+    path: PathBuf,
+    packages: PackageFolders,
+    files: FileSnapshot,
+}
+
+/// Reason why a study gives no result.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StudyError {
+    /// Faults of the files or settings, each with its place and a remedy.
+    Faults(Vec<Fault>),
+    /// The robot cannot do what the cell asks, or a result cannot be computed; the text says why.
+    Unsolved(String),
+}
+
+impl fmt::Display for StudyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Faults(faults) => {
+                let lines: Vec<String> = faults.iter().map(Fault::to_string).collect();
+                f.write_str(&lines.join("\n"))
+            }
+            Self::Unsolved(why) => f.write_str(why),
+        }
+    }
+}
+
+impl std::error::Error for StudyError {}
+
+/// Value of a key of a cell file: a number, a truth value, a text, a list, or anything in TOML.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyValue(String);
+
+impl StudyValue {
+    /// Returns a value written as TOML, such as `{ min = 0, max = 500 }`.
+    pub fn toml(text: impl Into<String>) -> Self {
+        Self(text.into())
+    }
+}
+
+impl From<f64> for StudyValue {
+    fn from(value: f64) -> Self {
+        Self(format!("{value:?}").to_lowercase())
+    }
+}
+
+impl From<i32> for StudyValue {
+    fn from(value: i32) -> Self {
+        Self(value.to_string())
+    }
+}
+
+impl From<bool> for StudyValue {
+    fn from(value: bool) -> Self {
+        Self(value.to_string())
+    }
+}
+
+impl From<&str> for StudyValue {
+    fn from(value: &str) -> Self {
+        Self(toml_string(value))
+    }
+}
+
+impl<T: Into<StudyValue>, const N: usize> From<[T; N]> for StudyValue {
+    fn from(values: [T; N]) -> Self {
+        let items: Vec<String> = values.into_iter().map(|value| value.into().0).collect();
+        Self(format!("[{}]", items.join(", ")))
+    }
+}
+
+/// Layout as drawn, evaluated: the objective, and every operation at its spot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvaluatedStudy {
+    /// Objective in `unit`; None if the layout is not feasible.
+    pub objective: Option<f64>,
+    pub unit: Unit,
+    /// Reasons why the layout is not feasible; empty if it is.
+    pub reasons: Vec<String>,
+    /// Placement of every piece of equipment, mm and degrees.
+    pub layout: ByName<PlacementEntry>,
+    pub operations: Vec<SpotEntry>,
+}
+
+/// Result of a search.
+pub struct SearchedStudy {
+    /// Document of `sweetspot search --json`: best layout, layout as drawn, lower bound.
+    pub result: SearchResult,
+    /// Study at the best layout; None if no layout is feasible.
+    pub best: Option<Study>,
+}
+
+impl Study {
+    /// Loads a cell file and everything that it refers to, which must be in its folder or below.
+    ///
+    /// # Errors
+    /// Fails with all faults of all files.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, StudyError> {
+        Self::load_with_packages(path, &[])
+    }
+
+    /// Loads a cell as [`Self::load`] does; `packages` are the folders of ROS packages by name.
+    ///
+    /// # Errors
+    /// Fails with all faults of all files.
+    pub fn load_with_packages(
+        path: impl AsRef<Path>,
+        packages: &[(String, PathBuf)],
+    ) -> Result<Self, StudyError> {
+        let packages = PackageFolders { folders: packages.to_vec() };
+        let path = path.as_ref().to_path_buf();
+        Self::read(Arc::new(StudyOrigin { path, packages, files: FileSnapshot::default() }), Vec::new())
+    }
+
+    /// Loads a cell from the text of a cell file that lies at `path`, where no file need exist.
+    ///
+    /// # Errors
+    /// Fails with all faults of all files.
+    pub fn from_text(text: impl Into<String>, path: impl AsRef<Path>) -> Result<Self, StudyError> {
+        let path = path.as_ref().to_path_buf();
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let files = FileSnapshot::with([(name, text.into().into_bytes())]);
+        Self::read(Arc::new(StudyOrigin { path, packages: PackageFolders::default(), files }), Vec::new())
+    }
+
+    fn read(origin: Arc<StudyOrigin>, settings: Vec<Setting>) -> Result<Self, StudyError> {
+        let loaded = read_cell_with(&origin.path, &origin.packages, &settings, &origin.files);
+        let loaded = Arc::new(loaded.map_err(StudyError::Faults)?);
+        Ok(Self { origin, settings, loaded })
+    }
+
+    /// Returns this study with another value of a key: a dotted path as in TOML, which `*` may extend to all
+    /// operations. Lengths are in mm, angles in degrees.
+    ///
+    /// # Errors
+    /// Fails with the faults of the setting, such as an unknown key.
+    pub fn set(&self, key: &str, value: impl Into<StudyValue>) -> Result<Self, StudyError> {
+        self.set_all([(key, value.into())])
+    }
+
+    /// Returns this study with several keys set at once, for values that are valid only together.
+    ///
+    /// # Errors
+    /// Fails with the faults of all settings.
+    pub fn set_all<'k>(
+        &self,
+        values: impl IntoIterator<Item = (&'k str, StudyValue)>,
+    ) -> Result<Self, StudyError> {
+        let added: Vec<Setting> = values.into_iter().map(|(key, value)| Setting::new(key, value.0)).collect();
+        let breaks = |s: &&Setting| s.words().contains(char::is_control);
+        if let Some(broken) = added.iter().find(breaks) {
+            let message = "it has a line break or another control character".to_string();
+            let fault = of_setting(&shown(&broken.words()), message, "write the value on one line");
+            return Err(StudyError::Faults(vec![fault]));
+        }
+        let mut settings = self.settings.clone();
+        settings.retain(|old| added.iter().all(|new| new.path != old.path));
+        settings.extend(added);
+        Self::read(self.origin.clone(), settings)
+    }
+
+    /// Returns the warnings of the files.
+    pub fn warnings(&self) -> &[Fault] {
+        &self.loaded.warnings
+    }
+
+    /// Returns the cell as read: plain data in m and rad. Its fields may change with any version.
+    pub fn cell(&self) -> &Cell {
+        &self.loaded.cell
+    }
+
+    /// Returns the cell prepared for evaluation, for the modules below this one.
+    ///
+    /// # Errors
+    /// Fails if the robot cannot do what the cell asks.
+    pub fn workcell(&self) -> Result<Workcell, StudyError> {
+        let made = Workcell::remembering(self.cell().clone(), &mut remember);
+        made.map_err(|why| {
+            let robot = shown(&self.cell().robot.name);
+            StudyError::Unsolved(format!("the robot `{robot}` cannot do this: {why}"))
+        })
+    }
+
+    /// Evaluates the layout as drawn.
+    ///
+    /// # Errors
+    /// Fails if the robot cannot do what the cell asks. A layout that is not feasible is no error.
+    pub fn evaluate(&self) -> Result<EvaluatedStudy, StudyError> {
+        let workcell = self.workcell()?;
+        let assessment = Assessment::new("as drawn", &workcell, workcell.cell.start());
+        Ok(EvaluatedStudy {
+            objective: assessment.objective().map(nine_digits),
+            unit: workcell.cell.unit(),
+            reasons: assessment.reasons(),
+            layout: placements(&workcell.cell, &assessment.layout),
+            operations: (0..assessment.maps.len()).map(|k| SpotEntry::new(&assessment, k)).collect(),
+        })
+    }
+
+    /// Searches for the best layout with the settings of the table `[search]`.
+    ///
+    /// # Errors
+    /// Fails if the robot cannot do what the cell asks.
+    pub fn search(&self) -> Result<SearchedStudy, StudyError> {
+        self.search_until(&AtomicBool::new(false), &|_| ())
+    }
+
+    /// Searches as [`Self::search`] does until `stop` becomes true, and reports the progress.
+    ///
+    /// # Errors
+    /// Fails if the robot cannot do what the cell asks.
+    pub fn search_until(
+        &self,
+        stop: &AtomicBool,
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> Result<SearchedStudy, StudyError> {
+        let workcell = self.workcell()?;
+        let proof = prove(&workcell, &ProofOptions::default(), stop);
+        let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
+        let record = search_job(&workcell, &workcell.cell.search, &Watch { progress, stop }, &job);
+        let compared = Comparison::of_search(&workcell, &record);
+        let result = SearchResult::of_comparison(&record, &proof, &compared)
+            .ok_or_else(|| StudyError::Unsolved("a search compares two layouts".into()))?;
+        let best = record.found().then(|| self.at(&record.best.layout)).transpose()?;
+        Ok(SearchedStudy { result, best })
+    }
+
+    /// Returns the text of a cell file that includes `from` and fixes the layout of this study.
+    pub fn layout_file(&self, from: &str) -> String {
+        report::toml::fixed(from, "Layout of a study", self.cell(), &self.cell().start())
+    }
+
+    /// Returns the study whose layout as drawn is `layout`. It reads the text that `sweetspot search` writes.
+    fn at(&self, layout: &Layout) -> Result<Self, StudyError> {
+        let mut files: Vec<(String, Vec<u8>)> =
+            self.loaded.sources.iter().map(|source| (source.path.clone(), source.bytes.clone())).collect();
+        let mut add = |name: &str, text: String| {
+            let mut name = name.to_string();
+            while files.iter().any(|(known, _)| known.eq_ignore_ascii_case(&name)) {
+                name.insert(0, '_');
+            }
+            files.push((name.clone(), text.into_bytes()));
+            name
+        };
+        let file = self.origin.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let lines: Vec<String> = self.settings.iter().map(Setting::line).collect();
+        let with_settings = format!("from = {}\n{}\n", toml_string(&file), lines.join("\n"));
+        let from = if lines.is_empty() { file } else { add(".with-settings.toml", with_settings) };
+        let name =
+            add("best.toml", report::toml::fixed(&from, "Best layout of a search", self.cell(), layout));
+        let (path, packages) = (self.origin.path.with_file_name(name), self.origin.packages.clone());
+        Self::read(Arc::new(StudyOrigin { path, packages, files: FileSnapshot::with(files) }), Vec::new())
+    }
+}
