@@ -1,7 +1,7 @@
 //! Search with several successive seeds: the islands are the combinations of a sweep over the seed, in the folder
 //! `islands` of the result. When none is missing, they are merged into the result of one search.
 
-use super::outcome::Outcome;
+use super::outcome::SearchOutcome;
 use super::session::{proven, stop_at_signals, threads};
 use crate::cli::arguments::SearchArguments;
 use crate::cli::commands::sweep::combination::CheckedSweep;
@@ -79,7 +79,7 @@ fn publish(
     // Every worker states the command of the worker that wrote the plan.
     let author = stored_plan(&sweep.folder)?;
     let run = RunDescription { command: author.command(), settings: author.island_flags.unwrap_or_default() };
-    let outcome = Outcome::new(workcell, &record, proof, IslandEntry::all(&workcell.cell, &islands));
+    let outcome = SearchOutcome::new(workcell, &record, proof, IslandEntry::all(&workcell.cell, &islands));
     let written = outcome.write(parent, &author.cell, sources, Some(run))?;
     outcome.tell(&written, clock.elapsed().as_secs_f64(), as_json)?;
     outcome.suggest_report(parent, as_json);

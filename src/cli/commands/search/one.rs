@@ -1,6 +1,6 @@
 //! Search with one seed, which can be stopped and resumed.
 
-use super::outcome::Outcome;
+use super::outcome::SearchOutcome;
 use super::session::{proven, stop_at_signals, threads};
 use crate::cli::Exit;
 use crate::cli::arguments::SearchArguments;
@@ -59,7 +59,7 @@ fn run(request: &SearchRequest, now: &SearchArguments, kept: Option<&StoppedSear
     let record = pool.install(|| run_search(&workcell, bound, now, &keeper, kept))?;
     let seconds = clock.elapsed().as_secs_f64();
     let stopped = matches!(record.ended, SearchEnd::Interrupted | SearchEnd::TimeLimit);
-    let outcome = Outcome::new(&workcell, &record, &proof, Vec::new());
+    let outcome = SearchOutcome::new(&workcell, &record, &proof, Vec::new());
     let (command, settings) = (request.command.clone(), request.settings.clone());
     let run = (!stopped).then_some(RunDescription { command, settings });
     let written = outcome.write(folder, file, &sources, run)?;

@@ -14,7 +14,7 @@ use crate::search::{SearchEnd, SearchRecord};
 use std::path::Path;
 
 /// Result of a search, with its assessment.
-pub struct Outcome<'a> {
+pub struct SearchOutcome<'a> {
     workcell: &'a Workcell,
     record: &'a SearchRecord,
     proof: &'a Proof,
@@ -22,7 +22,7 @@ pub struct Outcome<'a> {
     document: Option<SearchResult>,
 }
 
-impl<'a> Outcome<'a> {
+impl<'a> SearchOutcome<'a> {
     /// Assesses the result of a search, which was merged from `islands` unless this list is empty.
     pub fn new(
         workcell: &'a Workcell,
