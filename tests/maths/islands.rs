@@ -7,11 +7,11 @@ use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::search::{Island, IslandLayout, SearchEnd, SearchSpace, Watch, best_island, merged, search};
 
 fn workcell(settings: SearchSettings) -> Workcell {
-    Workcell::new(Cell { search: settings, ..shipped("hitachi_cell") }).unwrap()
+    Workcell::new(Cell { search: settings, ..shipped("hitachi_cell.toml") }).unwrap()
 }
 
 fn settings() -> SearchSettings {
-    SearchSettings { budget: 400, ..shipped("hitachi_cell").search }
+    SearchSettings { budget: 400, ..shipped("hitachi_cell.toml").search }
 }
 
 /// Returns an island whose layouts are given with invented costs and goals.
@@ -48,7 +48,7 @@ fn the_least_objective_wins_and_the_first_of_equals() {
 /// A stored island has every bit of its search, and merging it alone gives the search again.
 #[test]
 fn an_island_survives_its_file() {
-    let cell = buildable("hitachi_cell");
+    let cell = buildable("hitachi_cell.toml");
     let plain = SearchSettings { budget: 400, ..cell.search };
     let front = SearchSettings { pareto: Goals::of(&[Goal::Error, Goal::Clearance]).unwrap(), ..plain };
     for settings in [plain, SearchSettings { keep: 3, ..plain }, front] {
@@ -61,7 +61,8 @@ fn an_island_survives_its_file() {
         assert_eq!(read, island);
         let again = merged(&workcell, &[read], record.bound).unwrap();
         assert_eq!(again.best, record.best);
-        assert_eq!(again.alternatives, record.alternatives);
+        // A goal that the cell does not measure is no number, which equals nothing; its text does.
+        assert_eq!(format!("{:?}", again.alternatives), format!("{:?}", record.alternatives));
         assert_eq!((again.trace, again.least, again.ended), (record.trace, record.least, record.ended));
     }
 }
