@@ -13,6 +13,7 @@ mod first_cells;
 mod folder_lock;
 pub mod front_end;
 mod imported_robot;
+mod island_plan;
 mod json_text;
 mod library;
 mod loading;

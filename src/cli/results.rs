@@ -4,12 +4,10 @@ use super::arguments;
 use super::json_text::{pretty, sealed};
 use super::output::path_word;
 use super::packages::PackageFolders;
-use super::search_request::SearchRequest;
 use super::{Exit, loading, output, written_layout};
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Cell, Layout};
 use crate::files::{Setting, Source};
-use crate::proof::Proof;
 use crate::record::{HashedFile, ManifestDocument, MapDocument, ResolvedSettings, SearchResult};
 use crate::report;
 use crate::search::{Alternative, SearchRecord};
@@ -46,7 +44,7 @@ impl WrittenFolder {
             seed: Some(cell.search.seed),
             ..ManifestDocument::new(inputs, outputs)
         };
-        loading::write_whole(&self.folder.join("manifest.json"), &sealed(&manifest)?)?;
+        loading::write_changed(&self.folder.join("manifest.json"), &sealed(&manifest)?)?;
         self.names.push("manifest.json".into());
         Ok(self)
     }
@@ -58,15 +56,15 @@ impl WrittenFolder {
 
 /// Writes the files of a search.
 ///
-/// Writes no best.toml if no layout is feasible. Writes no manifest if `request` is None, as for an
-/// interrupted search.
+/// Writes no best.toml if no layout is feasible. Writes no manifest if `run` is None, as for an interrupted
+/// search.
 pub fn write_search(
     folder: &Path,
     cell_file: &Path,
     sources: &[Source],
-    (record, proof): (&SearchRecord, &Proof),
-    comparison: &Comparison<'_>,
-    request: Option<&SearchRequest>,
+    (record, comparison): (&SearchRecord, &Comparison<'_>),
+    document: &Option<SearchResult>,
+    run: Option<RunDescription>,
 ) -> Result<WrittenFolder, Exit> {
     let best = &comparison.columns[1];
     let cell = best.cell;
@@ -87,25 +85,21 @@ pub fn write_search(
         outputs.push((BEST.to_string(), fixed("Best layout", &best.layout, objective)));
         outputs.extend(alternatives(cell, record, fixed)?);
     }
-    let document = SearchResult::of_comparison(record, proof, comparison);
-    outputs.push(("search.json".into(), pretty(&document)?));
+    outputs.push(("search.json".into(), pretty(document)?));
     outputs.push(("map.csv".into(), csv(&MapDocument::new(best))?));
     outputs.push(("map.svg".into(), report::chart::error_map(best).into_bytes()));
     let written = write_outputs(folder, &outputs)?;
     check_layouts(folder, record, best)?;
-    match request {
-        Some(SearchRequest { command, settings, .. }) => {
-            let run = RunDescription { command: command.clone(), settings: settings.clone() };
-            written.sealed(cell, sources, run, &outputs)
-        }
+    match run {
+        Some(run) => written.sealed(cell, sources, run, &outputs),
         None => Ok(written),
     }
 }
 
 /// Description of a run: its command line, and the settings from its flags, which override the cell file.
 pub struct RunDescription {
-    command: Vec<String>,
-    settings: Vec<Setting>,
+    pub command: Vec<String>,
+    pub settings: Vec<Setting>,
 }
 
 impl RunDescription {
@@ -212,7 +206,8 @@ pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
 
 fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<WrittenFolder, Exit> {
     for (name, bytes) in outputs {
-        loading::write_whole(&folder.join(name.as_ref()), bytes)?;
+        // Several workers may write the same result of islands.
+        loading::write_changed(&folder.join(name.as_ref()), bytes)?;
     }
     let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();
     Ok(WrittenFolder { folder: folder.to_path_buf(), names })

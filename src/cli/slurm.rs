@@ -13,12 +13,23 @@ pub const SLURM: &str = "slurm";
 /// Name of the script of all jobs of a sweep.
 const SCRIPT: &str = "job.sh";
 
+/// Options of the array jobs of a sweep.
+#[derive(Clone, Copy)]
+pub struct ArrayOptions<'a> {
+    pub flags: &'a EngineFlags,
+    /// Time limit of a task in the notation of Slurm.
+    pub time: Option<&'a str>,
+    /// Seconds without a heartbeat after which a combination is taken over.
+    pub lease: u16,
+}
+
 /// Returns the script of all jobs of a sweep. Its argument is the list of an [`ArrayJob`].
-fn script(folder: &Path, flags: &EngineFlags, lease: u16) -> Result<String, Exit> {
+fn script(folder: &Path, options: ArrayOptions<'_>) -> Result<String, Exit> {
+    let ArrayOptions { flags, time, lease } = options;
     let cpus = flags.cpus;
     let mut options = vec!["--job-name=sweetspot".to_string(), format!("--cpus-per-task={cpus}")];
     options.extend(flags.partition.as_ref().map(|partition| format!("--partition={partition}")));
-    options.extend(flags.time.as_ref().map(|time| format!("--time={time}")));
+    options.extend(time.map(|time| format!("--time={time}")));
     let options: String = options.iter().map(|option| format!("#SBATCH {option}\n")).collect();
     let (program, folder) = (path_word(&absolute(std::env::current_exe())?), path_word(folder));
     Ok(format!(
@@ -30,11 +41,11 @@ fn script(folder: &Path, flags: &EngineFlags, lease: u16) -> Result<String, Exit
 }
 
 /// Writes the script of a sweep and returns it. With `anew` false, keeps a script that the user may have edited.
-pub fn write_script(folder: &Path, flags: &EngineFlags, lease: u16, anew: bool) -> Result<String, Exit> {
+pub fn write_script(folder: &Path, options: ArrayOptions<'_>, anew: bool) -> Result<String, Exit> {
     let folder = absolute(folder.canonicalize())?.join(SLURM);
     loading::make_folder(&folder)?;
     let path = folder.join(SCRIPT);
-    let script = script(folder.parent().unwrap_or(&folder), flags, lease)?;
+    let script = script(folder.parent().unwrap_or(&folder), options)?;
     match std::fs::read_to_string(&path) {
         Ok(kept) if !anew => {
             if kept != script {

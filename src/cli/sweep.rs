@@ -14,7 +14,7 @@ use super::results::{INPUTS, hashed, input_places};
 use super::{Exit, output};
 use crate::cell::Solver;
 use crate::files::{Choices, Fault, Loaded, Source, of_setting, shown};
-use crate::record::{SWEEP_PLAN_SCHEMA, SweepPlan, SweepRow};
+use crate::record::{SweepPlan, SweepRow};
 use std::path::Path;
 
 /// Largest number of combinations of one sweep.
@@ -25,33 +25,47 @@ const PLAN: &str = "plan.json";
 /// Returns the plan of the command line or, without a cell file, the plan stored in the folder. Also returns the
 /// files of the cell: a worker that joins a sweep reads them from the folder of the sweep.
 pub fn asked_plan(a: &SweepArguments) -> Result<(SweepPlan, FileSnapshot), Exit> {
-    let version = env!("CARGO_PKG_VERSION").to_string();
     let Some(cell) = &a.cell else {
         let folder = a.folder().unwrap_or(Path::new("."));
-        let plan = stored_plan(folder)?;
+        let plan = joined_plan(folder)?;
         if a.claim.is_some() {
             let kept = stored_inputs(folder, &plan)?;
-            return Ok((SweepPlan { version, sha256: None, ..plan }, kept));
+            return Ok((plan, kept));
         }
-        return Ok((SweepPlan { inputs: Vec::new(), version, ..plan }, FileSnapshot::default()));
+        return Ok((SweepPlan { inputs: Vec::new(), ..plan }, FileSnapshot::default()));
     };
     let sets = read_sets(&a.sets)?;
     let named = |name: &String| Solver::ALL.into_iter().find(|s| s.name() == name);
     let plan = SweepPlan {
-        schema: SWEEP_PLAN_SCHEMA.into(),
-        version,
-        cell: cell.clone(),
-        packages: a.packages.folders.clone(),
         search: !a.map,
         combinations: count(&sets)?,
         sets,
         seed: a.seed,
         budget: a.budget,
         solver: a.solver.as_ref().and_then(named),
-        inputs: Vec::new(),
-        sha256: None,
+        ..SweepPlan::of_cell(cell, &a.packages.folders)
     };
     Ok((plan, FileSnapshot::default()))
+}
+
+/// Reads the plan of a folder for this version of the program, which [`open`] compares with the stored one.
+pub fn joined_plan(folder: &Path) -> Result<SweepPlan, Exit> {
+    let version = env!("CARGO_PKG_VERSION").to_string();
+    Ok(SweepPlan { version, sha256: None, ..stored_plan(folder)? })
+}
+
+/// Returns the command that continues a sweep with the option `option`, which names its folder.
+pub fn continuing(plan: &SweepPlan, folder: &Path, option: &str) -> String {
+    let (command, folder) = match folder.parent() {
+        Some(parent) if plan.is_of_islands() => ("search", parent),
+        _ => ("sweep", folder),
+    };
+    format!("{command} {option} {}", path_word(folder))
+}
+
+/// Returns whether a folder has a plan.
+pub fn has_plan(folder: &Path) -> bool {
+    folder.join(PLAN).is_file()
 }
 
 /// Reads the plan of a folder, and refuses a folder without a plan.
@@ -72,7 +86,7 @@ pub fn stored_cell_name(plan: &SweepPlan) -> String {
 }
 
 /// Reads the inputs that the folder of a sweep holds, and refuses inputs that have changed.
-fn stored_inputs(folder: &Path, plan: &SweepPlan) -> Result<FileSnapshot, Exit> {
+pub fn stored_inputs(folder: &Path, plan: &SweepPlan) -> Result<FileSnapshot, Exit> {
     let places = input_places(plan.inputs.iter().map(|input| input.path.as_str()));
     let (mut files, mut is_whole) = (Vec::new(), true);
     for (place, input) in places.iter().zip(&plan.inputs) {
@@ -91,7 +105,10 @@ fn stored_inputs(folder: &Path, plan: &SweepPlan) -> Result<FileSnapshot, Exit> 
     if is_whole {
         return Ok(FileSnapshot::closed(files));
     }
-    output::talk("  help: start a worker with CELL and --set as well: it writes the inputs again");
+    let option = if plan.is_of_islands() { "--islands" } else { "--set" };
+    output::talk(&format!(
+        "  help: start a worker with CELL and {option} as well: it writes the inputs again"
+    ));
     Err(Exit::BadInput)
 }
 
@@ -128,7 +145,9 @@ fn changes(plan: &SweepPlan, old: &SweepPlan) -> Vec<String> {
     note(plan.version == old.version, &versions);
     note(plan.cell.file_name() == old.cell.file_name(), "the cell file");
     note(plan.search == old.search, "search or map");
-    note(plan.sets == old.sets, "the sets");
+    let sets = if plan.is_of_islands() { "the seeds of the islands" } else { "the sets" };
+    note(plan.sets == old.sets, sets);
+    note(plan.island_flags == old.island_flags, "the flags of the search");
     note((plan.seed, plan.budget) == (old.seed, old.budget), "seed or budget");
     note(plan.solver == old.solver, "the solver");
     let hash =
@@ -240,6 +259,11 @@ fn refuse_changes(plan: &SweepPlan, old: &SweepPlan, folder: &Path) -> Result<()
 /// Returns the stem of the file names of a combination.
 pub fn number(index: usize) -> String {
     format!("{index:04}")
+}
+
+/// Returns the name of the file with the result of an island.
+pub fn island_name(index: usize) -> String {
+    number(index) + ".island.json"
 }
 
 /// State of one combination in the folder of a sweep.

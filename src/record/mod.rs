@@ -101,7 +101,9 @@ pub use robot::{
     RobotEntry, RobotSheetDocument, RobotsDocument, SectionEntry, SectionOutline, SizeEntry, ToolSheet,
 };
 pub use schema::DocumentKind;
-pub use search::{AlternativeEntry, ProofEntry, ProvenOperation, SearchResult, SearchStatus, StartEntry};
+pub use search::{
+    AlternativeEntry, IslandEntry, ProofEntry, ProvenOperation, SearchResult, SearchStatus, StartEntry,
+};
 pub use settings::{ResolvedOperation, ResolvedSettings};
 pub use spot::{RequirementEntry, SpotEntry};
 pub use sweep::{

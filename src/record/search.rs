@@ -11,7 +11,7 @@ use super::words::{VALUE_WORDS, caveats, value_word};
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Cell, Goal, Model, Objective, Operation, Reading, Registration, Solver, Unit};
 use crate::proof::{Covers, OperationBound, Proof, WhyNot};
-use crate::search::{SearchEnd, SearchRecord};
+use crate::search::{Island, SearchEnd, SearchRecord, best_island};
 use crate::units::rounded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -59,8 +59,9 @@ pub struct SearchResult {
     pub notes: Vec<String>,
     pub objective: Objective,
     pub solver: Solver,
+    /// Seed of the random numbers; of several islands, the seed of the first one.
     pub seed: u64,
-    /// Largest number of layouts to evaluate.
+    /// Largest number of layouts to evaluate, or to evaluate on each island.
     pub budget: u64,
     /// Whether the worst case over the placement tolerances was minimized.
     pub robust: bool,
@@ -102,9 +103,29 @@ pub struct SearchResult {
     pub front: Option<Vec<AlternativeEntry>>,
     /// Improvements of the best layout: number of evaluations so far, and objective in `unit`.
     pub trace: Vec<(u64, f64)>,
+    /// Searches with successive seeds that were merged into this result. Present for `search --islands`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub islands: Option<Vec<IslandEntry>>,
     /// Duration of the search, s; left out in `search.json`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
+}
+
+/// Search with one of several seeds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IslandEntry {
+    pub seed: u64,
+    /// Whether the best layout is of this island: the one with the least objective, the first one among equals.
+    pub is_best: bool,
+    /// Least objective found, in `unit`; null if no layout is feasible and keeps every limit.
+    pub least_value: Option<f64>,
+    /// Number of layouts evaluated.
+    pub evaluations: u64,
+    /// Number of layouts evaluated that are feasible and keep every limit.
+    pub feasible: u64,
+    /// Reason why the search ended.
+    pub ended: SearchEnd,
 }
 
 /// Whether a search has found a feasible layout.
@@ -225,6 +246,7 @@ impl SearchResult {
             start: StartEntry::new(start),
             front: AlternativeEntry::all(cell, record),
             trace: record.trace.iter().map(|(n, e)| (*n, in_unit(cell.unit(), *e))).collect(),
+            islands: None,
             seconds: None,
         }
     }
@@ -239,6 +261,12 @@ impl SearchResult {
         Some(Self::new(record, proof, start, best, gain))
     }
 
+    /// Adds the islands from which the result was merged; an empty list stands for a plain search.
+    pub fn of_islands(mut self, islands: Vec<IslandEntry>) -> Self {
+        self.islands = Some(islands).filter(|islands| !islands.is_empty());
+        self
+    }
+
     /// Adds the duration of the search, s, rounded to milliseconds.
     pub fn timed(mut self, seconds: f64) -> Self {
         self.seconds = Some(rounded(seconds, 3));
@@ -249,6 +277,22 @@ impl SearchResult {
     pub fn others(&self) -> impl Iterator<Item = &AlternativeEntry> {
         let best = (&self.layout, &self.base, &self.attitudes);
         self.front.iter().flatten().filter(move |a| (&a.layout, &a.base, &a.attitudes) != best)
+    }
+}
+
+impl IslandEntry {
+    /// Makes one entry per island of a search of this cell.
+    pub fn all(cell: &Cell, islands: &[Island]) -> Vec<Self> {
+        let best = best_island(islands);
+        let entry = |(k, island): (usize, &Island)| Self {
+            seed: island.seed,
+            is_best: best == Some(k),
+            least_value: island.least.map(|least| in_unit(cell.unit(), least)),
+            evaluations: island.evaluations,
+            feasible: island.feasible,
+            ended: island.ended,
+        };
+        islands.iter().enumerate().map(entry).collect()
     }
 }
 

@@ -11,7 +11,7 @@ use crate::units::rounded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Name and version of the plan of a sweep.
 pub const SWEEP_PLAN_SCHEMA: &str = "sweetspot/sweep-plan/1";
@@ -33,6 +33,9 @@ pub struct SweepPlan {
     /// Whether a search runs for every combination; otherwise the layout as drawn is mapped.
     pub search: bool,
     pub sets: Vec<Choices>,
+    /// Flags of `search --islands`, which apply to every seed of `sets`. Absent in the plan of a sweep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub island_flags: Option<Vec<Setting>>,
     /// Seed of every combination; null means the seed of the cell.
     pub seed: Option<u64>,
     pub budget: Option<u64>,
@@ -63,10 +66,47 @@ pub fn combination(sets: &[Choices], index: usize) -> Vec<&str> {
 }
 
 impl SweepPlan {
+    /// Makes the plan of searching a cell once, by this version of the program.
+    pub fn of_cell(cell: &Path, packages: &[(String, PathBuf)]) -> Self {
+        Self {
+            schema: SWEEP_PLAN_SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            cell: cell.to_path_buf(),
+            packages: packages.to_vec(),
+            search: true,
+            sets: Vec::new(),
+            island_flags: None,
+            seed: None,
+            budget: None,
+            solver: None,
+            combinations: 1,
+            inputs: Vec::new(),
+            sha256: None,
+        }
+    }
+
     /// Returns the settings of a combination.
     pub fn settings(&self, index: usize) -> Vec<Setting> {
         let pairs = self.sets.iter().zip(combination(&self.sets, index));
-        pairs.map(|(set, value)| Setting::new(set.path.clone(), value)).collect()
+        let flags = self.island_flags.iter().flatten();
+        let others = flags.filter(|flag| self.sets.iter().all(|set| set.path != flag.path)).cloned();
+        pairs.map(|(set, value)| Setting::new(set.path.clone(), value)).chain(others).collect()
+    }
+
+    /// Returns the command line that makes the islands of a search and merges them.
+    pub fn command(&self) -> Vec<String> {
+        let packages = self.packages.iter().map(|(name, folder)| format!("{name}={}", folder.display()));
+        let packages = packages.flat_map(|package| ["--package".to_string(), package]);
+        let flags = self.island_flags.iter().flatten().filter_map(|setting| setting.flag.as_ref());
+        let flags = flags.flat_map(|flag| flag.splitn(2, ' ').map(String::from));
+        let cell = ["search".to_string(), self.cell.to_string_lossy().into_owned()];
+        let islands = ["--islands".to_string(), self.combinations.to_string()];
+        cell.into_iter().chain(packages).chain(flags).chain(islands).collect()
+    }
+
+    /// Returns whether the combinations are the islands of one search.
+    pub fn is_of_islands(&self) -> bool {
+        self.island_flags.is_some()
     }
 }
 

@@ -24,6 +24,7 @@ mod families;
 mod front;
 mod heights;
 mod hypotheses;
+mod islands;
 mod kinematics;
 mod layout;
 mod library;

@@ -881,6 +881,22 @@ class IdentifiedParameter(Record):
     """Whether the data reduce the standard deviation to less than half."""
 
 
+class IslandEntry(Record):
+    """Search with one of several seeds."""
+
+    seed: int
+    is_best: bool
+    """Whether the best layout is of this island: the one with the least objective, the first one among equals."""
+    least_value: Optional[float]
+    """Least objective found, in `unit`; null if no layout is feasible and keeps every limit."""
+    evaluations: int
+    """Number of layouts evaluated."""
+    feasible: int
+    """Number of layouts evaluated that are feasible and keep every limit."""
+    ended: Literal['done', 'gap', 'stagnation', 'interrupted', 'time-limit', 'diverged', 'nothing-to-search']
+    """Reason why the search ended."""
+
+
 class JointEntry(Record):
     """One joint of the robot."""
 
@@ -1969,8 +1985,9 @@ class SearchResult(Record):
     objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
     solver: Literal['cma-es', 'particle-swarm', 'simulated-annealing']
     seed: int
+    """Seed of the random numbers; of several islands, the seed of the first one."""
     budget: int
-    """Largest number of layouts to evaluate."""
+    """Largest number of layouts to evaluate, or to evaluate on each island."""
     robust: bool
     """Whether the worst case over the placement tolerances was minimized."""
     pareto: Optional[List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'cost']]]
@@ -2012,6 +2029,8 @@ class SearchResult(Record):
     """Pareto front or shortlist of layouts; null if the search was not asked to keep layouts."""
     trace: List[List[float]]
     """Improvements of the best layout: number of evaluations so far, and objective in `unit`."""
+    islands: Optional[Table[IslandEntry]]
+    """Searches with successive seeds that were merged into this result. Present for `search --islands`."""
     seconds: Optional[float]
     """Duration of the search, s; left out in `search.json`."""
 
@@ -2028,6 +2047,7 @@ class SearchResult(Record):
         'cell_yield': ('record', 'CellYieldEntry'),
         'start': ('record', 'StartEntry'),
         'front': ('table', 'AlternativeEntry'),
+        'islands': ('table', 'IslandEntry'),
     }
 
 
@@ -2319,6 +2339,8 @@ class SweepPlan(Record):
     search: bool
     """Whether a search runs for every combination; otherwise the layout as drawn is mapped."""
     sets: Table[Choices]
+    island_flags: Optional[Table[Setting]]
+    """Flags of `search --islands`, which apply to every seed of `sets`. Absent in the plan of a sweep."""
     seed: Optional[int]
     """Seed of every combination; null means the seed of the cell."""
     budget: Optional[int]
@@ -2333,6 +2355,7 @@ class SweepPlan(Record):
 
     _nested = {
         'sets': ('table', 'Choices'),
+        'island_flags': ('table', 'Setting'),
         'inputs': ('table', 'HashedFile'),
     }
 

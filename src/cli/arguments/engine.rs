@@ -1,37 +1,34 @@
-//! Arguments of `sweep` that name a batch system.
+//! Arguments of `sweep` and `search` that name a batch system.
 
 use clap::{Args, ValueEnum};
 
-/// Batch system that runs the combinations of a sweep.
+/// Batch system that runs the combinations of a sweep or the islands of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum BatchEngine {
     Slurm,
 }
 
 /// Number of combinations of one task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ChunkSize {
     /// As many as take about a minute.
+    #[default]
     Auto,
     Combinations(usize),
 }
 
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct EngineFlags {
-    /// Submit the combinations to this batch system, follow them, and write the table
-    #[arg(long, value_name = "ENGINE", conflicts_with_all = ["claim", "only", "plan_only", "status", "jobs"])]
+    /// Submit the combinations or islands to this batch system, follow them, and write the result
+    #[arg(long, value_name = "ENGINE")]
     pub on: Option<BatchEngine>,
     /// Partition of the cluster [default: the partition that the cluster chooses]
     #[arg(long, value_name = "NAME", value_parser = partition, requires = "on")]
     pub partition: Option<String>,
-    /// Time limit of a task in the notation of Slurm, for example 30, 2:00:00 or 1-12 [default: the limit of the
-    /// partition]
-    #[arg(long, value_name = "TIME", value_parser = time, requires = "on")]
-    pub time: Option<String>,
-    /// Number of cores of a task, which processes that many combinations in parallel
+    /// Number of cores of a task, which processes that many combinations or islands in parallel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024), requires = "on")]
     pub cpus: u16,
-    /// Number of combinations of a task, or auto: as many as take about a minute, measured on this machine
+    /// Number of combinations or islands of a task, or auto: as many as take about a minute, measured on this machine
     #[arg(long, value_name = "CHUNK", default_value = "auto", value_parser = chunk, requires = "on")]
     pub chunk: ChunkSize,
     /// Largest number of tasks of an array job
@@ -51,7 +48,8 @@ fn partition(text: &str) -> Result<String, String> {
     }
 }
 
-fn time(text: &str) -> Result<String, String> {
+/// Parses a time limit in the notation of Slurm.
+pub fn slurm_time(text: &str) -> Result<String, String> {
     let is_time = |c: char| c.is_ascii_digit() || ":-".contains(c);
     if text.starts_with(|c: char| c.is_ascii_digit()) && text.chars().all(is_time) {
         Ok(text.into())

@@ -1,18 +1,23 @@
 //! Arguments of `search`.
 
+use super::engine::{EngineFlags, slurm_time};
 use super::question::{QuestionFlags, toml_number, typed, word};
 use super::value_parsers::{number, seconds};
 use crate::cell::{Goal, Solver};
 use crate::cli::packages::PackageFolders;
 use crate::files::{Setting, toml_string};
-use clap::Args;
 use clap::builder::PossibleValuesParser;
-use std::path::PathBuf;
+use clap::{ArgGroup, Args};
+use std::path::{Path, PathBuf};
+
+/// Largest number of islands of one search.
+const MAX_ISLANDS: i64 = 10_000;
 
 #[derive(Args, Default)]
+#[command(group = ArgGroup::new("shared").args(["claim", "on"]))]
 pub struct SearchArguments {
     /// Cell file (TOML)
-    #[arg(required_unless_present = "resume")]
+    #[arg(required_unless_present_any = ["resume", "claim"])]
     pub cell: Option<PathBuf>,
     #[command(flatten)]
     pub packages: PackageFolders,
@@ -47,13 +52,47 @@ pub struct SearchArguments {
     pub solver: Option<String>,
     #[command(flatten)]
     pub rules: StoppingFlags,
+    /// Search with N successive seeds (islands), each with the whole budget, and merge them into one result; started
+    /// again with the same folder, only the missing islands are searched
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=MAX_ISLANDS),
+        requires = "cell",
+        conflicts_with_all = ["resume", "time", "checkpoint", "progress"]
+    )]
+    pub islands: Option<u16>,
+    /// Search islands in this folder together with any number of other workers; CELL and --islands are needed only
+    /// if the folder has no plan yet
+    #[arg(
+        long,
+        value_name = "DIR",
+        conflicts_with_all = ["out", "resume", "time", "checkpoint", "progress"]
+    )]
+    pub claim: Option<PathBuf>,
+    /// Seconds without a heartbeat after which other workers take over an island of this worker
+    #[arg(
+        long,
+        value_name = "LEASE",
+        default_value_t = 60,
+        value_parser = clap::value_parser!(u16).range(1..=3600),
+        requires = "shared"
+    )]
+    pub lease: u16,
+    #[command(flatten)]
+    pub engine: EngineFlags,
+    /// Time limit of a task in the notation of Slurm, for example 30, 2:00:00 or 1-12 [default: the limit of the
+    /// partition]
+    #[arg(long, value_name = "TIME", value_parser = slurm_time, requires = "on")]
+    pub task_time: Option<String>,
     /// Number of threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), conflicts_with = "on")]
     pub threads: Option<u16>,
-    /// Write the result to this new folder [default: results/CELL-NNN]
+    /// Write the result to this new folder; with --islands, a folder of the same islands may exist [default:
+    /// results/CELL-NNN]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Resume the search that was stopped in this folder
+    /// Resume the search or the islands that were stopped in this folder
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
     /// Seconds between checkpoints; with 0, a checkpoint is written only at the start and when the search is
@@ -92,6 +131,11 @@ pub fn whole(name: &str, path: &str, value: Option<u64>) -> Option<Setting> {
 }
 
 impl SearchArguments {
+    /// Returns the folder of the search, if the command line names it.
+    pub fn folder(&self) -> Option<&Path> {
+        [&self.resume, &self.claim, &self.out].into_iter().flatten().next().map(PathBuf::as_path)
+    }
+
     /// Returns the settings of the flags.
     pub fn settings(&self) -> Vec<Setting> {
         let mut settings = self.question.settings();

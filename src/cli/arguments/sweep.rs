@@ -1,6 +1,6 @@
 //! Arguments of `sweep`.
 
-use super::engine::EngineFlags;
+use super::engine::{EngineFlags, slurm_time};
 use super::index_ranges::IndexRanges;
 use super::question::word;
 use super::search::whole;
@@ -47,7 +47,7 @@ pub struct SweepArguments {
     )]
     pub solver: Option<String>,
     /// Number of combinations to process in parallel; the result does not depend on it [default: all cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), conflicts_with = "on")]
     pub jobs: Option<u16>,
     /// Write to this folder: a new one, or the folder of the same sweep, which is then resumed [default:
     /// results/CELL-NNN]
@@ -58,10 +58,10 @@ pub struct SweepArguments {
     pub resume: Option<PathBuf>,
     /// Process only these combinations (numbered from 0), for example 0-9,17, and write no table, for array
     /// jobs on a cluster; --resume then writes the table
-    #[arg(long, value_name = "INDICES", value_parser = IndexRanges::parse)]
+    #[arg(long, value_name = "INDICES", value_parser = IndexRanges::parse, conflicts_with = "on")]
     pub only: Option<IndexRanges>,
     /// Write the plan and its inputs to --out and process nothing, so that workers can begin with --claim
-    #[arg(long, requires = "out", conflicts_with_all = ["only", "claim", "json"])]
+    #[arg(long, requires = "out", conflicts_with_all = ["only", "claim", "on", "json"])]
     pub plan_only: bool,
     /// Work on the sweep in this folder together with any number of other workers; CELL and --set are needed
     /// only if the folder has no plan yet
@@ -78,8 +78,12 @@ pub struct SweepArguments {
     pub lease: u16,
     #[command(flatten)]
     pub engine: EngineFlags,
+    /// Time limit of a task in the notation of Slurm, for example 30, 2:00:00 or 1-12 [default: the limit of the
+    /// partition]
+    #[arg(long, value_name = "TIME", value_parser = slurm_time, requires = "on")]
+    pub time: Option<String>,
     /// Show what is done, what is running where and what has failed in this folder, and the time left
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume", "claim", "only", "jobs"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume", "claim", "only", "on", "jobs"])]
     pub status: Option<PathBuf>,
     /// Print the table, or the status, as JSON on stdout
     #[arg(long)]

@@ -2,24 +2,27 @@
 
 mod alone;
 mod check;
-mod combination;
+pub mod combination;
 mod on_slurm;
 mod status;
-mod table;
+pub mod table;
 mod threads;
 mod worker;
+pub mod workforce;
 
 use super::{stem, suggest};
 use crate::cli::arguments::{IndexRanges, SweepArguments};
 use crate::cli::output::path_word;
 use crate::cli::output_folder::Sharing;
 use crate::cli::results::keep_inputs;
-use crate::cli::sweep::{StoredRow, asked_plan, number, open, row, stored_cell_name};
+use crate::cli::slurm::ArrayOptions;
+use crate::cli::sweep::{StoredRow, asked_plan, continuing, number, open, row, stored_cell_name};
 use crate::cli::{Exit, loading, output};
 use combination::CheckedSweep;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use workforce::{Workforce, jobs};
 
 /// Runs `sweetspot sweep`.
 pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
@@ -28,8 +31,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     }
     let (mut plan, kept) = asked_plan(a)?;
     let asked = asked(a.only.as_ref(), plan.combinations)?;
-    let jobs =
-        a.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let jobs = jobs(a.jobs);
     // The author of a stored plan has checked it, and its inputs have the hashes of the plan.
     let is_checked = a.claim.is_some() && a.cell.is_none();
     let sources = if is_checked { Vec::new() } else { check::check_all(&mut plan, &kept, jobs)? };
@@ -48,27 +50,15 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let stop = Arc::new(AtomicBool::new(false));
     let signal = stop.clone();
     let _ = ctrlc::set_handler(move || signal.store(true, Ordering::Relaxed));
-    let mut sweep = CheckedSweep { plan, kept, folder, cell_name, stop };
+    let mut sweep = CheckedSweep { plan, kept, folder, cell_name, stop, proof: None };
+    let options = ArrayOptions { flags: &a.engine, time: a.time.as_deref(), lease: a.lease };
+    let workforce = Workforce { claims: a.claim.is_some(), jobs, options };
     if a.engine.dry_run {
-        return on_slurm::show_script(&sweep, missing, a);
+        return workforce.show(&sweep, missing);
     }
-    let folder = path_word(&sweep.folder);
-    let again = match (&a.claim, a.engine.on) {
-        (Some(_), _) => {
-            worker::run_shared(&sweep, missing, jobs, a.lease)?;
-            format!("sweep --claim {folder}")
-        }
-        (None, Some(_)) => {
-            on_slurm::run_on_slurm(&sweep, missing, a)?;
-            format!("sweep --resume {folder} --on slurm")
-        }
-        (None, None) => {
-            alone::run_all(&sweep, &missing, jobs)?;
-            format!("sweep --resume {folder}")
-        }
-    };
+    workforce.process(&sweep, missing)?;
     if sweep.stop.load(Ordering::Relaxed) {
-        suggest(&again);
+        suggest(&workforce.again(&sweep));
         return Ok(Exit::Interrupted);
     }
     if let Some(only) = &a.only {
@@ -98,7 +88,7 @@ fn asked(only: Option<&IndexRanges>, combinations: usize) -> Result<Vec<usize>, 
 }
 
 /// Returns whether a combination must be computed. Prints a warning if one of its files is damaged.
-fn is_missing(folder: &Path, index: usize) -> bool {
+pub fn is_missing(folder: &Path, index: usize) -> bool {
     match row(folder, index) {
         StoredRow::Whole(_) => false,
         StoredRow::Missing => true,
@@ -121,5 +111,5 @@ fn tell_part(sweep: &CheckedSweep, only: &IndexRanges) {
             output::talk(&format!("wrote {folder}: files of {count}"));
         }
     }
-    suggest(&format!("sweep --resume {folder}"));
+    suggest(&continuing(&sweep.plan, &sweep.folder, "--resume"));
 }

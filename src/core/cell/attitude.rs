@@ -15,6 +15,7 @@
 
 use crate::pose::exact_sin_cos;
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// Number of values that are tried for a free azimuth or spin: one every 30 degrees.
 pub const FREE_STEPS: usize = 12;
@@ -23,7 +24,7 @@ pub const FREE_STEPS: usize = 12;
 const RIGHT_ANGLE: f64 = 1e-12;
 
 /// Azimuth of the tool axis: its heading seen from above.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Azimuth {
     /// Any azimuth is allowed.
     Free,
@@ -35,7 +36,7 @@ pub enum Azimuth {
 }
 
 /// Spin of the tool: its rotation about the tool axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Spin {
     /// Any spin is allowed. If the joints of the arm can set the spin, [`FREE_STEPS`] values are tried.
     Free,
@@ -44,7 +45,7 @@ pub enum Spin {
 }
 
 /// Attitude of the tool at an operation: elevation, azimuth and spin, with a tolerance.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Attitude {
     /// Elevation of the tool axis above the horizontal, rad; -pi/2 points down.
     ///

@@ -3,6 +3,7 @@
 use super::attitude::{Attitude, Azimuth, Spin};
 use super::coordinate::Coordinate;
 use super::model::{Cell, Placement, PlacementTolerance};
+use serde::{Deserialize, Serialize};
 
 /// Address of a coordinate or an angle in a layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +26,7 @@ impl Slot {
 }
 
 /// Candidate of a search: placements of robot base and equipment, and attitudes of the operations.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
     /// Placement of the robot base in the world.
     pub base: Placement,

@@ -12,11 +12,12 @@ use super::shape::{Rectangle, Solid};
 use super::tolerance_cost::ToleranceCost;
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// Placement of the robot base or of equipment, m and rad.
 ///
 /// It is given in the world frame, or in the frame of the equipment that carries the placed equipment.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     pub x: f64,
     pub y: f64,

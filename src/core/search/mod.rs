@@ -15,8 +15,11 @@
 //!
 //! At the end, a search for one layout takes the layout with the most room among those with nearly the least
 //! objective. It evaluates at most a fifth as many layouts again.
+//!
+//! Searches that differ only in their seeds ([`Island`]) are merged into one result.
 
 mod cma_es;
+mod islands;
 mod journal;
 mod local_search;
 mod pareto_front;
@@ -31,6 +34,7 @@ mod solvers;
 mod stopping;
 mod workspace_pool;
 
+pub use islands::{Island, IslandLayout, best_island, merged};
 pub use journal::{Checkpoint, Unfit};
 pub use pareto_front::DIFFERENT;
 pub use problem::{Keep, Moment, Progress, Watch};

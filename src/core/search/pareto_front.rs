@@ -4,7 +4,7 @@ use crate::cell::Goals;
 use serde::{Deserialize, Serialize};
 
 /// Largest number of members. If there are more, the most crowded member is dropped.
-const MAX_MEMBERS: usize = 200;
+pub const MAX_MEMBERS: usize = 200;
 
 /// Least difference of a coordinate that makes two points of the unit cube different layouts.
 ///
@@ -47,6 +47,16 @@ impl ParetoFront {
         Self { goals, members: Vec::new() }
     }
 
+    /// Returns the front of all these members, however many there are. Of equal members the first one stays.
+    pub fn of_all(goals: Goals, all: &[Member]) -> Self {
+        let is_better = |a: usize, b: usize| {
+            covers(&all[a].losses, &all[b].losses) && (a < b || !covers(&all[b].losses, &all[a].losses))
+        };
+        let stays = |k: &usize| !(0..all.len()).any(|other| other != *k && is_better(other, *k));
+        let members = (0..all.len()).filter(stays).map(|k| all[k].clone()).collect();
+        Self { goals, members }
+    }
+
     /// Returns the goals of the front.
     pub fn goals(&self) -> &Goals {
         &self.goals
@@ -72,7 +82,6 @@ impl ParetoFront {
     /// Adds a layout and returns true; returns false if a member is at least as good in every goal. If the
     /// front becomes too large, the most crowded member is dropped.
     pub fn take(&mut self, point: &[f64], losses: &[f64]) -> bool {
-        let covers = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b);
         if self.members.iter().any(|m| covers(&m.losses, losses)) {
             return false;
         }
@@ -140,6 +149,11 @@ impl ParetoFront {
         chosen.sort_by(|a, b| by_losses(&a.losses, &b.losses));
         chosen
     }
+}
+
+/// Returns whether the losses `a` are at most the losses `b` in every goal.
+fn covers(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a <= b)
 }
 
 fn to_nearest(m: &Member, chosen: &[&Member], apart: &impl Fn(&Member, &Member) -> f64) -> f64 {

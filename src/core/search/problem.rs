@@ -20,7 +20,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Number of decimals to which a loss (m, rad, m2 or share) is rounded; smaller differences are rounding.
-const LOSS_DIGITS: i32 = 9;
+pub const LOSS_DIGITS: i32 = 9;
 
 /// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,6 +14,7 @@ mod figures;
 mod foreign_files;
 mod front;
 mod init;
+mod islands;
 mod jobs;
 mod lock;
 mod manual;

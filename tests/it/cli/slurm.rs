@@ -1,5 +1,6 @@
 //! Tests `sweep --on slurm` with small scripts named sbatch and squeue, which run the tasks of a job as processes.
 
+use crate::cli::islands::assert_same;
 use crate::cli::sandbox::*;
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
@@ -145,6 +146,25 @@ fn an_interrupted_command_goes_on_with_the_job() {
     assert!(said.is_some());
     assert_eq!(shop.files("jobs"), ["1"]);
     assert_whole(&shop);
+}
+
+/// Islands are the combinations of a sweep over the seed, so a lost task is submitted again.
+#[test]
+fn islands_are_submitted_and_merged() {
+    let shop = cluster();
+    shop.write("lose-1", "1\n");
+    let islands = ["search", CELL, "--budget", "60", "--islands", "5"];
+    let on = ["--out", "found", "--on", "slurm", "--chunk", "2", "--task-time", "1:00"];
+    let ran = submit(&shop, &[&islands[..], &on, &["--dry-run"]].concat());
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(ran.out.contains("#SBATCH --time=1:00\n"), "{}", ran.out);
+    assert!(ran.err.contains("next: sweetspot search --resume found --on slurm"), "{}", ran.err);
+    let ran = submit(&shop, &["search", "--resume", "found", "--on", "slurm", "--chunk", "2"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(ran.err.contains("submitted job 2: 2 combinations in 1 task\n"), "{}", ran.err);
+    assert!(ran.out.contains("5 seeds"), "{}", ran.out);
+    shop.done(&[&islands[..], &["--out", "straight"]].concat());
+    assert_same(&shop, "found", "straight");
 }
 
 /// Slurm holds a task for ever if a node failed to start it.

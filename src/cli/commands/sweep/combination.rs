@@ -1,20 +1,21 @@
 //! Processing of one combination of a sweep.
 
 use crate::assess::Assessment;
+use crate::cell::SearchSettings;
 use crate::cli::commands::workcell;
-use crate::cli::json_text::sealed;
+use crate::cli::json_text::{line, sealed};
 use crate::cli::loading::FileSnapshot;
 use crate::cli::output_folder::OutputFolder;
 use crate::cli::results::{INPUTS, hashed};
-use crate::cli::sweep::{load, number};
+use crate::cli::sweep::{island_name, load, number};
 use crate::cli::{Exit, loading, output};
 use crate::files::shown;
 use crate::layout::Workcell;
-use crate::proof::{ProofOptions, prove};
+use crate::proof::{Proof, ProofOptions, prove};
 use crate::record::{HashedFile, SweepPlan, SweepRow};
 use crate::report;
 use crate::search;
-use crate::search::{SearchEnd, SearchJob, SearchRecord, Watch};
+use crate::search::{Island, SearchEnd, SearchJob, SearchRecord, Watch};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -26,6 +27,8 @@ pub struct CheckedSweep {
     /// Name of the copy of the cell file in the folder of the inputs.
     pub cell_name: String,
     pub stop: Arc<AtomicBool>,
+    /// Proof that holds for every combination; None if each needs its own.
+    pub proof: Option<Proof>,
 }
 
 /// Processes one combination and writes its files. Writes nothing and returns false if the sweep is stopped.
@@ -37,7 +40,7 @@ pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
     })?;
     let workcell = workcell(loaded.cell, &plan.cell)?;
     let record = if plan.search {
-        let Some(record) = searched(&workcell, &sweep.stop) else { return Ok(false) };
+        let Some(record) = searched(&workcell, sweep) else { return Ok(false) };
         Some(record)
     } else {
         None
@@ -45,7 +48,9 @@ pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
     let layout = record.as_ref().map_or_else(|| workcell.cell.start(), |r| r.best.layout.clone());
     let assessment = Assessment::new("best", &workcell, layout);
     let mut row = SweepRow::new(&plan.sets, index, &assessment, record.as_ref());
-    if row.feasible {
+    if plan.is_of_islands() {
+        row.files = write_island(sweep, index, &workcell.cell.search, record.as_ref())?;
+    } else if row.feasible {
         row.files = write_cell(sweep, index, &assessment)?;
     }
     loading::write_whole(&folder.join(number(index) + ".json"), &sealed(&row)?)?;
@@ -53,13 +58,27 @@ pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
 }
 
 /// Proves the lower bound and then searches, as `search` does. Returns None if the sweep is stopped.
-fn searched(workcell: &Workcell, stop: &AtomicBool) -> Option<SearchRecord> {
-    let proof = prove(workcell, &ProofOptions::default(), stop);
+fn searched(workcell: &Workcell, sweep: &CheckedSweep) -> Option<SearchRecord> {
+    let stop = &sweep.stop;
+    let proof = sweep.proof.clone().unwrap_or_else(|| prove(workcell, &ProofOptions::default(), stop));
     let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
     let watch = Watch { progress: &|_| {}, stop };
     let record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
     // An interrupted proof would give another bound.
     (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
+}
+
+/// Writes NNNN.island.json, from which islands are merged. Returns the file with its hash.
+fn write_island(
+    sweep: &CheckedSweep,
+    index: usize,
+    settings: &SearchSettings,
+    record: Option<&SearchRecord>,
+) -> Result<Vec<HashedFile>, Exit> {
+    let Some(record) = record else { return Ok(Vec::new()) };
+    let (name, text) = (island_name(index), line(&Island::new(settings, record))?);
+    loading::write_whole(&sweep.folder.join(&name), text.as_bytes())?;
+    Ok(vec![hashed(&name, text.as_bytes())])
 }
 
 /// Writes NNNN.toml, the cell with its layout fixed. Also writes a file with the settings of the combination

@@ -3,11 +3,10 @@
 use super::combination::CheckedSweep;
 use super::status::state;
 use super::worker::run_shared;
-use crate::cli::arguments::{ChunkSize, SweepArguments};
-use crate::cli::commands::suggest;
+use crate::cli::arguments::ChunkSize;
 use crate::cli::output::{counted, path_word, word};
-use crate::cli::slurm::{ArrayJob, QueueState, cancel, queue_state, write_script};
-use crate::cli::sweep::{StoredRow, row};
+use crate::cli::slurm::{ArrayJob, ArrayOptions, QueueState, cancel, queue_state, write_script};
+use crate::cli::sweep::{StoredRow, continuing, row};
 use crate::cli::{Exit, output};
 use crate::record::SweepStatus;
 use crate::report;
@@ -28,22 +27,25 @@ const LOOK: Duration = Duration::from_millis(500);
 const ASK: Duration = Duration::from_secs(3);
 
 /// Writes script and list of the first job, and shows the script.
-pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<Exit, Exit> {
-    let run = ClusterRun::new(sweep, missing, a)?;
-    output::data(&write_script(&sweep.folder, &a.engine, a.lease, true)?)?;
+pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, options: ArrayOptions<'_>) -> Result<(), Exit> {
+    let run = ClusterRun::new(sweep, missing, options)?;
+    output::data(&write_script(&sweep.folder, options, true)?)?;
     let command = ArrayJob::next(&sweep.folder)?.write(&run.chunks())?;
     let words: Vec<String> = command.iter().map(|part| word(part)).collect();
     output::talk(&format!("nothing is submitted; the job would be: {}", words.join(" ")));
-    suggest(&format!("sweep --resume {} --on slurm", path_word(&sweep.folder)));
-    Ok(Exit::Done)
+    Ok(())
 }
 
 /// Submits the missing combinations and waits for their files. Submits again what is missing after the job.
 ///
 /// Returns early if a signal stops this program; the job goes on.
-pub fn run_on_slurm(sweep: &CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<(), Exit> {
-    let mut run = ClusterRun::new(sweep, missing, a)?;
-    write_script(&sweep.folder, &a.engine, a.lease, false)?;
+pub fn run_on_slurm(
+    sweep: &CheckedSweep,
+    missing: Vec<usize>,
+    options: ArrayOptions<'_>,
+) -> Result<(), Exit> {
+    let mut run = ClusterRun::new(sweep, missing, options)?;
+    write_script(&sweep.folder, options, false)?;
     if let Some(id) = ArrayJob::next(&sweep.folder)?.id_of_previous()
         && queue_state(&id) == Ok(QueueState::Queued)
     {
@@ -87,16 +89,17 @@ struct ClusterRun<'s> {
 
 impl<'s> ClusterRun<'s> {
     /// Chooses the number of combinations of a task, so that all tasks fit into one array.
-    fn new(sweep: &'s CheckedSweep, missing: Vec<usize>, a: &SweepArguments) -> Result<Self, Exit> {
-        let asked = match a.engine.chunk {
+    fn new(sweep: &'s CheckedSweep, missing: Vec<usize>, options: ArrayOptions<'_>) -> Result<Self, Exit> {
+        let flags = options.flags;
+        let asked = match flags.chunk {
             ChunkSize::Combinations(count) => count,
             ChunkSize::Auto => {
-                let seconds = measured(sweep, &missing, a.lease)?;
-                (TASK_SECONDS / seconds * f64::from(a.engine.cpus)).ceil() as usize
+                let seconds = measured(sweep, &missing, options.lease)?;
+                (TASK_SECONDS / seconds * f64::from(flags.cpus)).ceil() as usize
             }
         };
         let (total, bar) = (missing.len(), output::combinations_bar());
-        let chunk = asked.max(total.div_ceil(a.engine.max_array as usize)).max(1);
+        let chunk = asked.max(total.div_ceil(flags.max_array as usize)).max(1);
         let mut run = Self { sweep, missing, total, chunk, bar };
         run.look();
         Ok(run)
@@ -163,7 +166,8 @@ impl<'s> ClusterRun<'s> {
         }
         let folder = path_word(&self.sweep.folder);
         output::talk(&format!(
-            "  help: the logs are in {folder}/slurm; sweetspot sweep --resume {folder} --on slurm tries again"
+            "  help: the logs are in {folder}/slurm; sweetspot {} --on slurm tries again",
+            continuing(&self.sweep.plan, &self.sweep.folder, "--resume")
         ));
         Exit::Limit
     }

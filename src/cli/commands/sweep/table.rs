@@ -5,13 +5,29 @@ use crate::cli::commands::suggest;
 use crate::cli::json_text::{line, pretty, sealed};
 use crate::cli::output::path_word;
 use crate::cli::results::hashed;
-use crate::cli::sweep::{StoredRow, number, row};
+use crate::cli::sweep::{StoredRow, continuing, number, row};
 use crate::cli::{Exit, loading, output};
 use crate::record::{ManifestDocument, SweepMode, SweepRow, SweepTable};
 use crate::report;
 
-/// Reads the rows of all combinations, and writes the table to files and stdout.
+/// Writes the table to files and stdout.
 pub fn gather(sweep: &CheckedSweep, as_json: bool) -> Result<Exit, Exit> {
+    let document = written(sweep)?;
+    let text = if as_json { line(&document)? } else { report::text::sweep(&document) };
+    output::data(&text)?;
+    let folder = path_word(&sweep.folder);
+    output::talk(&format!("wrote {folder}: table.csv, table.json, manifest.json, a file per combination"));
+    if sweep.plan.is_of_islands() {
+        suggest(&continuing(&sweep.plan, &sweep.folder, "--resume"));
+    } else if let Some(best) = document.best.filter(|_| !as_json) {
+        let best = sweep.folder.join(number(best) + ".toml");
+        suggest(&format!("map {} --svg map.svg", path_word(&best)));
+    }
+    Ok(if document.feasible > 0 { Exit::Done } else { Exit::AnswerIsNo })
+}
+
+/// Reads the rows of all combinations, and writes the files of the table.
+pub fn written(sweep: &CheckedSweep) -> Result<SweepTable, Exit> {
     let whole = |k: usize| match row(&sweep.folder, k) {
         StoredRow::Whole(row) => Ok(*row),
         StoredRow::Missing | StoredRow::Damaged(_) => {
@@ -27,15 +43,7 @@ pub fn gather(sweep: &CheckedSweep, as_json: bool) -> Result<Exit, Exit> {
         Exit::Io
     })?;
     write_table(sweep, vec![("table.csv", csv), ("table.json", pretty(&document)?)])?;
-    let text = if as_json { line(&document)? } else { report::text::sweep(&document) };
-    output::data(&text)?;
-    let folder = path_word(&sweep.folder);
-    output::talk(&format!("wrote {folder}: table.csv, table.json, manifest.json, a file per combination"));
-    if let Some(best) = document.best.filter(|_| !as_json) {
-        let best = sweep.folder.join(number(best) + ".toml");
-        suggest(&format!("map {} --svg map.svg", path_word(&best)));
-    }
-    Ok(if document.feasible > 0 { Exit::Done } else { Exit::AnswerIsNo })
+    Ok(document)
 }
 
 /// Writes the tables and then the manifest, so that a folder with a manifest is complete.

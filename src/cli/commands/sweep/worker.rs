@@ -4,6 +4,7 @@ use super::combination::{CheckedSweep, run_one};
 use super::threads::pools;
 use crate::cli::output::{counted, path_word};
 use crate::cli::shared_work::{BEATS_PER_LEASE, MAX_LOSSES, NextStep, SharedWork};
+use crate::cli::sweep::continuing;
 use crate::cli::sweep_claims::ClaimState;
 use crate::cli::{Exit, output};
 use indicatif::ProgressBar;
@@ -133,12 +134,12 @@ impl SharedRun<'_> {
             return Ok(());
         }
         let list = given_up.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
-        let folder = path_word(&self.sweep.folder);
+        let again = continuing(&self.sweep.plan, &self.sweep.folder, "--resume");
         output::error(&format!(
             "{} given up, because {MAX_LOSSES} workers have died at each: {list}",
             counted(given_up.len(), "combination")
         ));
-        output::talk(&format!("  help: sweetspot sweep --resume {folder} processes the rest in one process"));
+        output::talk(&format!("  help: sweetspot {again} processes the rest in one process"));
         Err(Exit::Limit)
     }
 }
