@@ -16,6 +16,8 @@ pub mod measuring_plan;
 pub mod page;
 #[cfg(feature = "parquet")]
 pub mod parquet;
+#[cfg(feature = "pdf")]
+pub mod pdf;
 pub mod sheet;
 pub mod sweep;
 pub mod text;

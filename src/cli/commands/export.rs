@@ -5,6 +5,7 @@ use crate::assess::Assessment;
 use crate::cell::Layout;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
 use crate::cli::output::path_word;
+use crate::cli::report_source::ReportSource;
 use crate::cli::results_folder::SearchFolder;
 use crate::cli::{Exit, asked, json_text, loading, lookup, output, results, results_folder};
 use crate::drawing::{Detail, Drawing};
@@ -12,6 +13,8 @@ use crate::files::{Loaded, shown};
 use crate::raster::{self, Shot};
 use crate::record::MapDocument;
 use crate::report;
+use crate::report::page::Subject;
+use crate::report::sheet::{self, SheetNumber};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +25,18 @@ const PNG_SIZE: (usize, usize) = (1600, 1000);
 pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     refuse_missing_writer(a.to)?;
+    if a.to == ExportFormat::Pdf {
+        print_out(a)?
+    } else {
+        draw(a)?
+    }
+    let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
+    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.extension()), &a.packages);
+    Ok(Exit::Done)
+}
+
+/// Writes a format that shows one layout.
+fn draw(a: &ExportArguments) -> Result<(), Exit> {
     let (Loaded { cell, .. }, file, best) = subject(a)?;
     let workcell = workcell(cell, &file)?;
     let label = if a.of.is_dir() && !a.start { "best layout" } else { "layout as drawn" };
@@ -30,14 +45,49 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
         assessment = assessment.with_regions();
     }
     let operation = posture(&assessment, a.posture.as_deref())?;
-    let bytes = rendered(&assessment, a.to, operation)?;
-    let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())));
-    loading::write_whole(&out, &bytes)?;
-    output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
+    write(a, &rendered(&assessment, a.to, operation)?)?;
     warn_of_distrust(&assessment);
-    let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
-    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.extension()), &a.packages);
-    Ok(Exit::Done)
+    Ok(())
+}
+
+/// Writes the PDF, which shows the whole report.
+fn print_out(a: &ExportArguments) -> Result<(), Exit> {
+    // With flags or --start, a result folder stands for the layout in a file of its own.
+    let of =
+        if a.start || !a.question.words().is_empty() { cell_file(&a.of, a.start)? } else { a.of.clone() };
+    let read = ReportSource::read(&of, &a.packages, &a.question)?;
+    let workcell = workcell(read.loaded.cell.clone(), &read.file)?;
+    let subject = read.subject(&workcell)?;
+    let operation = posture(subject.shown(), a.posture.as_deref())?;
+    write(a, &pages(&subject, operation)?)?;
+    warn_of_distrust(subject.shown());
+    Ok(())
+}
+
+#[cfg(feature = "pdf")]
+fn pages(subject: &Subject<'_>, operation: Option<usize>) -> Result<Vec<u8>, Exit> {
+    let drawings = subject.layouts().map(|layout| Drawing::new(layout, &Detail::PLAIN));
+    let drawings = drawings.collect::<Result<Vec<_>, _>>();
+    let bytes = drawings.and_then(|drawings| report::pdf::pdf(subject, &drawings, operation));
+    bytes.map_err(|why| cannot(ExportFormat::Pdf, &why))
+}
+
+#[cfg(not(feature = "pdf"))]
+fn pages(_: &Subject<'_>, _: Option<usize>) -> Result<Vec<u8>, Exit> {
+    refuse_missing_writer(ExportFormat::Pdf).map(|()| Vec::new())
+}
+
+fn write(a: &ExportArguments, bytes: &[u8]) -> Result<(), Exit> {
+    let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())));
+    loading::write_whole(&out, bytes)?;
+    output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
+    Ok(())
+}
+
+/// Says why a format cannot be written.
+fn cannot(format: ExportFormat, why: &str) -> Exit {
+    output::error(&format!("cannot export {}: {}", format.extension(), shown(why)));
+    Exit::BadInput
 }
 
 /// Returns the cell to draw and its file, with the best layout of a result folder.
@@ -54,11 +104,13 @@ fn subject(a: &ExportArguments) -> Result<(Loaded, PathBuf, Option<Layout>), Exi
 
 /// Refuses a format whose writer is not part of this build.
 fn refuse_missing_writer(format: ExportFormat) -> Result<(), Exit> {
-    if format != ExportFormat::Parquet || cfg!(feature = "parquet") {
-        return Ok(());
-    }
-    output::error("this build has no Parquet writer");
-    output::talk("  help: cargo install --path . --features parquet");
+    let (name, feature) = match format {
+        ExportFormat::Parquet if !cfg!(feature = "parquet") => ("Parquet", "parquet"),
+        ExportFormat::Pdf if !cfg!(feature = "pdf") => ("PDF", "pdf"),
+        _ => return Ok(()),
+    };
+    output::error(&format!("this build has no {name} writer"));
+    output::talk(&format!("  help: cargo install --path . --features {feature}"));
     Err(Exit::BadInput)
 }
 
@@ -118,10 +170,7 @@ fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exi
 }
 
 fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) -> Result<Vec<u8>, Exit> {
-    let cannot = |why: String| {
-        output::error(&format!("cannot export {}: {}", format.extension(), shown(&why)));
-        Exit::BadInput
-    };
+    let cannot = |why: String| cannot(format, &why);
     let drawing = || Drawing::new(a, &Detail::PLAIN).map_err(cannot);
     match format {
         ExportFormat::Csv => results::csv(&MapDocument::new(a)),
@@ -130,9 +179,11 @@ fn rendered(a: &Assessment<'_>, format: ExportFormat, operation: Option<usize>) 
         ExportFormat::Parquet => report::parquet::map(a).map_err(cannot),
         #[cfg(not(feature = "parquet"))]
         ExportFormat::Parquet => refuse_missing_writer(format).map(|()| Vec::new()),
+        // The PDF shows more than one layout: see `print_out`.
+        ExportFormat::Pdf => Ok(Vec::new()),
         ExportFormat::Dxf => Ok(report::dxf::dxf(&drawing()?, operation)),
         ExportFormat::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),
-        ExportFormat::Svg => Ok(report::sheet::sheet(&drawing()?, operation).into_bytes()),
+        ExportFormat::Svg => Ok(sheet::sheet(&drawing()?, operation, SheetNumber::ALONE).svg.into_bytes()),
         ExportFormat::Png => {
             let shot = Shot { context: operation, width: PNG_SIZE.0, height: PNG_SIZE.1, ..Shot::default() };
             raster::png(&drawing()?, &shot).map_err(cannot)

@@ -5,10 +5,11 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Formats of this build.
-const FORMATS: &[&str] = if cfg!(feature = "parquet") {
-    &["dxf", "glb", "svg", "csv", "json", "parquet"]
-} else {
-    &["dxf", "glb", "svg", "csv", "json"]
+const FORMATS: &[&str] = match (cfg!(feature = "parquet"), cfg!(feature = "pdf")) {
+    (true, true) => &["dxf", "glb", "svg", "csv", "json", "parquet", "pdf"],
+    (false, true) => &["dxf", "glb", "svg", "csv", "json", "pdf"],
+    (true, false) => &["dxf", "glb", "svg", "csv", "json", "parquet"],
+    (false, false) => &["dxf", "glb", "svg", "csv", "json"],
 };
 
 /// Name that would be a command to a spreadsheet, a CAD program and a browser, as a TOML string. The reader
