@@ -4,12 +4,12 @@ use super::{Bounds, SheetView, size};
 use crate::cell::Projection;
 
 /// Scales of ISO 5455; the entry `n` means 1:n.
-const SCALES: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4];
+pub const SCALES: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4];
 /// Paper formats of ISO 216: name, width and height, mm. Smaller ones come first.
 const PAPERS: [Paper; 4] = [
     Paper { name: "A4", width: 297.0, height: 210.0 },
     Paper::A4,
-    Paper { name: "A3", width: 420.0, height: 297.0 },
+    Paper::A3,
     Paper { name: "A3", width: 297.0, height: 420.0 },
 ];
 /// Margins of the frame at the left, which has room for holes, and at the other sides (ISO 5457), mm.
@@ -37,6 +37,9 @@ pub struct Paper {
 impl Paper {
     /// A4, upright.
     pub const A4: Self = Self { name: "A4", width: 210.0, height: 297.0 };
+
+    /// A3, on its side.
+    pub const A3: Self = Self { name: "A3", width: 420.0, height: 297.0 };
 
     fn is_upright(&self) -> bool {
         self.height > self.width

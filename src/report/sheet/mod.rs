@@ -10,8 +10,8 @@ pub(super) mod ink;
 mod list;
 pub(super) mod title;
 
-pub use arrangement::Paper;
-pub use title::SheetNumber;
+pub use arrangement::{BLOCK, FILING_MARGIN, MARGIN, Paper, SCALES};
+pub use title::{BlockEntries, BlockField, SheetNumber, block_fields, layout_name, title as drawing_title};
 
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
 use crate::drawing::silhouette::{ABOVE, FRONT};
@@ -24,7 +24,7 @@ use arrangement::{Arrangement, Needs, arranged};
 use content::SheetSolid;
 use ink::{TextAnchor, TextStyle, put, stroke};
 use nalgebra::{Vector2, Vector3};
-use title::{BLACK, BlockEntries};
+use title::BLACK;
 
 /// Least and greatest coordinates of a view (right and up), m.
 type Bounds = (Vector2<f64>, Vector2<f64>);

@@ -38,7 +38,7 @@ pub struct BlockEntries<'a> {
 }
 
 /// Field of the title block: place (left, top, width and height from the corner of the block, mm), label and text.
-type BlockField<'a> = ([f64; 4], &'a str, &'a str);
+pub type BlockField = ([f64; 4], &'static str, String);
 
 /// Returns the title of the drawings of a cell.
 pub fn title(cell: &Cell) -> &str {
@@ -54,6 +54,26 @@ pub fn layout_name(name: &str) -> String {
     }
 }
 
+/// Returns the fields of the title block.
+pub fn block_fields(entries: &BlockEntries<'_>, paper: &Paper) -> Vec<BlockField> {
+    let given = &entries.cell.title_block;
+    let text = |entry: &Option<String>| entry.clone().unwrap_or_default();
+    vec![
+        ([0.0, 0.0, 62.0, 9.0], "owner", text(&given.owner)),
+        ([62.0, 0.0, 44.0, 9.0], "author", text(&given.author)),
+        ([106.0, 0.0, 44.0, 9.0], "approved by (signature)", text(&given.approved_by)),
+        ([150.0, 0.0, 30.0, 9.0], "date of issue", text(&given.date)),
+        ([0.0, 9.0, 106.0, 18.0], "title", String::new()),
+        ([106.0, 9.0, 44.0, 9.0], "number", text(&given.number)),
+        ([150.0, 9.0, 15.0, 9.0], "revision", text(&given.revision)),
+        ([165.0, 9.0, 15.0, 9.0], "sheet", entries.sheet.in_words()),
+        ([106.0, 18.0, 22.0, 9.0], "scale", entries.scale.clone()),
+        ([128.0, 18.0, 22.0, 9.0], "format", paper.name.into()),
+        ([150.0, 18.0, 30.0, 9.0], "general tolerance", text(&given.general_tolerance)),
+        ([150.0, 27.0, 30.0, 13.0], "projection", String::new()),
+    ]
+}
+
 /// Draws the frame of a sheet, with its title block at the lower right corner.
 pub fn block(out: &mut String, paper: &Paper, entries: &BlockEntries<'_>) {
     let frame = format!(
@@ -65,28 +85,7 @@ pub fn block(out: &mut String, paper: &Paper, entries: &BlockEntries<'_>) {
     let (left, top) = paper.block();
     // The frame of the sheet is also the right and lower edge of the block.
     stroke(out, &format!("M{left} {}V{top}h{}", top + BLOCK.1, BLOCK.0), BLACK, 0.5);
-    let given = &entries.cell.title_block;
-    let text = |entry: &'_ Option<String>| entry.clone().unwrap_or_default();
-    let [owner, number, revision, date] =
-        [&given.owner, &given.number, &given.revision, &given.date].map(text);
-    let [author, approved, tolerance] =
-        [&given.author, &given.approved_by, &given.general_tolerance].map(text);
-    let sheet = entries.sheet.in_words();
-    let fields: [BlockField<'_>; 12] = [
-        ([0.0, 0.0, 62.0, 9.0], "owner", &owner),
-        ([62.0, 0.0, 44.0, 9.0], "author", &author),
-        ([106.0, 0.0, 44.0, 9.0], "approved by (signature)", &approved),
-        ([150.0, 0.0, 30.0, 9.0], "date of issue", &date),
-        ([0.0, 9.0, 106.0, 18.0], "title", ""),
-        ([106.0, 9.0, 44.0, 9.0], "number", &number),
-        ([150.0, 9.0, 15.0, 9.0], "revision", &revision),
-        ([165.0, 9.0, 15.0, 9.0], "sheet", &sheet),
-        ([106.0, 18.0, 22.0, 9.0], "scale", &entries.scale),
-        ([128.0, 18.0, 22.0, 9.0], "format", paper.name),
-        ([150.0, 18.0, 30.0, 9.0], "general tolerance", &tolerance),
-        ([150.0, 27.0, 30.0, 13.0], "projection", ""),
-    ];
-    for field in fields {
+    for field in &block_fields(entries, paper) {
         draw_field(out, (left, top), field);
     }
     stroke(out, &format!("M{left} {}h{}", top + 27.0, BLOCK.0), BLACK, 0.35);
@@ -100,10 +99,10 @@ pub fn block(out: &mut String, paper: &Paper, entries: &BlockEntries<'_>) {
     }
     let maker = format!("mm, sweetspot {}", env!("CARGO_PKG_VERSION"));
     put(out, (left + 152.0, top + 38.6), TextStyle::plain(1.8), "", &maker);
-    projection_symbol(out, (left + 158.0, top + 33.4), given.projection);
+    projection_symbol(out, (left + 158.0, top + 33.4), entries.cell.title_block.projection);
 }
 
-fn draw_field(out: &mut String, (left, top): (f64, f64), ([x, y, wide, high], label, said): BlockField<'_>) {
+fn draw_field(out: &mut String, (left, top): (f64, f64), ([x, y, wide, high], label, said): &BlockField) {
     let (x, y) = (left + x, top + y);
     stroke(out, &format!("M{x:.2} {:.2}V{y:.2}h{wide}", y + high), BLACK, 0.25);
     put(out, (x + 1.0, y + 2.6), TextStyle::plain(1.9), " fill=\"#57606a\"", label);

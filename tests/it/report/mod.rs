@@ -6,3 +6,4 @@ mod page;
 mod raster;
 mod sheet;
 mod signs;
+mod simplified;
