@@ -57,11 +57,26 @@ fn print_out(a: &ExportArguments) -> Result<(), Exit> {
         if a.start || !a.question.words().is_empty() { cell_file(&a.of, a.start)? } else { a.of.clone() };
     let read = ReportSource::read(&of, &a.packages, &a.question)?;
     let workcell = workcell(read.loaded.cell.clone(), &read.file)?;
-    let subject = read.subject(&workcell)?;
+    let mut subject = read.subject(&workcell)?;
+    if subject.found.is_none() {
+        // Equal layouts give equal files, whatever their names are.
+        subject.manifest.command = without_out(subject.manifest.command);
+    }
     let operation = posture(subject.shown(), a.posture.as_deref())?;
     write(a, &pages(&subject, operation)?)?;
     warn_of_distrust(subject.shown());
     Ok(())
+}
+
+/// Returns a command line without the name of its output.
+fn without_out(command: Vec<String>) -> Vec<String> {
+    let mut names_out = false;
+    let mut is_kept = |word: &String| {
+        let kept = !names_out && !word.starts_with("-o") && !word.starts_with("--out");
+        names_out = word == "-o" || word == "--out";
+        kept
+    };
+    command.into_iter().filter(|word| is_kept(word)).collect()
 }
 
 #[cfg(feature = "pdf")]

@@ -249,6 +249,7 @@ fn read_title_block(t: &mut Table) -> Option<TitleBlock> {
             title_block::GENERAL_TOLERANCE,
         ]
         .map(|key| t.if_given(&key, Table::name));
+        let projection = t.word(&title_block::PROJECTION);
         Some(TitleBlock {
             owner: owner?,
             title: title?,
@@ -258,7 +259,7 @@ fn read_title_block(t: &mut Table) -> Option<TitleBlock> {
             author: author?,
             approved_by: approved_by?,
             general_tolerance: general_tolerance?,
-            projection: t.word(&title_block::PROJECTION)?,
+            projection: projection?,
         })
     })
 }

@@ -19,7 +19,7 @@ const PLANE: f64 = 1.0 - 1e-9;
 const AXIS: f64 = 0.1;
 
 /// Object of the cell that becomes a block.
-struct Piece<'d> {
+struct CadPiece<'d> {
     name: &'d str,
     layer: &'static str,
     at: Placement,
@@ -67,18 +67,18 @@ fn block_of(
 }
 
 /// Returns the robot with its tool and what it holds, then the equipment and the obstacles.
-fn pieces<'d>(drawing: &'d Drawing<'_>, all: &[(&'d DrawnPart, Pose)]) -> Vec<Piece<'d>> {
+fn pieces<'d>(drawing: &'d Drawing<'_>, all: &[(&'d DrawnPart, Pose)]) -> Vec<CadPiece<'d>> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let of = |keep: &dyn Fn(&DrawnPart) -> bool| all.iter().filter(|(part, _)| keep(part)).copied().collect();
     let carried = [PartKind::Robot, PartKind::Tool, PartKind::HeldPart];
-    let robot = Piece {
+    let robot = CadPiece {
         name: &cell.robot.name,
         layer: layer_of(PartKind::Robot),
         at: layout.base,
         footprint: cell.robot.footprint,
         parts: of(&|part| carried.contains(&part.kind)),
     };
-    let stands = cell.equipment.iter().zip(&layout.placements).enumerate().map(|(k, (e, at))| Piece {
+    let stands = cell.equipment.iter().zip(&layout.placements).enumerate().map(|(k, (e, at))| CadPiece {
         name: &e.name,
         layer: layer_of(if e.role == Role::Equipment { PartKind::Equipment } else { PartKind::Obstacle }),
         at: *at,
@@ -89,7 +89,7 @@ fn pieces<'d>(drawing: &'d Drawing<'_>, all: &[(&'d DrawnPart, Pose)]) -> Vec<Pi
 }
 
 /// Writes a piece as a block whose origin is the frame of the piece, and returns the number of its faces.
-fn block(file: &mut DxfFile, drawing: &Drawing<'_>, piece: &Piece<'_>, labels: &mut Labels) -> usize {
+fn block(file: &mut DxfFile, drawing: &Drawing<'_>, piece: &CadPiece<'_>, labels: &mut Labels) -> usize {
     let frame = piece.at.pose();
     let own = frame.inverse();
     let said = crate::files::shown(piece.name);
@@ -123,7 +123,7 @@ fn block(file: &mut DxfFile, drawing: &Drawing<'_>, piece: &Piece<'_>, labels: &
 }
 
 /// Returns the bounding box of a piece in plan, world frame, m.
-fn extent(piece: &Piece<'_>) -> (PlanePoint, PlanePoint) {
+fn extent(piece: &CadPiece<'_>) -> (PlanePoint, PlanePoint) {
     let corners = floor_corners(&piece.footprint, &piece.at).into_iter();
     let points = piece
         .parts

@@ -3,13 +3,13 @@
 use super::table::TypesetTable;
 use crate::report::chart::words;
 use crate::report::page::{PageFigure, PageTable};
-use crate::report::sheet::Paper;
 use crate::report::sheet::ink::{TextStyle, put};
+use crate::report::sheet::{BLOCK, FILING_MARGIN, Paper};
 use std::fmt::Write;
 
 /// Left edge and width of the text, mm.
-pub const LEFT: f64 = 20.0;
-pub const WIDTH: f64 = 180.0;
+pub const LEFT: f64 = FILING_MARGIN;
+pub const WIDTH: f64 = BLOCK.0;
 /// Top and bottom of the text on a page, mm.
 const TOP: f64 = 16.0;
 const BOTTOM: f64 = 279.0;

@@ -15,8 +15,8 @@ const PAPERS: [Paper; 4] = [
 /// Margins of the frame at the left, which has room for holes, and at the other sides (ISO 5457), mm.
 pub const FILING_MARGIN: f64 = 20.0;
 pub const MARGIN: f64 = 10.0;
-/// Width and height of the title block (ISO 7200), mm.
-pub const BLOCK: (f64, f64) = (180.0, 40.0);
+/// Width and height of the title block (ISO 7200), mm. It is as wide as the frame of an upright A4.
+pub const BLOCK: (f64, f64) = (210.0 - FILING_MARGIN - MARGIN, 40.0);
 /// Distance between the frame and what it contains, mm.
 const INSIDE: f64 = 5.0;
 /// Height of the heading of a view, mm.

@@ -1,6 +1,6 @@
 //! List of placements beside the views of a sheet: corners, frames, tolerances, spots and room.
 
-use super::arrangement::Arrangement;
+use super::arrangement::{Arrangement, BLOCK};
 use super::dimensions::{Mark, marks};
 use super::ink::{TextStyle, put, stroke};
 use super::title::{BLACK, at_end};
@@ -17,7 +17,7 @@ const FONT: f64 = 2.5;
 const FIRST: f64 = 52.0;
 const ENDS: [f64; 6] = [68.0, 84.0, 100.0, 116.0, 132.0, 148.0];
 /// Left and right end of the last column, which contains text, mm.
-const LAST: (f64, f64) = (151.0, 180.0);
+const LAST: (f64, f64) = (151.0, BLOCK.0);
 
 /// Line of the list.
 struct ListLine {
