@@ -59,7 +59,7 @@ fn print_out(a: &ExportArguments) -> Result<(), Exit> {
     let workcell = workcell(read.loaded.cell.clone(), &read.file)?;
     let mut subject = read.subject(&workcell)?;
     if subject.found.is_none() {
-        // Equal layouts give equal files, whatever their names are.
+        // The pages do not depend on the name of the file.
         subject.manifest.command = without_out(subject.manifest.command);
     }
     let operation = posture(subject.shown(), a.posture.as_deref())?;

@@ -5,13 +5,12 @@ use crate::report::sheet::PaperSheet;
 use crate::report::sheet::title::title;
 use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, TextStr};
 use rayon::prelude::*;
-use std::collections::HashMap;
 use std::sync::Arc;
 use svg2pdf::ConversionOptions;
 use svg2pdf::usvg::{self, fontdb};
 
-/// Points of PDF per millimetre.
-const POINTS: f64 = 72.0 / 25.4;
+/// Points of PDF per pixel of SVG.
+const POINTS: f32 = 0.75;
 /// Name of the font family in the pages.
 const FAMILY: &str = "Noto Sans";
 
@@ -21,7 +20,7 @@ pub struct PdfPage {
     pub headings: Vec<String>,
 }
 
-/// Returns the fonts that texts may use; no font of the machine is among them, so equal pages give equal bytes.
+/// Returns the fonts that texts may use; no font of the machine is among them, so a page looks the same everywhere.
 fn options() -> usvg::Options<'static> {
     let mut fonts = fontdb::Database::new();
     [notosans::REGULAR_TTF, notosans::BOLD_TTF]
@@ -39,7 +38,9 @@ pub fn bytes(pages: &[PdfPage], cell: &Cell) -> Result<Vec<u8>, String> {
     let options = options();
     let converted = pages.par_iter().map(|page| {
         let tree = usvg::Tree::from_str(&page.sheet.svg, &options).map_err(|e| e.to_string())?;
-        svg2pdf::to_chunk(&tree, ConversionOptions::default()).map_err(|e| e.to_string())
+        let (chunk, drawn) =
+            svg2pdf::to_chunk(&tree, ConversionOptions::default()).map_err(|e| e.to_string())?;
+        Ok((chunk, drawn, (tree.size().width() * POINTS, tree.size().height() * POINTS)))
     });
     let converted: Vec<_> = converted.collect::<Result<_, String>>()?;
     let mut next = Ref::new(1);
@@ -47,12 +48,16 @@ pub fn bytes(pages: &[PdfPage], cell: &Cell) -> Result<Vec<u8>, String> {
     let leaves: Vec<[Ref; 2]> = pages.iter().map(|_| [next.bump(), next.bump()]).collect();
     let mut pdf = Pdf::new();
     pdf.pages(tree).kids(leaves.iter().map(|[page, _]| *page)).count(leaves.len() as i32);
-    for ((page, [leaf, content]), (chunk, drawn)) in pages.iter().zip(&leaves).zip(&converted) {
-        let mut renamed = HashMap::new();
-        let chunk = chunk.renumber(|old| *renamed.entry(old).or_insert_with(|| next.bump()));
-        let drawn = renamed.get(drawn).copied().ok_or("a page lost its content")?;
-        let paper = page.sheet.paper;
-        let [width, height] = [paper.width, paper.height].map(|mm| (mm * POINTS) as f32);
+    for ([leaf, content], (chunk, drawn, (width, height))) in leaves.iter().zip(&converted) {
+        // The crate writes objects in any order, but it always gives them the same numbers.
+        let (first, mut last) = (next.get() - 1, next.get());
+        let moved = |old: Ref| Ref::new(first + old.get());
+        let chunk = chunk.renumber(|old| {
+            last = last.max(moved(old).get());
+            moved(old)
+        });
+        next = Ref::new(last + 1);
+        let (width, height, drawn) = (*width, *height, moved(*drawn));
         let mut written = pdf.page(*leaf);
         written.media_box(Rect::new(0.0, 0.0, width, height)).parent(tree).contents(*content);
         written.resources().x_objects().pair(Name(b"S"), drawn);
@@ -62,7 +67,8 @@ pub fn bytes(pages: &[PdfPage], cell: &Cell) -> Result<Vec<u8>, String> {
         pdf.stream(*content, &placed.finish());
         pdf.extend(&chunk);
     }
-    let outline = contents(&mut pdf, pages, &leaves, &mut next);
+    let heights: Vec<f32> = converted.iter().map(|(.., (_, height))| *height).collect();
+    let outline = contents(&mut pdf, (pages, &heights), &leaves, &mut next);
     let mut root = pdf.catalog(catalog);
     root.pages(tree).lang(TextStr("en"));
     root.outlines(outline);
@@ -78,10 +84,14 @@ pub fn bytes(pages: &[PdfPage], cell: &Cell) -> Result<Vec<u8>, String> {
 }
 
 /// Writes the table of contents and returns its reference.
-fn contents(pdf: &mut Pdf, pages: &[PdfPage], leaves: &[[Ref; 2]], next: &mut Ref) -> Ref {
+fn contents(
+    pdf: &mut Pdf,
+    (pages, heights): (&[PdfPage], &[f32]),
+    leaves: &[[Ref; 2]],
+    next: &mut Ref,
+) -> Ref {
     let outline = next.bump();
-    let entries = pages.iter().zip(leaves).flat_map(|(page, [leaf, _])| {
-        let height = (page.sheet.paper.height * POINTS) as f32;
+    let entries = pages.iter().zip(leaves).zip(heights).flat_map(|((page, [leaf, _]), height)| {
         page.headings.iter().map(move |heading| (heading, *leaf, height))
     });
     let entries: Vec<_> = entries.map(|entry| (next.bump(), entry)).collect();
@@ -89,7 +99,7 @@ fn contents(pdf: &mut Pdf, pages: &[PdfPage], leaves: &[[Ref; 2]], next: &mut Re
     for (k, (id, (heading, leaf, height))) in entries.iter().enumerate() {
         let mut item = pdf.outline_item(*id);
         item.title(TextStr(heading)).parent(outline);
-        item.dest().page(*leaf).xyz(0.0, *height, None);
+        item.dest().page(*leaf).xyz(0.0, **height, None);
         if let Some(before) = k.checked_sub(1) {
             item.prev(ids[before]);
         }
