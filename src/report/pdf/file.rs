@@ -49,7 +49,7 @@ pub fn bytes(pages: &[PdfPage], cell: &Cell) -> Result<Vec<u8>, String> {
     let mut pdf = Pdf::new();
     pdf.pages(tree).kids(leaves.iter().map(|[page, _]| *page)).count(leaves.len() as i32);
     for ([leaf, content], (chunk, drawn, (width, height))) in leaves.iter().zip(&converted) {
-        // The crate writes objects in any order, but it always gives them the same numbers.
+        // The objects of a page have the next free numbers.
         let (first, mut last) = (next.get() - 1, next.get());
         let moved = |old: Ref| Ref::new(first + old.get());
         let chunk = chunk.renumber(|old| {
