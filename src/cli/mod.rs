@@ -22,6 +22,7 @@ mod output;
 mod output_folder;
 mod packages;
 mod progress;
+mod report_source;
 mod results;
 mod results_folder;
 mod search_request;

@@ -19,6 +19,8 @@ pub mod moveit;
 pub mod page;
 #[cfg(feature = "parquet")]
 pub mod parquet;
+#[cfg(feature = "pdf")]
+pub mod pdf;
 pub mod scene_objects;
 pub mod sheet;
 pub mod sweep;

@@ -107,6 +107,12 @@ fn every_heavy_crate_has_one_home() {
     for name in ["minijinja", "base64", "gltf_json"] {
         assert_eq!(homes(name), only("report"), "{name}");
     }
+    // The crates of the PDF have one file.
+    for name in ["svg2pdf", "pdf_writer", "notosans"] {
+        let users: Vec<_> =
+            sources().into_iter().filter(|f| uses_crate(&f.code, name)).map(|f| f.path).collect();
+        assert_eq!(users, ["report/pdf/file.rs"], "{name}");
+    }
     // Hashes of the files that are read and written, and of what a page may run.
     assert_eq!(homes("sha2"), BTreeSet::from(["cli", "report"].map(String::from)));
     for (name, home) in

@@ -15,6 +15,8 @@ pub enum ExportFormat {
     Glb,
     /// Drawing to scale on paper: plan and elevation
     Svg,
+    /// Answer, drawing to scale and appendix, for print
+    Pdf,
     /// Table of all nodes
     Csv,
     /// Map as a JSON document
@@ -44,6 +46,7 @@ impl ExportFormat {
             ExportFormat::Dxf => "dxf",
             ExportFormat::Glb => "glb",
             ExportFormat::Svg => "svg",
+            ExportFormat::Pdf => "pdf",
             ExportFormat::Csv => "csv",
             ExportFormat::Json => "json",
             ExportFormat::Parquet => "parquet",

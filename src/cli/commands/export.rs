@@ -1,5 +1,7 @@
 //! `export`: writes a layout in the formats of other programs.
 
+mod print_out;
+
 use super::{stem, suggest_with, warn_of_distrust, workcell};
 use crate::assess::Assessment;
 use crate::cell::Layout;
@@ -14,6 +16,7 @@ use crate::record::MapDocument;
 use crate::report;
 use crate::report::controller::{self, Controller};
 use crate::report::layout_frames::LayoutFrames;
+use crate::report::sheet::{self, SheetNumber};
 use crate::report::{moveit, urdf};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
@@ -26,6 +29,18 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     a.out.as_deref().map_or(Ok(()), |out| refuse_other_ending(out, a.to))?;
     refuse_missing_writer(a.to)?;
     refuse_idle_meshes(a)?;
+    if a.to == ExportFormat::Pdf {
+        print_out::print_out(a)?
+    } else {
+        draw(a)?
+    }
+    let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
+    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.name()), &a.packages);
+    Ok(Exit::Done)
+}
+
+/// Writes a format that shows one layout.
+fn draw(a: &ExportArguments) -> Result<(), Exit> {
     let (Loaded { cell, .. }, file, best) = subject(a)?;
     let workcell = workcell(cell, &file)?;
     let label = if a.of.is_dir() && !a.start { "best layout" } else { "layout as drawn" };
@@ -34,14 +49,27 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
         assessment = assessment.with_regions();
     }
     let operation = posture(&assessment, a.posture.as_deref())?;
-    let out = a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())));
-    let bytes = rendered(&assessment, a, &out, operation)?;
-    loading::write_whole(&out, &bytes)?;
-    output::talk(&format!("wrote {}: {} kB", path_word(&out), bytes.len().div_ceil(1 << 10)));
+    let out = output_file(a);
+    write(&out, &rendered(&assessment, a, &out, operation)?)?;
     warn_of_distrust(&assessment);
-    let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
-    suggest_with(&format!("export {} --to {}", path_word(&a.of), next.name()), &a.packages);
-    Ok(Exit::Done)
+    Ok(())
+}
+
+/// Returns the file to write.
+fn output_file(a: &ExportArguments) -> PathBuf {
+    a.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{}", stem(&a.of), a.to.extension())))
+}
+
+fn write(out: &Path, bytes: &[u8]) -> Result<(), Exit> {
+    loading::write_whole(out, bytes)?;
+    output::talk(&format!("wrote {}: {} kB", path_word(out), bytes.len().div_ceil(1 << 10)));
+    Ok(())
+}
+
+/// Says why a format cannot be written.
+fn cannot(format: ExportFormat, why: &str) -> Exit {
+    output::error(&format!("cannot export {}: {}", format.name(), shown(why)));
+    Exit::BadInput
 }
 
 /// Returns the cell to draw and its file, with the best layout of a result folder.
@@ -58,11 +86,13 @@ fn subject(a: &ExportArguments) -> Result<(Loaded, PathBuf, Option<Layout>), Exi
 
 /// Refuses a format whose writer is not part of this build.
 fn refuse_missing_writer(format: ExportFormat) -> Result<(), Exit> {
-    if format != ExportFormat::Parquet || cfg!(feature = "parquet") {
-        return Ok(());
-    }
-    output::error("this build has no Parquet writer");
-    output::talk("  help: cargo install --path . --features parquet");
+    let (name, feature) = match format {
+        ExportFormat::Parquet if !cfg!(feature = "parquet") => ("Parquet", "parquet"),
+        ExportFormat::Pdf if !cfg!(feature = "pdf") => ("PDF", "pdf"),
+        _ => return Ok(()),
+    };
+    output::error(&format!("this build has no {name} writer"));
+    output::talk(&format!("  help: cargo install --path . --features {feature}"));
     Err(Exit::BadInput)
 }
 
@@ -103,11 +133,6 @@ fn with_meshes(a: &Assessment<'_>, out: &Path, prefix: Option<&str>) -> Result<V
 /// Returns the drawing without envelopes, for formats that show none.
 fn plain_drawing<'a>(a: &Assessment<'a>) -> Result<Drawing<'a>, String> {
     Drawing::new(a, &Detail { envelopes: false, ..Detail::PLAIN })
-}
-
-fn cannot(format: ExportFormat, why: &str) -> Exit {
-    output::error(&format!("cannot export {}: {}", format.name(), shown(why)));
-    Exit::BadInput
 }
 
 /// Refuses a file name with the extension of another format, which would mislead the program that opens it.
@@ -186,9 +211,10 @@ fn rendered(
         ExportFormat::Parquet => report::parquet::map(a).map_err(cannot),
         #[cfg(not(feature = "parquet"))]
         ExportFormat::Parquet => refuse_missing_writer(format).map(|()| Vec::new()),
+        ExportFormat::Pdf => Err(cannot("it shows more than one layout".into())),
         ExportFormat::Dxf => Ok(report::dxf::dxf(&drawing()?, operation)),
         ExportFormat::Glb => report::glb::glb(&drawing()?, operation).map_err(cannot),
-        ExportFormat::Svg => Ok(report::sheet::sheet(&drawing()?, operation).into_bytes()),
+        ExportFormat::Svg => Ok(sheet::sheet(&drawing()?, operation, SheetNumber::ALONE).svg.into_bytes()),
         ExportFormat::Png => {
             let shot = Shot { context: operation, width: PNG_SIZE.0, height: PNG_SIZE.1, ..Shot::default() };
             raster::png(&drawing()?, &shot).map_err(cannot)

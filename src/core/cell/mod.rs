@@ -20,6 +20,7 @@ mod question;
 mod robot_model;
 mod sense;
 mod shape;
+mod title_block;
 mod tolerance_cost;
 
 pub use assumption::StatedKeys;
@@ -37,4 +38,5 @@ pub use question::{About, Interpretation, QuestionFault};
 pub use robot_model::*;
 pub use sense::*;
 pub use shape::*;
+pub use title_block::{Projection, TitleBlock};
 pub use tolerance_cost::*;

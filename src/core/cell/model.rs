@@ -9,6 +9,7 @@ use super::goal::Goal;
 use super::robot_model::Robot;
 use super::sense::{Sense, Unit};
 use super::shape::{Rectangle, Solid};
+use super::title_block::TitleBlock;
 use super::tolerance_cost::ToleranceCost;
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
@@ -249,6 +250,7 @@ pub struct Cell {
     pub transfer: Option<TransferRules>,
     pub fence: Option<Fence>,
     pub search: SearchSettings,
+    pub title_block: TitleBlock,
     /// Values that the cell file leaves out and that are assumed.
     pub assumed: Vec<Assumption>,
 }

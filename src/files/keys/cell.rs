@@ -7,6 +7,7 @@ use super::operation::operation;
 use super::parts::*;
 use super::robot::robot_in_cell;
 use super::sense::sense;
+use super::title_block::title_block;
 use crate::cell::*;
 use serde_json::{Value, json};
 
@@ -83,5 +84,6 @@ key_table! {
         TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");
         FENCE = table("fence", &fence::TABLE, "Fence around the equipment and the robot base.");
         SEARCH = table("search", &search::TABLE, "How the layout is searched.");
+        TITLE_BLOCK = table("title_block", &title_block::TABLE, "Title block of the drawings that `export` makes (ISO 7200).");
     }
 }

@@ -14,5 +14,6 @@ pub mod range;
 pub mod robot;
 pub mod sense;
 pub mod solid;
+pub mod title_block;
 pub mod unit;
 pub mod word;

@@ -9,6 +9,7 @@ use crate::files::keys::constraints::margins;
 use crate::files::keys::equipment::{equipment as equipment_keys, obstacle};
 use crate::files::keys::key::Key;
 use crate::files::keys::robot::robot_in_cell;
+use crate::files::keys::title_block::title_block;
 use crate::files::toml::document::Library;
 use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{Node, Value};
@@ -39,6 +40,7 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
         let transfer = constraints::read_transfer(t, built, margins);
         let fence = constraints::read_fence(t);
         let search = read_search(t);
+        let title_block = read_title_block(t);
         let ((robot, base, base_tolerance, base_support), question) = (robot?, question?);
         let mut cell = Cell {
             name: name?.unwrap_or_else(|| stem.to_string()),
@@ -63,6 +65,7 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
             transfer: transfer?,
             fence: fence?,
             search: search?,
+            title_block: title_block?,
             assumed: Vec::new(),
         };
         // The floor space of the base contains its pedestal.
@@ -236,6 +239,34 @@ fn read_search(t: &mut Table) -> Option<SearchSettings> {
             stagnation: stagnation?,
             pareto: pareto?,
             keep: keep?.unwrap_or(0) as usize,
+        })
+    })
+}
+
+fn read_title_block(t: &mut Table) -> Option<TitleBlock> {
+    t.table_or(&cell::TITLE_BLOCK, TitleBlock::default(), |t| {
+        let [owner, title, number, revision, date, author, approved_by, general_tolerance] = [
+            title_block::OWNER,
+            title_block::TITLE,
+            title_block::NUMBER,
+            title_block::REVISION,
+            title_block::DATE,
+            title_block::AUTHOR,
+            title_block::APPROVED_BY,
+            title_block::GENERAL_TOLERANCE,
+        ]
+        .map(|key| t.if_given(&key, Table::name));
+        let projection = t.word(&title_block::PROJECTION);
+        Some(TitleBlock {
+            owner: owner?,
+            title: title?,
+            number: number?,
+            revision: revision?,
+            date: date?,
+            author: author?,
+            approved_by: approved_by?,
+            general_tolerance: general_tolerance?,
+            projection: projection?,
         })
     })
 }

@@ -13,10 +13,11 @@ use crate::assess::Assessment;
 use crate::cell::{Placement, Role};
 use crate::colours::viridis_hex;
 use crate::drawing::round_numbers::{DIGITS, round_down};
-use crate::drawing::{PartKind, floor_corners};
-use crate::error_map::{NodeRecord, OperationMap};
+use crate::drawing::{ErrorView, PartKind, floor_corners};
+use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::svg_text::{PathEnd, escaped, path_data};
+use nalgebra::Vector2;
 
 /// Largest number of nodes of a map that are drawn.
 const MAX_NODES: usize = 4000;
@@ -166,8 +167,9 @@ impl<'a> ErrorMapPicture<'a> {
     /// Returns the enlargement of the arrows: drawn length divided by the length of the error at the
     /// picture's scale. The longest arrow has about the length [`LONGEST_ARROW`].
     fn enlargement(&self) -> f64 {
-        let errors = self.a.maps.iter().flat_map(OperationMap::usable).map(|(_, _, p)| p.error.xy().norm());
-        let longest = errors.fold(0.0, f64::max);
+        let errors =
+            self.a.maps.iter().flat_map(|map| map.usable().map(|(_, _, p)| drawn_error(self.a, map, p)));
+        let longest = errors.map(|error| error.norm()).fold(0.0, f64::max);
         // A factor with one significant digit reads better than one with six.
         if longest > 0.0 { round_down(LONGEST_ARROW / (longest * self.view.scale), DIGITS) } else { 1.0 }
     }
@@ -176,6 +178,7 @@ impl<'a> ErrorMapPicture<'a> {
         let (unit, every) = (self.a.cell.unit(), thinning(map));
         let (low, high) = scales.range;
         let stretch = scales.enlarged * self.view.scale;
+        let is_signed = ErrorView::of(self.a.cell).is_signed();
         for node in map.nodes.iter().filter(|n| is_kept(n, every)) {
             let (x, y) = self.view.at(&(node.position.x, node.position.y));
             let at = format!("({}, {})", node.i, node.j);
@@ -183,7 +186,8 @@ impl<'a> ErrorMapPicture<'a> {
                 Some(p) => {
                     let value = unit.from_si(p.value);
                     let fill = viridis_hex((value - low) / (high - low).max(f64::MIN_POSITIVE));
-                    let arrow = arrow((x, y), (p.error.x * stretch, -p.error.y * stretch));
+                    let error = drawn_error(self.a, map, p) * stretch;
+                    let arrow = arrows((x, y), (error.x, -error.y), is_signed);
                     format!(
                         "<g stroke=\"{fill}\"><title>{at}: {value:.4} {}</title><path d=\"{arrow}\" fill=\"none\" \
                          stroke-width=\"1.5\"/><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.6\" fill=\"{fill}\"/></g>",
@@ -252,6 +256,22 @@ fn is_kept(node: &NodeRecord, every: usize) -> bool {
 fn thinning(map: &OperationMap) -> usize {
     let kept = |every: usize| map.nodes.iter().filter(|n| is_kept(n, every)).count();
     (1..).find(|every| kept(*every) <= MAX_NODES).unwrap_or(1)
+}
+
+/// Returns the error in x and y that the arrow of a node shows, m.
+///
+/// An error without a sign has the size of its figure in `xy`, along the worst corner of the tolerance box.
+fn drawn_error(a: &Assessment<'_>, map: &OperationMap, p: &PostureRecord) -> Vector2<f64> {
+    let (cell, error) = (a.cell, p.error.xy());
+    let Some(sense) = map.sense("xy").filter(|_| !ErrorView::of(cell).is_signed()) else { return error };
+    let size = p.figures[sense].in_reading(cell.reading, cell.quantity);
+    error.try_normalize(0.0).map_or(error, |direction| direction * size)
+}
+
+/// Returns the SVG path of the arrow of an error: one arrow, or one either way if the error has no sign.
+fn arrows(at: (f64, f64), (dx, dy): (f64, f64), is_signed: bool) -> String {
+    let there = arrow(at, (dx, dy));
+    if is_signed { there } else { there + &arrow(at, (-dx, -dy)) }
 }
 
 /// Returns the SVG path of an arrow with shaft and head.

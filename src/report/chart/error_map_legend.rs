@@ -4,8 +4,8 @@ use super::canvas::{Anchor, BODY, Ink, LegendEntry};
 use super::error_map_picture::{ErrorMapPicture, MARGIN, MapScales};
 use super::{signs, solids, words};
 use crate::colours::viridis_hex;
-use crate::drawing::PartKind;
 use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
+use crate::drawing::{ErrorView, PartKind};
 
 use crate::units::{m_from_mm, mm_from_m, rounded};
 
@@ -27,8 +27,13 @@ pub(super) fn reach_line(k: usize) -> String {
 pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     draw_scale_bar(plan);
     draw_colours(plan, scales);
+    let lens = ErrorView::of(plan.a.cell);
+    let what = match lens.is_signed() {
+        true => "error in x and y".to_string(),
+        false => format!("{} in x and y, either way along the worst corner", lens.reading_word()),
+    };
     let canvas = &mut plan.canvas;
-    canvas.paragraph(&format!("arrows: error in x and y, enlarged {} times", scales.enlarged));
+    canvas.paragraph(&format!("arrows: {what}, enlarged {} times", scales.enlarged));
     if scales.every > 1 {
         canvas.paragraph(&format!(
             "one node of {} is drawn along each axis; the spots are chosen from all nodes",

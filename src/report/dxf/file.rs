@@ -4,9 +4,11 @@
 //! handle and names its owner. The dxf crate does not write such handles and owners. Lengths are given in m
 //! and written in mm.
 
+mod dimensions;
+mod entities;
+mod layouts;
 mod tables;
 
-use super::text::safe;
 use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector3;
 use std::fmt::{Display, Write};
@@ -39,12 +41,21 @@ impl Codes {
     }
 }
 
-/// Layer: name and AutoCAD colour index.
-pub type Layer = (&'static str, u16);
+/// Layer of a drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layer {
+    pub name: &'static str,
+    /// AutoCAD colour index.
+    pub colour: u16,
+    /// Whether CAD programs hide the layer until the user thaws it.
+    pub is_frozen: bool,
+}
 
-/// Container of entities: model space, paper space or the block of a dimension.
+/// Container of entities: model space, paper space, the block of a dimension or the block of an object.
 struct DxfSpace {
     name: String,
+    /// Handle of the layout of model space or paper space; 0 for a block.
+    layout: u64,
     /// Handle of the block record; `begin` and `end` are the handles of the BLOCK and ENDBLK entities.
     record: u64,
     begin: u64,
@@ -67,13 +78,19 @@ impl DxfSpace {
 /// Handle of the root dictionary; the tables have smaller handles.
 const ROOT: u64 = 0xA;
 const GROUPS: u64 = 0xB;
+/// Handle of the dictionary of layouts.
+const LAYOUTS: u64 = 0xC;
 /// First handle of the objects that are neither tables nor dictionaries.
 const FIRST_HANDLE: u64 = 0x10;
 
 /// Name of the dimension style.
 const STYLE: &str = "MM";
 
-/// Drawing under construction; entities go to the model space.
+/// Indices of model space and paper space among the spaces.
+const MODEL: usize = 0;
+const PAPER: usize = 1;
+
+/// Drawing under construction; entities go to the model space unless a block or the paper is being written.
 pub struct DxfFile {
     next: u64,
     spaces: Vec<DxfSpace>,
@@ -83,14 +100,22 @@ pub struct DxfFile {
     pub height: f64,
     low: Vector3<f64>,
     high: Vector3<f64>,
+    /// Width and height of the paper, m.
+    paper: (f64, f64),
 }
 
 impl DxfFile {
     pub fn new(height: f64) -> Self {
         let (low, high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
-        let mut file = Self { next: FIRST_HANDLE, spaces: Vec::new(), space: 0, height, low, high };
-        file.add_space("*Model_Space".into());
-        file.add_space("*Paper_Space".into());
+        let (spaces, paper) = (Vec::new(), (0.0, 0.0));
+        let mut file = Self { next: FIRST_HANDLE, spaces, space: MODEL, height, low, high, paper };
+        for name in ["*Model_Space", "*Paper_Space"] {
+            file.add_space(name.into());
+            let layout = file.handle();
+            if let Some(space) = file.spaces.last_mut() {
+                space.layout = layout;
+            }
+        }
         file
     }
 
@@ -101,7 +126,46 @@ impl DxfFile {
 
     fn add_space(&mut self, name: String) {
         let [record, begin, end] = [0; 3].map(|_| self.handle());
-        self.spaces.push(DxfSpace { name, record, begin, end, content: Codes::default() });
+        self.spaces.push(DxfSpace { name, layout: 0, record, begin, end, content: Codes::default() });
+    }
+
+    /// Writes a block; the entities of `content` belong to it, and their coordinates are those of the block.
+    ///
+    /// Returns the name of the block: `name`, with a number if another block has this name.
+    pub fn block(&mut self, name: &str, content: impl FnOnce(&mut Self)) -> String {
+        let name = self.free_name(&block_name(name));
+        let before = (self.space, self.low, self.high);
+        self.add_space(name.clone());
+        self.space = self.spaces.len() - 1;
+        content(self);
+        // What a block contains has no place in the model until the block is inserted.
+        (self.space, self.low, self.high) = before;
+        name
+    }
+
+    fn free_name(&self, name: &str) -> String {
+        let is_free = |name: &str| self.spaces.iter().all(|space| !space.name.eq_ignore_ascii_case(name));
+        let numbered = (2..).map(|k| format!("{name}_{k}"));
+        std::iter::once(name.to_string()).chain(numbered).find(|name| is_free(name)).unwrap_or_default()
+    }
+
+    /// Writes the paper space, which shows on a paper of this size (m) what `content` draws; coordinates are on paper, m.
+    pub fn paper(&mut self, size: (f64, f64), content: impl FnOnce(&mut Self)) {
+        let before = (self.space, self.low, self.high, self.height);
+        (self.space, self.paper) = (PAPER, size);
+        self.main_viewport();
+        content(self);
+        (self.space, self.low, self.high, self.height) = before;
+    }
+
+    /// Returns the extents of the model, m.
+    pub fn extents(&self) -> (Vector3<f64>, Vector3<f64>) {
+        (self.low, self.high)
+    }
+
+    /// Widens the extents of the model to a point.
+    pub fn include(&mut self, p: &Vector3<f64>) {
+        self.seen(p);
     }
 
     /// Begins an entity on a layer in the current space.
@@ -112,6 +176,9 @@ impl DxfFile {
         content.handle(5, handle);
         content.handle(330, *record);
         content.put(100, "AcDbEntity");
+        if self.space == PAPER {
+            content.put(67, 1);
+        }
         content.put(8, layer);
         content
     }
@@ -119,155 +186,18 @@ impl DxfFile {
     fn seen(&mut self, p: &Vector3<f64>) {
         (self.low, self.high) = (self.low.inf(p), self.high.sup(p));
     }
-
-    pub fn line(&mut self, layer: &str, a: &Vector3<f64>, b: &Vector3<f64>) {
-        let out = self.entity("LINE", layer);
-        out.put(100, "AcDbLine");
-        out.point(10, a);
-        out.point(11, b);
-        [a, b].into_iter().for_each(|p| self.seen(p));
-    }
-
-    pub fn circle(&mut self, layer: &str, centre: &Vector3<f64>, radius: f64) {
-        let out = self.entity("CIRCLE", layer);
-        out.put(100, "AcDbCircle");
-        out.point(10, centre);
-        out.length(40, radius);
-        let half = Vector3::new(radius, radius, 0.0);
-        [centre - half, centre + half].iter().for_each(|p| self.seen(p));
-    }
-
-    /// Writes a triangle. `hidden` tells for each edge, from a corner to the next one, whether it is
-    /// invisible.
-    pub fn face(&mut self, layer: &str, corners: &[Vector3<f64>; 3], hidden: [bool; 3]) {
-        let out = self.entity("3DFACE", layer);
-        out.put(100, "AcDbFace");
-        // The fourth corner repeats the third, and the edge between them is invisible.
-        for (k, corner) in [0, 1, 2, 2].into_iter().enumerate() {
-            out.point(10 + k as u16, &corners[corner]);
-        }
-        let flags = [(hidden[0], 1), (hidden[1], 2), (true, 4), (hidden[2], 8)];
-        out.put(70, flags.iter().filter(|(is, _)| *is).map(|(_, bit)| bit).sum::<u16>());
-        corners.iter().for_each(|p| self.seen(p));
-    }
-
-    /// Writes a closed horizontal outline at height `z`; world frame, m.
-    pub fn outline(&mut self, layer: &str, points: &[(f64, f64)], z: f64) {
-        let out = self.entity("LWPOLYLINE", layer);
-        out.put(100, "AcDbPolyline");
-        out.put(90, points.len());
-        out.put(70, 1);
-        out.length(38, z);
-        for (x, y) in points {
-            out.length(10, *x);
-            out.length(20, *y);
-        }
-        points.iter().for_each(|(x, y)| self.seen(&Vector3::new(*x, *y, z)));
-    }
-
-    /// Writes a closed line in space.
-    pub fn ring(&mut self, layer: &str, points: &[Vector3<f64>]) {
-        let out = self.entity("POLYLINE", layer);
-        out.put(100, "AcDb3dPolyline");
-        out.put(66, 1);
-        out.point(10, &Vector3::zeros());
-        out.put(70, 9);
-        for p in points {
-            let out = self.entity("VERTEX", layer);
-            out.put(100, "AcDbVertex");
-            out.put(100, "AcDb3dPolylineVertex");
-            out.point(10, p);
-            out.put(70, 32);
-            self.seen(p);
-        }
-        self.entity("SEQEND", layer);
-    }
-
-    /// Writes a text that starts at `at` or is centred on it, rotated by `angle` (rad).
-    pub fn text(&mut self, layer: &str, at: &Vector3<f64>, text: &str, (angle, centred): (f64, bool)) {
-        let (height, text) = (self.height, safe(text));
-        let out = self.entity("TEXT", layer);
-        out.put(100, "AcDbText");
-        out.point(10, at);
-        out.length(40, height);
-        out.put(1, text);
-        out.real(50, crate::units::deg_from_rad(angle));
-        if centred {
-            out.put(72, 1);
-            out.point(11, at);
-        }
-        out.put(100, "AcDbText");
-        self.seen(at);
-    }
-
-    /// Writes the dimension from `a` to `b` along x, or along y if `upright`. The dimension line passes
-    /// through `through`. AutoCAD reads an associative dimension; other programs draw the block of the
-    /// dimension.
-    pub fn dimension(
-        &mut self,
-        layer: &str,
-        [a, b]: [&Vector3<f64>; 2],
-        through: &Vector3<f64>,
-        upright: bool,
-    ) {
-        let foot = |p: &Vector3<f64>| match upright {
-            true => Vector3::new(through.x, p.y, p.z),
-            false => Vector3::new(p.x, through.y, p.z),
-        };
-        let [from, to] = [foot(a), foot(b)];
-        let (size, angle) = ((to - from).norm(), if upright { std::f64::consts::FRAC_PI_2 } else { 0.0 });
-        let across = if upright { -Vector3::x() } else { Vector3::y() };
-        let middle = (from + to) / 2.0 + across * (0.4 * self.height);
-        let name = format!("*D{}", self.spaces.len() - 1);
-        self.add_space(name.clone());
-        self.space = self.spaces.len() - 1;
-        self.line(layer, a, &from);
-        self.line(layer, b, &to);
-        self.line(layer, &from, &to);
-        let along = (to - from).try_normalize(1e-9).unwrap_or_else(Vector3::x) * self.height;
-        for (tip, along) in [(from, along), (to, -along)] {
-            let side = across * (0.2 * self.height);
-            self.face(layer, &[tip, tip + along + side, tip + along - side], [false; 3]);
-        }
-        self.text(layer, &middle, &rounded(mm_from_m(size), 1).to_string(), (angle, true));
-        self.space = 0;
-        let out = self.entity("DIMENSION", layer);
-        out.put(100, "AcDbDimension");
-        out.put(2, name);
-        out.point(10, &to);
-        out.point(11, &middle);
-        // The dimension is rotated and has a block of its own.
-        out.put(70, 32);
-        out.put(71, 5);
-        out.length(42, size);
-        out.put(1, "");
-        out.put(3, STYLE);
-        out.put(100, "AcDbAlignedDimension");
-        out.point(13, a);
-        out.point(14, b);
-        out.real(50, crate::units::deg_from_rad(angle));
-        out.put(100, "AcDbRotatedDimension");
-    }
-
     /// Returns the whole file.
     pub fn bytes(mut self, layers: &[Layer]) -> Vec<u8> {
         let mut body = Codes::default();
         self.tables(&mut body, layers);
         self.blocks(&mut body);
-        section(&mut body, "ENTITIES", |out| out.0.push_str(&self.spaces[0].content.0));
+        section(&mut body, "ENTITIES", |out| {
+            [MODEL, PAPER].iter().for_each(|space| out.0.push_str(&self.spaces[*space].content.0));
+        });
         section(&mut body, "OBJECTS", |out| {
-            out.put(0, "DICTIONARY");
-            out.handle(5, ROOT);
-            out.put(330, 0);
-            out.put(100, "AcDbDictionary");
-            out.put(281, 1);
-            out.put(3, "ACAD_GROUP");
-            out.handle(350, GROUPS);
-            out.put(0, "DICTIONARY");
-            out.handle(5, GROUPS);
-            out.handle(330, ROOT);
-            out.put(100, "AcDbDictionary");
-            out.put(281, 1);
+            dictionary(out, ROOT, 0, &[("ACAD_GROUP", GROUPS), ("ACAD_LAYOUT", LAYOUTS)]);
+            dictionary(out, GROUPS, ROOT, &[]);
+            self.layouts(out);
         });
         body.put(0, "EOF");
         let mut head = Codes::default();
@@ -305,7 +235,7 @@ impl DxfFile {
                 space.edge(out, "BLOCK", space.begin, "AcDbBlockBegin");
                 out.put(2, &space.name);
                 // The block of a dimension is anonymous.
-                out.put(70, u8::from(k > 1));
+                out.put(70, u8::from(space.name.starts_with("*D")));
                 out.point(10, &Vector3::zeros());
                 out.put(3, &space.name);
                 out.put(1, "");
@@ -315,6 +245,25 @@ impl DxfFile {
                 space.edge(out, "ENDBLK", space.end, "AcDbBlockEnd");
             }
         });
+    }
+}
+
+/// Returns a name that a block may have: letters, digits and a few signs; others become `_`.
+fn block_name(name: &str) -> String {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '$' | ' ');
+    name.chars().map(|c| if allowed(c) { c } else { '_' }).collect::<String>().trim().to_string()
+}
+
+/// Writes a dictionary with its entries: names and handles.
+fn dictionary(out: &mut Codes, handle: u64, owner: u64, entries: &[(&str, u64)]) {
+    out.put(0, "DICTIONARY");
+    out.handle(5, handle);
+    out.handle(330, owner);
+    out.put(100, "AcDbDictionary");
+    out.put(281, 1);
+    for (name, handle) in entries {
+        out.put(3, name);
+        out.handle(350, *handle);
     }
 }
 

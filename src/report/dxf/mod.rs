@@ -1,142 +1,89 @@
-//! CAD drawing: DXF of release 2000 in mm, z up, with one layer for each kind of object.
+//! CAD drawing: DXF of release 2000 in mm, z up, with one layer for each kind of object, one block for each piece, and
+//! a title block in paper space.
 
 mod file;
+mod labels;
+mod layers;
+mod paper;
+mod pieces;
+#[doc(hidden)] // open for tests/it
+pub mod simplified;
 #[doc(hidden)] // open for tests/it
 pub mod text;
 
-use crate::cell::Role;
-use crate::drawing::floor_corners;
-use crate::drawing::{Component, Drawing, Field, Mesh, PartKind};
-use crate::pose::Pose;
-use crate::units::{deg_from_rad, mm_from_m, rounded};
-use file::{DxfFile, Layer};
-use nalgebra::Vector3;
-use std::collections::HashMap;
+use crate::cell::{Equipment, Placement, Role};
+use crate::drawing::{Component, Drawing, Field};
+use crate::files::shown;
+use crate::units::{deg_from_rad, mm_from_m, rounded, wrapped};
+use file::DxfFile;
+use labels::{Labels, at_height};
+use layers::{DIMENSIONS, ENVELOPE, REGION, SPOT, TEXT};
+use nalgebra::{Vector2, Vector3};
 
-const ROBOT: &str = "ROBOT";
-const EQUIPMENT: &str = "EQUIPMENT";
-const ENVELOPE: &str = "ENVELOPE";
-const REGION: &str = "REGION";
-const SPOT: &str = "SPOT";
-const DIMENSIONS: &str = "DIMENSIONS";
-const TEXT: &str = "TEXT";
-
-/// Layers with their colours. Every colour has a contrast ratio of at least 3 on a white background and on
-/// AutoCAD's black one. Colour 7 is black on white and white on black.
-const LAYERS: [Layer; 16] = [
-    (ROBOT, 32),
-    (ENVELOPE, 134),
-    (EQUIPMENT, 8),
-    ("OBSTACLES", 252),
-    ("FENCE", 252),
-    ("KEEP_OUT", 1),
-    ("NODES_OK", 94),
-    ("NODES_OUT", 1),
-    ("ARROWS_X", 12),
-    ("ARROWS_Y", 94),
-    ("ARROWS_Z", 150),
-    ("ARROWS_R", 7),
-    (REGION, 30),
-    (SPOT, 6),
-    (DIMENSIONS, 7),
-    (TEXT, 7),
-];
-
-/// Least cosine of the angle between the normals of two coplanar faces. The edge between such faces is not
-/// drawn.
-const PLANE: f64 = 1.0 - 1e-9;
 /// Text height as a share of the longer side of the cell, and the least text height, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
-/// Length of the axes at the frame of a piece of equipment, m.
-const AXIS: f64 = 0.1;
 
 /// Returns the drawing with the robot at the spot of an operation, or at home. The drawing shows the errors
 /// under the model and the reading of the cell.
 pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
-    let (low, high) = drawing.extent();
+    let (low, high) = bounds(drawing);
     let side = (high - low).x.max((high - low).y);
-    let mut file = DxfFile::new((side * HEIGHT.0).max(HEIGHT.1));
-    for (part, pose) in drawing.posed(operation, drawing.movement.frames(operation)) {
-        solid(&mut file, layer_of(part.kind), &part.mesh, &pose);
-    }
-    outlines(&mut file, drawing);
-    for ring in drawing.envelopes.iter().flat_map(|rings| rings.at_work.iter().chain(&rings.around)) {
-        file.ring(ENVELOPE, ring);
-    }
+    let height = (side * HEIGHT.0).max(HEIGHT.1);
+    let mut file = DxfFile::new(height);
+    let column = Vector2::new(high.x + 4.0 * height, high.y - height);
+    let mut labels = Labels::new(drawing, operation, height, column);
+    let faces = pieces::write(&mut file, drawing, operation, &mut labels);
+    (0..drawing.envelopes.len()).for_each(|k| envelope(&mut file, drawing, k));
     for ring in drawing.regions.iter().flat_map(|region| &region.rings) {
-        file.ring(REGION, ring);
+        flat_ring(&mut file, REGION, ring);
     }
     for k in 0..drawing.fields.len() {
         nodes(&mut file, &drawing.fields[k]);
         arrows(&mut file, drawing, k);
-        spot(&mut file, drawing, &drawing.fields[k]);
+        spot(&mut file, drawing, &drawing.fields[k], &mut labels);
     }
-    dimensions(&mut file, drawing, &low);
-    titles(&mut file, drawing, &high, operation);
-    file.bytes(&used(drawing))
+    dimensions(&mut file, drawing, &low, &mut labels);
+    titles(&mut file, drawing, (&low, &high), operation);
+    paper::write(&mut file, drawing);
+    file.bytes(&layers::used(drawing, faces))
 }
 
-/// Returns the layers to write. The layers of obstacles, fence, keep-out spaces and regions are left out if they
-/// would be empty.
-fn used(drawing: &Drawing<'_>) -> Vec<Layer> {
-    let has = |kind: PartKind| drawing.parts.iter().any(|p| p.kind == kind);
-    let idle = |name: &str| match name {
-        "OBSTACLES" => !has(PartKind::Obstacle),
-        "FENCE" => !has(PartKind::Fence),
-        "KEEP_OUT" => !has(PartKind::KeepOut),
-        REGION => drawing.regions.is_empty(),
-        _ => false,
-    };
-    LAYERS.into_iter().filter(|(name, _)| !idle(name)).collect()
+/// Returns the bounding box of all parts, working envelopes and regions, world frame, m.
+fn bounds(drawing: &Drawing<'_>) -> (Vector3<f64>, Vector3<f64>) {
+    let reach = (0..drawing.envelopes.len()).filter_map(|k| Some((k, radii(drawing, k)?.1)));
+    let circles = reach.flat_map(|(_, radius)| {
+        let (centre, half) = (drawing.base.translation, Vector3::new(radius, radius, 0.0));
+        [centre - half, centre + half]
+    });
+    let regions = drawing.regions.iter().flat_map(|region| &region.rings).flatten().copied();
+    circles.chain(regions).fold(drawing.extent(), |(lo, hi), p| (lo.inf(&p), hi.sup(&p)))
 }
 
-fn layer_of(kind: PartKind) -> &'static str {
-    match kind {
-        PartKind::Robot | PartKind::Tool | PartKind::HeldPart => ROBOT,
-        PartKind::Equipment => EQUIPMENT,
-        PartKind::Obstacle => "OBSTACLES",
-        PartKind::Fence => "FENCE",
-        PartKind::KeepOut => "KEEP_OUT",
+/// Writes a closed horizontal line.
+fn flat_ring(file: &mut DxfFile, layer: &str, ring: &[Vector3<f64>]) {
+    if let [first, _, _, ..] = ring {
+        let points: Vec<(f64, f64)> = ring.iter().map(|p| (p.x, p.y)).collect();
+        file.outline(layer, &points, first.z);
     }
 }
 
-/// Writes the triangles of a part. Edges between coplanar faces are invisible.
-fn solid(file: &mut DxfFile, layer: &str, mesh: &Mesh, pose: &Pose) {
-    let placed: Vec<Vector3<f64>> = mesh.positions.iter().map(|p| pose.transform(p)).collect();
-    let normal = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|i| placed[i as usize]);
-        (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
-    };
-    let edge = |t: &[u32; 3], k: usize| {
-        let (a, b) = (t[k], t[(k + 1) % 3]);
-        (a.min(b), a.max(b))
-    };
-    let mut beside: HashMap<(u32, u32), Vec<Vector3<f64>>> = HashMap::new();
-    for t in &mesh.triangles {
-        (0..3).for_each(|k| beside.entry(edge(t, k)).or_default().push(normal(t)));
-    }
-    for t in &mesh.triangles {
-        let hidden = [0, 1, 2].map(|k| matches!(&beside[&edge(t, k)][..], [a, b] if a.dot(b) > PLANE));
-        file.face(layer, &t.map(|i| placed[i as usize]), hidden);
-    }
+/// Returns the least and the greatest distance of the working envelope from the base axis at the height of the work, m.
+fn radii(drawing: &Drawing<'_>, k: usize) -> Option<(f64, f64)> {
+    let centre = drawing.base.translation.xy();
+    let points = drawing.envelopes[k].at_work.iter().flatten();
+    let away = points.map(|p| (p.xy() - centre).norm()).map(|r| (r, r));
+    away.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
 }
 
-/// Writes floor spaces in plan, and the frame of every piece of equipment.
-fn outlines(file: &mut DxfFile, drawing: &Drawing<'_>) {
-    let (cell, layout) = (drawing.cell, &drawing.layout);
-    file.outline(ROBOT, &floor_corners(&cell.robot.footprint, &layout.base), drawing.floor);
-    for (equipment, at) in cell.equipment.iter().zip(&layout.placements) {
-        let layer = if equipment.role == Role::Equipment { EQUIPMENT } else { "OBSTACLES" };
-        file.outline(layer, &floor_corners(&equipment.footprint, at), drawing.floor);
-        let (pose, height) = (at.pose(), file.height);
-        for axis in [Vector3::x(), Vector3::y()] {
-            file.line(layer, &pose.translation, &pose.transform(&(axis * AXIS)));
-        }
-        let beside = pose.translation + Vector3::new(0.5 * height, 0.5 * height, 0.0);
-        file.text(TEXT, &beside, &equipment.name, (0.0, false));
-    }
-    let below = Vector3::new(layout.base.x, layout.base.y - 2.0 * file.height, drawing.floor);
-    file.text(TEXT, &below, &cell.robot.name, (0.0, true));
+/// Writes the outlines of the working envelope at the height of the work, and two circles about the base axis: the
+/// nearest and the farthest point of the envelope.
+fn envelope(file: &mut DxfFile, drawing: &Drawing<'_>, k: usize) {
+    let rings = &drawing.envelopes[k].at_work;
+    rings.iter().for_each(|ring| flat_ring(file, ENVELOPE, ring));
+    let Some((least, greatest)) = radii(drawing, k) else { return };
+    let height = rings.iter().flatten().next().map_or(0.0, |p| p.z);
+    let centre = at_height(&drawing.base.translation.xy(), height);
+    [least, greatest].iter().filter(|r| **r > 0.0).for_each(|r| file.circle(ENVELOPE, &centre, *r));
 }
 
 fn nodes(file: &mut DxfFile, field: &Field) {
@@ -160,7 +107,8 @@ fn arrows(file: &mut DxfFile, drawing: &Drawing<'_>, field: usize) {
     }
 }
 
-fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field) {
+/// Writes a spot; a line leads from it to its text in the column beside all objects.
+fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field, labels: &mut Labels) {
     let Some(at) = field.spot else { return };
     let radius = 1.4 * field.radius();
     file.circle(SPOT, &at, radius);
@@ -176,36 +124,68 @@ fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field) {
     let value = value.map_or(String::new(), |v| {
         format!(", {} {} {}", operation.sense.name, rounded(unit.from_si(v), 3), unit.word())
     });
-    let beside = at + Vector3::new(1.6 * radius, 0.4 * radius, 0.0);
     let position = at.map(|v| rounded(mm_from_m(v), 1));
     let said = format!("{}{value} at {}, {}, {}", operation.name, position.x, position.y, position.z);
+    let beside = at_height(&labels.next_line(), at.z);
+    let end = beside + Vector3::new(-0.5 * file.height, 0.5 * file.height, 0.0);
+    let start = at + (end - at).try_normalize(1e-9).unwrap_or_else(Vector3::x) * radius;
+    file.line(SPOT, &start, &end);
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// Writes the dimensions along x and y from the robot base to the frame of every piece of equipment. The
-/// dimensions stand below and left of all objects.
-fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>) {
+/// Returns a tolerance (half a width) in words, with a unit sign after it; empty if it is 0.
+fn plus_minus(half: f64, sign: &str) -> String {
+    if half == 0.0 { String::new() } else { format!(" \u{b1}{}{sign}", rounded(half, 3)) }
+}
+
+/// Writes the dimensions from the robot base to the frame of every piece of equipment: along x and y below and left of
+/// all objects, the yaw at the frame, the height in the column.
+fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>, labels: &mut Labels) {
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);
     for (k, (equipment, at)) in all.filter(|(e, _)| e.role == Role::Equipment).enumerate() {
+        // The tolerance of a piece on another one is not along the world axes.
+        let given = if equipment.on.is_none() { equipment.tolerance.0 } else { [0.0; 4] };
         let to = Vector3::new(at.x, at.y, drawing.floor);
         let away = file.height * (5.0 + 3.0 * k as f64);
         let corner = low - Vector3::new(away, away, 0.0);
-        file.dimension(DIMENSIONS, [&base, &to], &corner, false);
-        file.dimension(DIMENSIONS, [&base, &to], &corner, true);
+        for (axis, upright) in [(0, false), (1, true)] {
+            let after = plus_minus(mm_from_m(given[axis]), "");
+            file.dimension(DIMENSIONS, [&base, &to], (&corner, upright), &after);
+        }
+        yaw(file, (equipment, at), given[3], labels);
         let said = format!(
-            "{}: {} above the base, yaw {} deg",
-            equipment.name,
+            "{}: {}{} above the base",
+            shown(&equipment.name),
             rounded(mm_from_m(at.z - drawing.base.translation.z), 1),
-            rounded(deg_from_rad(at.yaw), 3)
+            plus_minus(mm_from_m(given[2]), "")
         );
-        let beside = Vector3::new(base.x.max(to.x) + 2.0 * file.height, corner.y, drawing.floor);
+        let beside = at_height(&labels.next_line(), drawing.floor);
         file.text(DIMENSIONS, &beside, &said, (0.0, false));
     }
 }
 
+/// Writes the yaw of a piece as an angular dimension at its frame, with the number where it covers nothing.
+fn yaw(file: &mut DxfFile, (equipment, at): (&Equipment, &Placement), tolerance: f64, labels: &mut Labels) {
+    let angle = wrapped(at.yaw);
+    let after = plus_minus(deg_from_rad(tolerance), "\u{b0}");
+    let said = format!("{}\u{b0}{after}", rounded(deg_from_rad(angle), 2));
+    let radius = (equipment.footprint.size.0.max(equipment.footprint.size.1) / 2.0).max(6.0 * file.height);
+    let frame = at.pose().translation;
+    let end = frame.xy() + Vector2::new((angle / 2.0).cos(), (angle / 2.0).sin()) * radius;
+    let wide = text::width(&said, file.height);
+    let place = labels.beside(&said, ((end.x, end.y), (end.x, end.y))).unwrap_or_else(|| labels.next_line());
+    let middle = place + Vector2::new(wide / 2.0, 0.5 * file.height);
+    file.angular_dimension(DIMENSIONS, &frame, (angle, radius), (&at_height(&middle, frame.z), &after));
+}
+
 /// Writes the title above all objects.
-fn titles(file: &mut DxfFile, drawing: &Drawing<'_>, high: &Vector3<f64>, operation: Option<usize>) {
+fn titles(
+    file: &mut DxfFile,
+    drawing: &Drawing<'_>,
+    (low, high): (&Vector3<f64>, &Vector3<f64>),
+    operation: Option<usize>,
+) {
     let cell = drawing.cell;
     let stands = operation.map_or("at home".into(), |k| format!("at {}", cell.operations[k].name));
     let lines = [
@@ -218,11 +198,10 @@ fn titles(file: &mut DxfFile, drawing: &Drawing<'_>, high: &Vector3<f64>, operat
             rounded(drawing.exaggeration(0), 6),
             if drawing.lenses[0].is_signed() { "" } else { ", plus or minus" }
         ),
-        "large circles: nodes that cannot be used".to_string(),
+        "large circles: nodes that cannot be used; layers that are frozen have the rest".to_string(),
     ];
-    let left = drawing.extent().0.x;
     for (k, line) in lines.iter().rev().enumerate() {
         let y = high.y + file.height * (5.0 + 1.7 * k as f64);
-        file.text(TEXT, &Vector3::new(left, y, drawing.floor), line, (0.0, false));
+        file.text(TEXT, &Vector3::new(low.x, y, drawing.floor), line, (0.0, false));
     }
 }

@@ -3,7 +3,8 @@
 use crate::files::shown;
 
 /// Returns the text as one line that contains no formatting code of CAD programs. Control characters are
-/// escaped, backslashes become slashes, and a space breaks `^` and `%%` codes. Characters outside ASCII
+/// escaped, backslashes become slashes, and a space breaks `^` and `%%` codes. The signs of degrees and of plus or
+/// minus get the codes `%%d` and `%%p`, which every CAD program knows. Other characters outside ASCII
 /// become `\U+` and their code point; those beyond U+FFFF become `?`.
 pub fn safe(text: &str) -> String {
     let mut safe = String::new();
@@ -12,6 +13,8 @@ pub fn safe(text: &str) -> String {
             '\\' => safe.push('/'),
             '^' => safe.push_str("^ "),
             '%' if safe.ends_with('%') => safe.push_str(" %"),
+            '\u{b0}' => safe.push_str("%%d"),
+            '\u{b1}' => safe.push_str("%%p"),
             ' '..='~' => safe.push(c),
             '\u{80}'..='\u{ffff}' => safe.push_str(&format!("\\U+{:04X}", c as u32)),
             // A `\U+` code has only four hexadecimal digits.
@@ -19,4 +22,12 @@ pub fn safe(text: &str) -> String {
         }
     }
     safe
+}
+
+/// Width of a character of the font `txt` as a multiple of its height.
+const CHARACTER: f64 = 0.95;
+
+/// Returns an upper estimate of the width of a text, in the unit of its height.
+pub fn width(text: &str, height: f64) -> f64 {
+    CHARACTER * height * text.chars().count() as f64
 }

@@ -10,13 +10,15 @@ pub struct Section {
     pub title: String,
     /// Paragraphs of the section.
     pub text: Vec<String>,
+    /// What the reader can do on a screen; empty if nothing.
+    pub hint: &'static str,
     pub figures: Vec<PageFigure>,
     pub tables: Vec<PageTable>,
 }
 
 impl Section {
     pub fn new(id: &'static str, title: &str, text: Vec<String>) -> Self {
-        Self { id, title: title.to_string(), text, figures: Vec::new(), tables: Vec::new() }
+        Self { id, title: title.to_string(), text, hint: "", figures: Vec::new(), tables: Vec::new() }
     }
 
     pub fn is_empty(&self) -> bool {

@@ -6,7 +6,7 @@ use super::places::titled;
 use super::quantities::{down, quantity};
 use super::subject::{Subject, si};
 use crate::assess::{Assessment, BudgetReport, ErrorDistribution, NodeChoice, PostureContext};
-use crate::cell::Goal;
+use crate::cell::{Goal, Model, Reading};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::raster;
@@ -53,8 +53,9 @@ pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<PageFig
 
 fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
     let text = "The maps show the error over every work surface in the sense and reading of the cell, with iso-lines. All \
-                maps share one colour scale. Point at a node to see its value, or the reason why it cannot be used.";
+                maps share one colour scale.";
     let mut section = Section::new("map", "Error map", vec![text.into()]);
+    section.hint = "Point at a node to see its value, or the reason why it cannot be used.";
     let ranges = drawings.iter().flat_map(|d| &d.fields).filter_map(|field| field.range(0, field.sense));
     let Some(range) = ranges.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b))) else { return section };
     // The recommended layout comes first.
@@ -143,13 +144,23 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> Pag
     PageTable::new(titled(a, &format!("{name} in numbers")), &head, rows).with_note(more + &cut)
 }
 
+/// Returns the section on the linearized model; empty if no figure of the report depends on it noticeably.
 fn discrepancies(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "The chart shows how far the linearized error model deviates from the nonlinear one, node by node. The \
                 seed paper claims less than 1 % (its Fig. 8).";
     let mut section = Section::new("discrepancy", "Linearized and nonlinear model", vec![text.into()]);
-    section.figures.push(PageFigure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
+    if rests_on_linearized(a) {
+        section.figures.push(PageFigure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
+    }
     section
+}
+
+/// Returns whether figures of a layout rest on the linearized model: by choice of the cell, or by a reading of
+/// tolerances where the two models differ by more than the guard.
+fn rests_on_linearized(a: &Assessment<'_>) -> bool {
+    let differs = || a.maps.iter().any(|map| map.off(Model::Linear, a.cell.guard).1 > 0);
+    a.cell.model != Model::Nonlinear || (a.cell.reading != Reading::Signed && differs())
 }
 
 /// Returns the section on the error distribution of arms that are built within the tolerances.
@@ -182,7 +193,10 @@ fn convergence(subject: &Subject<'_>) -> Section {
         bound_in_words(found, subject)
     ));
     let row = |(n, value): &(u64, f64)| vec![n.to_string(), format!("{:.6}", rounded(*value, 6))];
-    let rows: Vec<_> = found.trace.iter().map(row).collect();
+    // The first improvement and the last ones tell enough; the chart shows all.
+    let skipped = found.trace.len().saturating_sub(MAX_IMPROVEMENTS);
+    let kept = found.trace.iter().enumerate().filter(|(k, _)| *k == 0 || *k > skipped);
+    let rows: Vec<_> = kept.map(|(_, improvement)| row(improvement)).collect();
     if !rows.is_empty() {
         let trace: Vec<(u64, f64)> = found.trace.iter().map(|(n, value)| (*n, si(unit, *value))).collect();
         let (start, bound) = (subject.start.evaluation.objective, found.bound.map(|b| si(unit, b)));
@@ -190,11 +204,18 @@ fn convergence(subject: &Subject<'_>) -> Section {
         section.figures.push(PageFigure::new("Convergence", "", chart::convergence(&course)));
         section.tables.push(
             PageTable::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
+                .with_note(match skipped {
+                    0 => String::new(),
+                    _ => format!("{skipped} improvements after the first are left out; search.json has all."),
+                })
                 .folded(),
         );
     }
     section
 }
+
+/// Largest number of rows in the table of improvements.
+const MAX_IMPROVEMENTS: usize = 12;
 
 fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();

@@ -26,12 +26,15 @@ mod subject;
 mod verdict;
 
 pub use compare::{SearchFacts, compare};
-pub use content::{PageFigure, PageTable, Section};
+pub use content::{NOTHING, PageFigure, PageTable, Section};
 #[cfg(feature = "view")]
 pub use live::live;
-pub use report::{Report, report};
+pub use quantities::told;
+pub use report::{Report, report, sections};
+pub use shell::scoped;
 pub use size::{SizedPage, sized};
 pub use subject::{Manifest, Subject};
+pub use verdict::verdict;
 
 use serde_json::Value;
 

@@ -41,17 +41,7 @@ struct ReportPage<'a> {
 pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report, String> {
     let verdict = verdict(subject);
     let (script, style) = (assets::viewer_js() + assets::REPORT_JS, style());
-    let mut sections = figures::sections(subject, drawings);
-    let measured = measured::section(subject);
-    if !measured.is_empty() {
-        sections.insert(1.min(sections.len()), measured);
-    }
-    sections.push(places::section(subject));
-    sections.push(places::joints(subject));
-    sections.push(readings::section(subject));
-    sections.push(nodes::section(subject));
-    sections.push(assumptions::section(subject));
-    sections.push(assumptions::manifest(subject));
+    let mut sections = sections(subject, drawings);
     let mut still = figures::still(subject.shown(), drawings)?;
     let pictures = still.iter_mut().chain(sections.iter_mut().flat_map(|s| &mut s.figures));
     pictures.enumerate().for_each(|(k, figure)| figure.svg = shell::scoped(&figure.svg, k));
@@ -69,6 +59,23 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     };
     let html = shell::rendered(assets::REPORT_HTML, &page)?;
     Ok(Report { html, verdict })
+}
+
+/// Returns everything that stands below the verdict. `drawings` has one entry per layout; the first is the layout as
+/// drawn.
+pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section> {
+    let mut sections = figures::sections(subject, drawings);
+    let measured = measured::section(subject);
+    if !measured.is_empty() {
+        sections.insert(1.min(sections.len()), measured);
+    }
+    sections.push(places::section(subject));
+    sections.push(places::joints(subject));
+    sections.push(readings::section(subject));
+    sections.push(nodes::section(subject));
+    sections.push(assumptions::section(subject));
+    sections.push(assumptions::manifest(subject));
+    sections
 }
 
 /// Returns robot, error set, model, reading and registration in words. The name of the cell is left out,

@@ -1,167 +1,140 @@
-//! Title block, list of placements, scale bar.
+//! Frame and title block of a sheet (ISO 5457, ISO 7200).
 
-use super::dimensions::{marks, room};
-use super::{MARGIN, TITLE};
-use crate::drawing::Drawing;
-use crate::drawing::round_numbers::{ONE_TWO_FIVE, round_down};
-use crate::svg_text::escaped;
-use crate::units::{deg_from_rad, mm_from_m, rounded};
+use super::arrangement::{BLOCK, FILING_MARGIN, MARGIN, Paper};
+use super::ink::{TextAnchor, TextStyle, put, stroke};
+use crate::cell::{Cell, Projection};
+use crate::files::shown;
 use std::fmt::Write;
 
-/// Height of a line of the list of placements, mm on paper.
-pub const LINE: f64 = 4.2;
-pub const LIST: f64 = 122.0;
-/// Largest number of characters of a name in the list of placements.
-const NAME: usize = 24;
+/// Colour of lines and texts.
+pub const BLACK: &str = "#000000";
 
-/// Returns the number of lines of the list of placements, and the space for the dimension lines, mm on paper.
-pub fn rows(drawing: &Drawing<'_>) -> (usize, f64) {
-    let of_regions = if drawing.regions.is_empty() { 0 } else { drawing.regions.len() + 1 };
-    (marks(drawing).len() + drawing.fields.len() + of_regions + 3, room(drawing))
+/// Position of a sheet in a set: its number and how many there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SheetNumber {
+    pub number: usize,
+    pub count: usize,
 }
 
-fn short(name: &str) -> String {
-    let cut: String = name.chars().take(NAME).collect();
-    escaped(&if cut.len() < name.len() { cut + "..." } else { cut })
+impl SheetNumber {
+    /// Number of a sheet that stands alone.
+    pub const ALONE: Self = Self { number: 1, count: 1 };
+
+    pub fn in_words(self) -> String {
+        format!("{}/{}", self.number, self.count)
+    }
 }
 
-/// Rounds a value down to a multiple of `1 / scale`.
-fn down(value: f64, scale: f64) -> f64 {
-    (value * scale).floor() / scale
+/// Entries of a title block beside those of the cell file.
+pub struct BlockEntries<'a> {
+    pub cell: &'a Cell,
+    pub sheet: SheetNumber,
+    /// Kind of document and layout, for example "set-out drawing, best layout".
+    pub kind: String,
+    /// Scale, for example "1:20".
+    pub scale: String,
+    /// Remarks on what the sheet shows; at most three.
+    pub notes: Vec<String>,
 }
 
-fn mm(m: f64) -> f64 {
-    rounded(mm_from_m(m), 1)
+/// Field of the title block: place (left, top, width and height from the corner of the block, mm), label and text.
+pub type BlockField = ([f64; 4], &'static str, String);
+
+/// Returns the title of the drawings of a cell.
+pub fn title(cell: &Cell) -> &str {
+    cell.title_block.title.as_deref().unwrap_or(&cell.name)
 }
 
-/// Draws the list of placements: corners and frames of the equipment, and spots. Spots are in the world
-/// frame. Corners and frames are given along the world axes from the robot base, heights from the floor.
-pub fn list(out: &mut String, drawing: &Drawing<'_>, (left, top): (f64, f64)) {
-    let base = &drawing.layout.base;
-    let mut y = top;
-    let mut row = |cells: [String; 6], weight: &str| {
-        let at = [0.0, 44.0, 60.0, 76.0, 92.0, 108.0];
-        for (k, (cell, x)) in cells.iter().zip(at).enumerate() {
-            let (x, anchor) = if k == 0 { (left, "start") } else { (left + x + 12.0, "end") };
-            let _ = writeln!(
-                out,
-                "<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"{anchor}\" font-weight=\"{weight}\">{cell}</text>"
-            );
-        }
-        y += LINE;
+/// Returns the name of a layout as drawings show it.
+pub fn layout_name(name: &str) -> String {
+    match name {
+        "best" => "best layout".into(),
+        "start" => "layout as drawn".into(),
+        other => shown(other),
+    }
+}
+
+/// Returns the fields of the title block.
+pub fn block_fields(entries: &BlockEntries<'_>, paper: &Paper) -> Vec<BlockField> {
+    let given = &entries.cell.title_block;
+    let text = |entry: &Option<String>| entry.clone().unwrap_or_default();
+    vec![
+        ([0.0, 0.0, 62.0, 9.0], "owner", text(&given.owner)),
+        ([62.0, 0.0, 44.0, 9.0], "author", text(&given.author)),
+        ([106.0, 0.0, 44.0, 9.0], "approved by (signature)", text(&given.approved_by)),
+        ([150.0, 0.0, 30.0, 9.0], "date of issue", text(&given.date)),
+        ([0.0, 9.0, 106.0, 18.0], "title", String::new()),
+        ([106.0, 9.0, 44.0, 9.0], "number", text(&given.number)),
+        ([150.0, 9.0, 15.0, 9.0], "revision", text(&given.revision)),
+        ([165.0, 9.0, 15.0, 9.0], "sheet", entries.sheet.in_words()),
+        ([106.0, 18.0, 22.0, 9.0], "scale", entries.scale.clone()),
+        ([128.0, 18.0, 22.0, 9.0], "format", paper.name.into()),
+        ([150.0, 18.0, 30.0, 9.0], "general tolerance", text(&given.general_tolerance)),
+        ([150.0, 27.0, 30.0, 13.0], "projection", String::new()),
+    ]
+}
+
+/// Draws the frame of a sheet, with its title block at the lower right corner.
+pub fn block(out: &mut String, paper: &Paper, entries: &BlockEntries<'_>) {
+    let frame = format!(
+        "M{FILING_MARGIN} {MARGIN}H{}V{}H{FILING_MARGIN}Z",
+        paper.width - MARGIN,
+        paper.height - MARGIN
+    );
+    stroke(out, &frame, BLACK, 0.7);
+    let (left, top) = paper.block();
+    // The frame of the sheet is also the right and lower edge of the block.
+    stroke(out, &format!("M{left} {}V{top}h{}", top + BLOCK.1, BLOCK.0), BLACK, 0.5);
+    for field in &block_fields(entries, paper) {
+        draw_field(out, (left, top), field);
+    }
+    stroke(out, &format!("M{left} {}h{}", top + 27.0, BLOCK.0), BLACK, 0.35);
+    let (heading, kind) = (title(entries.cell), &entries.kind);
+    let style = TextStyle::plain(5.0).bold().fitted(heading, 102.0);
+    put(out, (left + 2.0, top + 18.6), style, "", heading);
+    put(out, (left + 2.0, top + 24.4), TextStyle::plain(3.0).fitted(kind, 102.0), "", kind);
+    for (k, note) in entries.notes.iter().take(3).enumerate() {
+        let style = TextStyle::plain(2.4).fitted(note, 146.0);
+        put(out, (left + 2.0, top + 31.0 + 3.6 * k as f64), style, "", note);
+    }
+    let maker = format!("mm, sweetspot {}", env!("CARGO_PKG_VERSION"));
+    put(out, (left + 152.0, top + 38.6), TextStyle::plain(1.8), "", &maker);
+    projection_symbol(out, (left + 158.0, top + 33.4), entries.cell.title_block.projection);
+}
+
+fn draw_field(out: &mut String, (left, top): (f64, f64), ([x, y, wide, high], label, said): &BlockField) {
+    let (x, y) = (left + x, top + y);
+    stroke(out, &format!("M{x:.2} {:.2}V{y:.2}h{wide}", y + high), BLACK, 0.25);
+    put(out, (x + 1.0, y + 2.6), TextStyle::plain(1.9), " fill=\"#57606a\"", label);
+    let style = TextStyle::plain(3.5).fitted(said, wide - 2.0);
+    put(out, (x + 1.0, y + high - 1.8), style, "", said);
+}
+
+/// Draws the symbol of the projection method (ISO 5456-2): a truncated cone from the side and from one end.
+///
+/// The end view of the smaller end is right of the side view in first-angle projection, else left of it.
+fn projection_symbol(out: &mut String, (x, y): (f64, f64), projection: Projection) {
+    let (cone, rings) = match projection {
+        Projection::FirstAngle => (x, x + 13.0),
+        Projection::ThirdAngle => (x + 8.0, x + 1.0),
     };
-    let words = |words: [&str; 6]| words.map(str::to_string);
-    row(words(["from the robot base, mm", "corner x", "corner y", "frame x", "frame y", "height"]), "600");
-    for (letter, k, corner) in marks(drawing) {
-        let at = &drawing.layout.placements[k];
-        let numbers =
-            [corner.x - base.x, corner.y - base.y, at.x - base.x, at.y - base.y, at.z - drawing.floor];
-        let [a, b, c, d, e] = numbers.map(|m| mm(m).to_string());
-        let yaw = rounded(deg_from_rad(at.yaw), 2);
-        let name = format!("{letter} {}, yaw {yaw}\u{b0}", short(&drawing.cell.equipment[k].name));
-        row([name, a, b, c, d, e], "400");
+    // The smaller end is at the left in both methods.
+    let side = format!("M{cone:.2} {:.2}l7 -1.2v5.4l-7 -1.2z", y - 1.5);
+    stroke(out, &side, BLACK, 0.35);
+    for radius in [1.5, 2.7] {
+        let _ = writeln!(
+            out,
+            "<circle cx=\"{rings:.2}\" cy=\"{y:.2}\" r=\"{radius}\" fill=\"none\" stroke=\"{BLACK}\" stroke-width=\"0.35\"/>"
+        );
     }
-    row(words(["spot, world, mm", "x", "y", "z", "", "error"]), "600");
-    for field in &drawing.fields {
-        let operation = &drawing.cell.operations[field.operation];
-        let name = short(&operation.name);
-        let value = field.best.and_then(|k| field.takes[0].values[field.sense][k]);
-        let unit = operation.sense.unit;
-        let value = value.map(|v| format!("{} {}", rounded(unit.from_si(v), 3), unit.word()));
-        let cells = match field.spot {
-            Some(p) => {
-                let [x, y, z] = [p.x, p.y, p.z].map(|m| mm(m).to_string());
-                [name, x, y, z, String::new(), value.unwrap_or_default()]
-            }
-            None => {
-                [name, "no usable node".into(), String::new(), String::new(), String::new(), String::new()]
-            }
-        };
-        row(cells, "400");
-    }
-    if drawing.regions.is_empty() {
-        return;
-    }
-    row(words(["room to place (filled: where the frame may be)", "", "", "", "mm", "deg"]), "600");
-    for region in &drawing.regions {
-        // A room that is rounded up would not hold.
-        let room = region.room.map_or("-".into(), |room| format!("{:.1}", down(mm_from_m(room), 10.0)));
-        let turn = region.turn.map_or("-".into(), |turn| format!("{:.2}", down(deg_from_rad(turn), 100.0)));
-        row([short(&region.name), String::new(), String::new(), String::new(), room, turn], "400");
-    }
-}
-
-/// Draws the frame of the sheet and the title block with scale bar and axes.
-pub fn block(
-    out: &mut String,
-    drawing: &Drawing<'_>,
-    (paper, width, height): (&str, f64, f64),
-    (ratio, operation): (f64, Option<usize>),
-) {
-    let (cell, top) = (drawing.cell, height - MARGIN - TITLE);
+    let axis = format!("M{:.2} {y:.2}h9M{:.2} {y:.2}h7M{rings:.2} {:.2}v7", cone - 1.0, rings - 3.5, y - 3.5);
     let _ = writeln!(
         out,
-        "<rect x=\"{MARGIN}\" y=\"{MARGIN}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#000000\" \
-         stroke-width=\"0.5\"/><path d=\"M{MARGIN} {top}H{}\" stroke=\"#000000\" stroke-width=\"0.35\"/>",
-        width - 2.0 * MARGIN,
-        height - 2.0 * MARGIN,
-        width - MARGIN
+        "<path d=\"{axis}\" fill=\"none\" stroke=\"{BLACK}\" stroke-width=\"0.18\" stroke-dasharray=\"2 0.5 0.4 0.5\"/>"
     );
-    let stands = operation.map_or("home".into(), |k| short(&cell.operations[k].name));
-    let arrows = format!(
-        "arrows: {} error, {} times enlarged{}",
-        drawing.lenses.first().map_or("", |l| l.reading_word()),
-        rounded(drawing.exaggeration(0), 6),
-        if drawing.lenses.first().is_some_and(|l| l.is_signed()) { "" } else { ", plus or minus" }
-    );
-    let mut senses: Vec<&str> = cell.operations.iter().map(|o| o.sense.name.as_str()).collect();
-    senses.dedup();
-    let left = [
-        (4.2, format!("{} ({})", escaped(&cell.name), escaped(&drawing.name))),
-        (2.6, escaped(&crate::report::text::headline(cell))),
-        (2.6, format!("sense {}; {arrows}", escaped(&senses.join(", ")))),
-        (2.6, format!("robot at {stands}; circles: nodes that cannot be used; dashed: reach at this height")),
-    ];
-    let right = [
-        (4.2, format!("scale 1:{ratio}")),
-        (2.6, format!("{paper}, dimensions in mm")),
-        (2.6, "world axes as shown".into()),
-        (2.6, format!("sweetspot {}", env!("CARGO_PKG_VERSION"))),
-    ];
-    let column = width - MARGIN - 62.0;
-    let _ =
-        writeln!(out, "<path d=\"M{column:.2} {top}v{TITLE}\" stroke=\"#000000\" stroke-width=\"0.35\"/>");
-    for (x, lines) in [(MARGIN + 4.0, left), (column + 4.0, right)] {
-        for (k, (size, line)) in lines.iter().enumerate() {
-            let _ = writeln!(
-                out,
-                "<text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"{size}\" font-weight=\"{}\">{line}</text>",
-                top + 6.6 + 6.0 * k as f64,
-                if k == 0 { 600 } else { 400 }
-            );
-        }
-    }
-    bar(out, (column - 66.0, top + TITLE / 2.0), ratio);
 }
 
-/// Draws a scale bar of 20 to 40 mm on paper, with the axes of the plan.
-fn bar(out: &mut String, (x, y): (f64, f64), ratio: f64) {
-    let length = round_down(40.0 * ratio, ONE_TWO_FIVE);
-    let wide = length / ratio;
-    let _ = writeln!(
-        out,
-        "<g fill=\"none\" stroke=\"#000000\" stroke-width=\"0.35\"><path d=\"M{x:.2} {0:.2}v3m0 -1.5h{wide:.2}m0 -1.5v3\"/>\
-         <path d=\"M{1:.2} {2:.2}h9l-2 -0.8m2 0.8l-2 0.8M{1:.2} {2:.2}v-9l-0.8 2m0.8 -2l0.8 2\"/></g>\
-         <text x=\"{3:.2}\" y=\"{4:.2}\" text-anchor=\"middle\">{length} mm</text>\
-         <text x=\"{5:.2}\" y=\"{6:.2}\">x</text><text x=\"{7:.2}\" y=\"{8:.2}\" text-anchor=\"middle\">y</text>",
-        y - 1.5,
-        x - 16.0,
-        y + 5.0,
-        x + wide / 2.0,
-        y + 5.0,
-        x - 6.0,
-        y + 5.8,
-        x - 16.0,
-        y - 5.0
-    );
+/// Returns the style of a small text whose end is at its point.
+pub const fn at_end(size: f64) -> TextStyle {
+    TextStyle::plain(size).anchored(TextAnchor::End)
 }

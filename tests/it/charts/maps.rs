@@ -3,6 +3,7 @@
 use super::{check, number, renamed, start};
 use crate::common::workcell;
 use sweetspot::assess::Assessment;
+use sweetspot::cell::Reading;
 use sweetspot::drawing::{Detail, Drawing};
 use sweetspot::error_map::NodeSign;
 use sweetspot::layout::Workcell;
@@ -185,4 +186,32 @@ fn the_names_of_a_map_are_not_cut_at_the_edge() {
 fn keep(name: &str, svg: &str) {
     crate::charts::keep(name, svg);
     roxmltree::Document::parse(svg).unwrap();
+}
+
+/// An error without a sign has an arrow either way; a signed error has one.
+#[test]
+fn errors_without_a_sign_have_arrows_either_way() {
+    let cases = [
+        ("hitachi_cell", Reading::Signed, 1),
+        ("wrist_cell", Reading::WorstCase, 2),
+        ("wrist_cell", Reading::Statistical, 2),
+    ];
+    for (name, reading, ways) in cases {
+        let mut cell = workcell(&format!("{name}.toml")).cell;
+        cell.reading = reading;
+        let workcell = Workcell::new(cell).unwrap();
+        let svg = report::chart::error_map(&start(&workcell));
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let is_node = |n: &roxmltree::Node<'_, '_>| {
+            n.has_tag_name("title") && n.text().is_some_and(|t| t.starts_with('(') && t.contains("): "))
+        };
+        let groups = document.descendants().filter(is_node).filter_map(|title| title.parent());
+        let paths = groups
+            .filter(|g| g.attribute("stroke").is_some())
+            .filter_map(|g| g.children().find(|n| n.has_tag_name("path")).and_then(|n| n.attribute("d")));
+        let shafts: Vec<usize> = paths.map(|d| d.matches('M').count()).collect();
+        assert!(!shafts.is_empty() && shafts.iter().all(|n| *n == ways), "{reading:?}: {shafts:?}");
+        let either = texts(&svg).iter().any(|t| t.contains("either way"));
+        assert_eq!(either, ways == 2, "{reading:?}");
+    }
 }

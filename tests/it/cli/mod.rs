@@ -25,6 +25,7 @@ mod numbers;
 mod overrides;
 mod own_robot;
 mod postures;
+mod print_out;
 mod readings;
 mod report;
 mod robots;

@@ -14,6 +14,8 @@ fn no_name_in_a_dxf_is_a_command() {
         ("\u{1b}[2J\u{0}", "/u{1b}[2J/u{0}"),
         ("\u{202e}x", "/u{202e}x"),
     ];
+    // Only the signs of degrees and of plus or minus are codes.
+    assert_eq!(safe("10\u{b0} \u{b1}2 %%p"), "10%%d %%p2 % %p");
     for (name, written) in cases {
         assert_eq!(safe(name), written);
         assert!(!safe(name).contains("%%") && safe(name).is_ascii());

@@ -7,3 +7,4 @@ mod page;
 mod raster;
 mod sheet;
 mod signs;
+mod simplified;

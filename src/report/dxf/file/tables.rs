@@ -43,7 +43,8 @@ impl DxfFile {
             "VPORT" => vec![self.view_port(owner)],
             "LTYPE" => ["ByBlock", "ByLayer", "Continuous"].map(|n| self.line_type(owner, n)).into(),
             "LAYER" => {
-                let layers = [("0", 7)].into_iter().chain(layers.iter().copied());
+                let zero = Layer { name: "0", colour: 7, is_frozen: false };
+                let layers = [zero].into_iter().chain(layers.iter().copied());
                 layers.map(|layer| self.layer(owner, layer)).collect()
             }
             "STYLE" => vec![self.text_style(owner)],
@@ -53,7 +54,7 @@ impl DxfFile {
                 let record = |space: &DxfSpace| {
                     let subclass = "AcDbBlockTableRecord";
                     let mut out = begun(table, (5, space.record), owner, subclass, &space.name);
-                    out.handle(340, 0);
+                    out.handle(340, space.layout);
                     out
                 };
                 self.spaces.iter().map(record).collect()
@@ -100,9 +101,11 @@ impl DxfFile {
         out
     }
 
-    fn layer(&mut self, owner: u64, (name, colour): Layer) -> Codes {
-        let mut out = self.record("LAYER", owner, "AcDbLayerTableRecord", name);
-        out.put(62, colour);
+    fn layer(&mut self, owner: u64, layer: Layer) -> Codes {
+        let handle = self.handle();
+        let mut out = begun("LAYER", (5, handle), owner, "AcDbLayerTableRecord", layer.name);
+        out.put(70, u8::from(layer.is_frozen));
+        out.put(62, layer.colour);
         out.put(6, "Continuous");
         out
     }

@@ -1,0 +1,83 @@
+//! Places of texts in plan at which they cover neither objects nor each other.
+
+use super::text::width;
+use crate::drawing::silhouette::{ABOVE, silhouette};
+use crate::drawing::{Drawing, floor_corners};
+use crate::geometry::{PlanePoint, bounding_box};
+use crate::report::chart::labels::OccupiedBoxes;
+use nalgebra::{Vector2, Vector3};
+
+/// Occupied places in plan, world frame, m.
+pub struct Labels {
+    taken: OccupiedBoxes,
+    /// Height of texts, m.
+    height: f64,
+    /// Left end and height of the next line of the column beside all objects, m.
+    column: Vector2<f64>,
+}
+
+impl Labels {
+    /// Returns the places that the objects of a drawing occupy. The column of texts begins at `column`.
+    pub fn new(drawing: &Drawing<'_>, operation: Option<usize>, height: f64, column: Vector2<f64>) -> Self {
+        let mut labels = Self { taken: OccupiedBoxes::default(), height, column };
+        for (part, pose) in drawing.posed(operation, drawing.movement.frames(operation)) {
+            let loops = silhouette(&part.mesh, &pose, &ABOVE).loops;
+            labels.occupy(loops.iter().flatten().map(|p| (p.x, p.y)));
+        }
+        let (cell, layout) = (drawing.cell, &drawing.layout);
+        let stands = cell.equipment.iter().map(|e| &e.footprint).zip(&layout.placements);
+        for (footprint, at) in stands.chain([(&cell.robot.footprint, &layout.base)]) {
+            labels.occupy(floor_corners(footprint, at).into_iter());
+        }
+        for region in &drawing.regions {
+            region.rings.iter().for_each(|ring| labels.occupy(ring.iter().map(|p| (p.x, p.y))));
+        }
+        for k in 0..drawing.fields.len() {
+            let arrows = drawing.arrows(k, 0, crate::drawing::Component::Resultant);
+            labels.occupy(arrows.iter().map(|arrow| (arrow.tip.x, arrow.tip.y)));
+        }
+        labels
+    }
+
+    fn occupy(&mut self, points: impl Iterator<Item = PlanePoint>) {
+        if let Some((low, high)) = bounding_box(points) {
+            self.taken.keep([low.0, low.1, high.0, high.1]);
+        }
+    }
+
+    /// Occupies and returns the left end of a text beside the box from `low` to `high`; None if no place near it is
+    /// free.
+    pub fn beside(&mut self, said: &str, (low, high): (PlanePoint, PlanePoint)) -> Option<Vector2<f64>> {
+        let (wide, h) = (width(said, self.height), self.height);
+        let middle = ((low.0 + high.0 - wide) / 2.0, (low.1 + high.1 - h) / 2.0);
+        let steps = (0..8).map(|k| h * (0.7 + 1.2 * f64::from(k)));
+        let places = steps.flat_map(|away| {
+            [
+                (middle.0, low.1 - away - h),
+                (middle.0, high.1 + away),
+                (high.0 + away, middle.1),
+                (low.0 - away - wide, middle.1),
+                (high.0 + away, high.1 + away),
+                (high.0 + away, low.1 - away - h),
+                (low.0 - away - wide, high.1 + away),
+                (low.0 - away - wide, low.1 - away - h),
+            ]
+        });
+        let mut places = places;
+        let gap = 0.3 * h;
+        let free = places.find(|(x, y)| self.taken.take([x - gap, y - gap, x + wide + gap, y + h + gap]));
+        free.map(|(x, y)| Vector2::new(x, y))
+    }
+
+    /// Returns the left end of the next line of the column.
+    pub fn next_line(&mut self) -> Vector2<f64> {
+        let at = self.column;
+        self.column.y -= 1.8 * self.height;
+        at
+    }
+}
+
+/// Returns a point in plan at a height.
+pub fn at_height(p: &Vector2<f64>, z: f64) -> Vector3<f64> {
+    Vector3::new(p.x, p.y, z)
+}
