@@ -1342,8 +1342,8 @@ class OperationOrderEntry(Record):
 
     name: str
     judges: str
-    """Postures that the search judges: "ranked-nodes" or "spin-families" if lower bounds of the error leave some
-    of them out, otherwise "every-posture".
+    """Postures that the search judges: "ranked-nodes", "spin-families" or "bounded-postures" if lower bounds of
+    the error leave some of them out, otherwise "every-posture".
     """
     why: Optional[str]
     """Reason why every posture is judged; null otherwise."""
