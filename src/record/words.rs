@@ -76,6 +76,12 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
             cell.error_set().name(),
             Spread::SIGMAS
         ));
+        if cell.errors_compensate() {
+            said.push(format!(
+                "the errors of {} compensate each other in one calibrated arm: as tolerances they are longer than the arm, so worst case and statistics describe no arm",
+                cell.error_set().name()
+            ));
+        }
     }
     said.extend(cell.operations.iter().filter_map(|place| {
         let pick = &cell.operations[place.relative_to?];

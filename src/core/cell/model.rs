@@ -261,6 +261,14 @@ impl Cell {
         &self.robot.errors[self.errors]
     }
 
+    /// Returns whether the errors of a signed sample compensate each other: one of them is longer than the arm.
+    ///
+    /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are no tolerances.
+    pub fn errors_compensate(&self) -> bool {
+        let ErrorSet::Signed(sample) = self.error_set() else { return false };
+        sample.dr.iter().chain(&sample.dl).any(|length| length.abs() > self.robot.reach())
+    }
+
     /// Returns a sense by its name: a built-in sense, or one that the cell file defines.
     pub fn sense(&self, word: &str) -> Option<Sense> {
         Sense::plain(word).or_else(|| self.senses.iter().find(|s| s.name == word).cloned())

@@ -39,12 +39,21 @@ fn figures(a: &Assessment<'_>) -> PageTable {
             let asked = if sense.name == operation.sense.name { "own" } else { "" };
             let mut row =
                 vec![shown(&operation.name), shown(&sense.name), asked.into(), sense.unit.word().into()];
-            row.extend(COLUMNS.map(|figure| number(sense, figure(f))));
+            row.extend(COLUMNS.iter().enumerate().map(|(column, figure)| {
+                // The first figure is that of the sample itself.
+                if column > 0 && a.cell.errors_compensate() { "–".into() } else { number(sense, figure(f)) }
+            }));
             rows.push(row);
         }
     }
     let head = ["operation", "sense", "", "unit", sample, "worst case", "rms", "mean", "p95", "p99"];
-    PageTable::new(titled(a, "errors at the spots"), &head, rows).with_note(spread(a))
+    let note = match a.cell.errors_compensate() {
+        true => "The errors of the sample compensate each other in one calibrated arm. As tolerances they are longer than \
+                 the arm, so there is no worst case and no statistics."
+            .into(),
+        false => spread(a),
+    };
+    PageTable::new(titled(a, "errors at the spots"), &head, rows).with_note(note)
 }
 
 fn number(sense: &Sense, si: f64) -> String {

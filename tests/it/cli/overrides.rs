@@ -312,3 +312,17 @@ fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
     let file = shop.json(&["map", "cells/same.toml"]);
     assert_eq!(set["operations"], file["operations"]);
 }
+
+/// The factory calibration of the UR10e has rows of hundreds of metres, which are no tolerances.
+#[test]
+fn errors_that_compensate_each_other_are_no_tolerances() {
+    let shop = Sandbox::new();
+    let read = shop.done(&["map", "cells/ur_cell.toml", "--reading", "worst-case"]);
+    assert!(read.err.contains("compensate each other in one calibrated arm"), "{}", read.err);
+    let other = shop.done(&["map", "cells/hitachi_cell.toml", "--reading", "worst-case"]);
+    assert!(!other.err.contains("compensate"), "{}", other.err);
+    for (cell, has_none) in [("ur_cell", true), ("hitachi_cell", false)] {
+        shop.done(&["report", &format!("cells/{cell}.toml"), "-o", "report.html"]);
+        assert_eq!(shop.text("report.html").contains("so there is no worst case"), has_none, "{cell}");
+    }
+}

@@ -1,9 +1,9 @@
 //! Export of the answer, the set-out drawing and the report as one PDF.
 
-use super::super::{warn_of_distrust, workcell};
 use super::{cell_file, output_file, posture, write};
 use crate::cli::Exit;
 use crate::cli::arguments::{ExportArguments, ExportFormat};
+use crate::cli::commands::{warn_of_distrust, workcell};
 use crate::cli::report_source::ReportSource;
 use crate::report::page::Subject;
 
