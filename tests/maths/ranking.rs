@@ -174,6 +174,17 @@ const BOUNDED_CELLS: [(&str, usize); 7] = [
     ("panda_cell.toml", 3),
 ];
 
+/// Returns a layout near the start layout of a cell.
+fn near_start(cell: &Cell, rng: &mut ChaCha8Rng) -> Layout {
+    let mut layout = cell.start();
+    for at in &mut layout.placements {
+        at.x += rng.random_range(-0.4..0.4);
+        at.y += rng.random_range(-0.4..0.4);
+        at.yaw += rng.random_range(-1.0..1.0);
+    }
+    layout
+}
+
 /// Spin families are bounded, and their members are judged only while the bound can win. The cells are judged as
 /// shipped and with another quantity, sense, spin, errors of the tool, or collisions switched off.
 #[test]
@@ -187,13 +198,7 @@ fn spin_families_do_not_change_the_layouts_of_shipped_cells() {
             vary(&mut cell, variant, &mut rng);
             let Ok(mut pair) = RankedPair::new(&cell) else { panic!("{name} {variant}") };
             for _ in 0..layouts.div_ceil(2) {
-                let mut layout = cell.start();
-                for at in &mut layout.placements {
-                    at.x += rng.random_range(-0.4..0.4);
-                    at.y += rng.random_range(-0.4..0.4);
-                    at.yaw += rng.random_range(-1.0..1.0);
-                }
-                counts = sum(counts, pair.compare(&layout));
+                counts = sum(counts, pair.compare(&near_start(&cell, &mut rng)));
             }
         }
     }
@@ -255,13 +260,7 @@ fn bounds_do_not_change_the_layouts_of_elastic_cells() {
             cell.reading = if form < 2 { Reading::Signed } else { Reading::Statistical };
             let Ok(mut pair) = RankedPair::new(&cell) else { panic!("{name} {form}") };
             for _ in 0..layouts / 2 {
-                let mut layout = cell.start();
-                for at in &mut layout.placements {
-                    at.x += rng.random_range(-0.4..0.4);
-                    at.y += rng.random_range(-0.4..0.4);
-                    at.yaw += rng.random_range(-1.0..1.0);
-                }
-                counts = sum(counts, pair.compare(&layout));
+                counts = sum(counts, pair.compare(&near_start(&cell, &mut rng)));
             }
         }
     }
@@ -338,13 +337,7 @@ fn bounds_do_not_change_worst_cases_and_operations_at_every_node() {
             }
             let Ok(mut pair) = RankedPair::new(&cell) else { panic!("{name} {form}") };
             for _ in 0..layouts {
-                let mut layout = cell.start();
-                for at in &mut layout.placements {
-                    at.x += rng.random_range(-0.4..0.4);
-                    at.y += rng.random_range(-0.4..0.4);
-                    at.yaw += rng.random_range(-1.0..1.0);
-                }
-                counts = sum(counts, pair.compare(&layout));
+                counts = sum(counts, pair.compare(&near_start(&cell, &mut rng)));
             }
         }
     }

@@ -13,7 +13,8 @@
 //! out products of three and more errors. Let A be the sum of the sizes of all rotations and D that of all
 //! displacements, each at its largest. The products that contain `d_i` are at most
 //! `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)` in third order, and less than twice this in all orders while A is
-//! small.
+//! small. A point at a distance r from the TCP adds `|d_i| |w_i| A^2 r`, because the second-order model truncates the
+//! rotation alone.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use super::sense_rows::SenseRows;
