@@ -244,7 +244,7 @@ impl Expansion {
 
     /// Returns the rank, counted from 0, of the motion with index `k` in the order from base to tool.
     ///
-    /// The order counts the motions of all joint frames (see [`outwards`]).
+    /// The order counts the motions of all joint frames, too.
     pub fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
         // Rank of the first motion of joint frame i; the motions of its D-H row follow.
