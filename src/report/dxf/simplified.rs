@@ -9,7 +9,7 @@ const MAX_TRIANGLES: usize = 1200;
 /// Number of grid cells along the longest side of a part at the first attempt.
 const CELLS: f64 = 64.0;
 
-/// Returns the corners and triangles of a mesh with at most [`MAX_TRIANGLES`] triangles.
+/// Returns the corners and triangles of a mesh with at most `MAX_TRIANGLES` triangles.
 ///
 /// A finer mesh is simplified by vertex clustering (J. Rossignac and P. Borrel, Modeling in Computer Graphics (1993)
 /// 455-465): the corners in one cell of a grid become their mean, and triangles that collapse are left out.
