@@ -92,7 +92,7 @@ pub enum Command {
     /// Analyse the sensitivity to misplaced equipment, and report how much misplacement is allowed
     #[command(before_help = "Example: sweetspot robust cells/hitachi_cell.toml --limit 15")]
     Robust(RobustArguments),
-    /// Export a layout: CAD drawing, 3-D scene, scale drawing, table or picture
+    /// Export a layout: PDF, CAD drawing, 3-D scene, table, picture, or frames for controllers and ROS
     #[command(before_help = "Example: sweetspot export results/hitachi_cell-001 --to dxf -o layout.dxf")]
     Export(ExportArguments),
     /// Identify the kinematic errors of a robot from measured positions of its tool
