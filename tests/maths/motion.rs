@@ -10,8 +10,8 @@ use sweetspot::clearance::{ACCURACY, FloorPlan, Hit, Load, Party, PlacedSolids, 
 use sweetspot::error_map::{NodeSign, Outcome, Status};
 use sweetspot::layout::{Workcell, evaluate, separated};
 use sweetspot::motion::{
-    DEVIATION, Guard, Hindrance, Move, OperationPosture, PostureRefusal, RESOLUTION, Stopped, TransferRoute,
-    first_hit, measures, singularity, straight,
+    DEVIATION, Guard, Hindrance, OperationPosture, PathHit, PathSlack, PostureRefusal, RESOLUTION, Stopped,
+    TransferRoute, first_hit, measures, singularity, straight,
 };
 use sweetspot::pose::Pose;
 use sweetspot::reach::{Inverse, Reach};
@@ -199,14 +199,29 @@ fn a_free_move_collides_in_no_sample() {
         let (scene, chain) = (Scene::new(&cell), Chain::new(&cell.robot));
         let there = placed(&cell, &scene);
         let (mut free, mut blocked, mut early) = (0, 0, 0);
-        for _ in 0..moves {
+        for turn in 0..moves {
             let is_free = |q: &JointVector| scene.hit(&there, &links(&chain, q), Some(0)).is_none();
             let mut draw = || random_joints(&chain, &mut rng);
             let (a, b) = (std::iter::repeat_with(&mut draw).find(is_free).unwrap(), draw());
-            let b = between(&a, &b, 0.3);
-            let hits = |s: f64| scene.hit(&there, &links(&chain, &between(&a, &b, s)), Some(0)).is_some();
+            // Paths of one to five moves.
+            let count = 1 + turn % 5;
+            let knots: Vec<_> = (0..=count)
+                .map(|k| match k {
+                    0 => a,
+                    _ => between(
+                        &between(&a, &b, 0.3 * k as f64 / count as f64),
+                        &draw(),
+                        0.02 * (count - 1) as f64,
+                    ),
+                })
+                .collect();
+            let at = |s: f64| {
+                let k = ((s * count as f64) as usize).min(count - 1);
+                between(&knots[k], &knots[k + 1], s * count as f64 - k as f64)
+            };
+            let hits = |s: f64| scene.hit(&there, &links(&chain, &at(s)), Some(0)).is_some();
             let sampled = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).find(|&s| hits(s));
-            let found = first_hit(&chain, &scene, &there, Move { from: &a, to: &b }, Load::of(Some(0)));
+            let found = hit(&chain, &scene, &there, &knots);
             match (sampled, found) {
                 (None, None) => free += 1,
                 (Some(s), None) => panic!("{robot}: free, but it hits at {s}"),
@@ -217,7 +232,7 @@ fn a_free_move_collides_in_no_sample() {
                 }
                 // A hit between samples is rare.
                 (None, Some(hit)) => {
-                    let near = links(&chain, &between(&a, &b, hit.at));
+                    let near = links(&chain, &at(hit.at));
                     let gap = scene.distance(&there, &near, Some(0), 1.0).distance - cell.clearance;
                     let own = !matches!(hit.hit.other, SolidRef::Equipment(..) | SolidRef::Floor);
                     assert!(own || gap < 2.0 * RESOLUTION, "{robot}: {hit:?} at {gap}");
@@ -235,16 +250,20 @@ fn a_zero_move_hits_only_what_stands_in_the_way() {
     let (scene, chain) = (Scene::new(&cell), Chain::new(&cell.robot));
     let there = placed(&cell, &scene);
     let still = [0.0; MAX_JOINTS];
-    assert_eq!(first_hit(&chain, &scene, &there, Move { from: &still, to: &still }, Load::of(Some(0))), None);
+    assert_eq!(hit(&chain, &scene, &there, &[still, still]), None);
     // The arm stands in the table from the start.
     let mut layout = cell.start();
     layout.placements[0].y = 0.0;
     layout.placements[0].z = 0.2;
     let mut there = PlacedSolids::default();
     scene.place(&layout, &mut there);
-    let hit =
-        first_hit(&chain, &scene, &there, Move { from: &still, to: &still }, Load::of(Some(0))).unwrap();
+    let hit = hit(&chain, &scene, &there, &[still, still]).unwrap();
     assert_eq!((hit.at, hit.hit.solid), (0.0, SolidRef::Robot(0)));
+}
+
+/// Checks a path during the first operation.
+fn hit(chain: &Chain, scene: &Scene, placed: &PlacedSolids, knots: &[JointVector]) -> Option<PathHit> {
+    first_hit(chain, scene, placed, knots, Load::of(Some(0)), &PathSlack::default())
 }
 
 // --- lines ---------------------------------------------------------------------------------------

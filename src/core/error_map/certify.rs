@@ -8,7 +8,7 @@ use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::certificate::{BoxedPosture, JointEnclosure, NotCertified, PostureMotion, TargetBox};
 use crate::clearance::{Load, SolidMotion};
-use crate::motion::{DEVIATION, Hindrance, Move, PathSlack, Stopped, first_hit_with};
+use crate::motion::{DEVIATION, Hindrance, PathSlack, Stopped, first_hit};
 use crate::reach::ToolTask;
 use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
@@ -212,15 +212,11 @@ impl OperationQuery<'_> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         // A straight line of the TCP is approximated by moves that deviate from it.
         let equipment = |k: Option<usize>| demand.misplacements.of(k) + 2.0 * DEVIATION;
-        for (ends, by) in knots.windows(2).zip(deviations.windows(2)) {
-            let joints = std::array::from_fn(|i| by[0][i].max(by[1][i]));
-            let slack = PathSlack { joints, equipment: Some(&equipment), between };
-            let line = Move { from: &ends[0], to: &ends[1] };
-            if let Some(hit) = first_hit_with(&mapper.arm.chain, &mapper.scene, solids, line, load, &slack) {
-                return Err(NotCertified::Path(Hindrance::Hit(hit)));
-            }
+        let slack = PathSlack { joints: deviations, equipment: Some(&equipment), between };
+        match first_hit(&mapper.arm.chain, &mapper.scene, solids, knots, load, &slack) {
+            Some(hit) => Err(NotCertified::Path(Hindrance::Hit(hit))),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Motion rules for the postures of an operation: distance from singularities, free approach, free retract.
 
-use super::continuous_collision::{Move, PathHit, first_hit};
+use super::continuous_collision::{PathHit, PathSlack, first_hit};
 use super::measures::{is_regular, singularity};
 use super::straight_line::{Stopped, straight};
 use crate::cell::{Cell, JointVector, TransferRules};
@@ -143,9 +143,7 @@ impl Guard {
         straight(&self.chain, joints, &(axis * -length), self.reach)
     }
 
-    /// Returns the first contact along several moves. Its field [`PathHit::at`] is a share of the whole path.
-    ///
-    /// The share is computed as if all moves were equally long.
+    /// Returns the first contact on a path.
     pub(super) fn first_hit(
         &self,
         scene: &Scene,
@@ -153,12 +151,6 @@ impl Guard {
         knots: &[JointVector],
         load: Load,
     ) -> Option<PathHit> {
-        let moves = knots.windows(2).enumerate();
-        let count = knots.len().saturating_sub(1) as f64;
-        moves.into_iter().find_map(|(k, ends)| {
-            let line = Move { from: &ends[0], to: &ends[1] };
-            let found = first_hit(&self.chain, scene, placed, line, load)?;
-            Some(PathHit { at: (k as f64 + found.at) / count, ..found })
-        })
+        first_hit(&self.chain, scene, placed, knots, load, &PathSlack::default())
     }
 }

@@ -60,15 +60,18 @@ pub fn straight(
     }
     let pose = |after: f64| Pose { translation: start.translation + way * (after / length), ..start };
     let (mut after, mut step, mut here) = (0.0, length / (length / MAX_STEP).ceil(), *from);
+    // From this knot on, the steps are equally long.
+    let mut uniform = 0;
     while after < length {
         let next = if after + step > length - MIN_STEP { length } else { after + step };
-        let found = follow(chain, &here, &pose(next), reach);
+        let found = follow(chain, &here, extrapolated(&knots[uniform..]), &pose(next), reach);
         let held = found.filter(|there| {
             let middle = chain.forward(&chain.posture(&between(&here, there, 0.5))).translation;
             (middle - pose((after + next) / 2.0).translation).norm() <= DEVIATION
         });
         let Some(there) = held else {
             step /= 2.0;
+            uniform = knots.len() - 1;
             if step < MIN_STEP {
                 return Err(Stopped::Lost { after });
             }
@@ -91,13 +94,30 @@ fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
     chain.links.iter().zip(q).position(outside)
 }
 
-/// Solves for the joint coordinates at the pose `to` by Newton's method, starting from the nearby posture
-/// `from`. Each step is the least-norm solution of the linearized equations.
+/// Returns the joint vector after the last of several equally spaced ones: on the parabola through the last three if
+/// there are three, otherwise on the line through two, or the last one itself.
+fn extrapolated(knots: &[JointVector]) -> JointVector {
+    match knots {
+        [.., c, b, a] => std::array::from_fn(|i| 3.0 * (a[i] - b[i]) + c[i]),
+        [.., b, a] => std::array::from_fn(|i| 2.0 * a[i] - b[i]),
+        [.., a] => *a,
+        [] => [0.0; MAX_JOINTS],
+    }
+}
+
+/// Solves for the joint coordinates at the pose `to` by Newton's method, starting from `guess`, near the posture `from`.
+/// Each step is the least-norm solution of the linearized equations.
 ///
 /// Returns None if the method does not converge. It also returns None if a joint coordinate changes by 1 rad
 /// or 1 m or more, since the solution then belongs to another branch.
-fn follow(chain: &Chain, from: &JointVector, to: &Pose, reach: f64) -> Option<JointVector> {
-    let mut q = *from;
+fn follow(
+    chain: &Chain,
+    from: &JointVector,
+    guess: JointVector,
+    to: &Pose,
+    reach: f64,
+) -> Option<JointVector> {
+    let mut q = guess;
     for _ in 0..MAX_ITERATIONS {
         let frames = chain.frames(&chain.posture(&q));
         let position = (to.translation - frames.tcp.translation) / reach;

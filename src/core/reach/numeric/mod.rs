@@ -66,12 +66,15 @@ impl Numeric {
     pub fn one(&self, goal: &TcpGoal) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
-        let mut starts = self.starts.ranked(&goal, self.scale);
-        let found = starts.find_map(|(_, start)| self.descend_fast(&goal, start, &mut frames));
-        found.or_else(|| match self.out_of_reach(&goal, &mut frames) {
-            Some(_) => None,
-            None => self.solve_fully(&goal, &mut frames).map(|found| found.joints),
-        })
+        for (tried, (_, start)) in self.starts.ranked(&goal, self.scale).enumerate() {
+            if tried == STARTS_BEFORE_REACH && self.out_of_reach(&goal, &mut frames).is_some() {
+                return None;
+            }
+            if let Some(found) = self.descend_fast(&goal, start, &mut frames) {
+                return Some(found);
+            }
+        }
+        self.solve_fully(&goal, &mut frames).map(|found| found.joints)
     }
 
     /// Writes the distinct solutions within the limits to `out`, sorted; if there are none, returns the

@@ -1,0 +1,137 @@
+//! Upper bounds of how far a path in joint coordinates displaces the solids of the robot.
+//!
+//! Over any part of a path, a point that joint i rotates moves by at most
+//!
+//! ```text
+//! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),
+//! ```
+//!
+//! and by |dr_i| if joint i is prismatic. Here dtheta_i and dr_i are the changes of the D-H coordinates of joint i, and
+//! l and r the length and offset of a D-H row. The lever arm of the last row ends at the centre of the solid's bounding
+//! sphere (F. Schwarzer, M. Saha, J.-C. Latombe, IEEE Transactions on Robotics 21, 2005).
+//!
+//! Around one posture of a straight move, a Taylor expansion gives a closer bound. The velocity there counts the
+//! rotations with their signs, and the second derivative is at most twice the product of the bound above and the sum of
+//! all |dtheta_i|.
+
+use crate::cell::{JointKind, JointVector, MAX_JOINTS};
+use crate::clearance::BoundingSphere;
+use crate::pose::Pose;
+use crate::robot::Chain;
+use nalgebra::Vector3;
+
+/// Upper bounds of the motion of points on the robot during a part of a path.
+#[derive(Clone, Copy)]
+pub(super) struct MotionBounds<'c> {
+    chain: &'c Chain,
+    /// Change of each D-H coordinate on a straight move, or an upper bound of its absolute value, rad or m.
+    travel: JointVector,
+    /// Least and greatest axial offset r of each row during the motion, m.
+    offsets: [(f64, f64); MAX_JOINTS],
+}
+
+impl<'c> MotionBounds<'c> {
+    /// Returns the bounds of a straight move in joint coordinates.
+    pub fn of_move(chain: &'c Chain, from: &JointVector, to: &JointVector) -> Self {
+        let travel = changes(chain, from, to);
+        Self { chain, travel, offsets: offsets(chain, [from, to]) }
+    }
+
+    /// Returns the bounds of the motion along a path from its knot `middle` to either end, whichever is farther.
+    pub fn from_middle(chain: &'c Chain, knots: &[JointVector], middle: usize) -> Self {
+        let sum = |part: &[JointVector]| {
+            let mut sum = [0.0; MAX_JOINTS];
+            for ends in part.windows(2) {
+                let change = changes(chain, &ends[0], &ends[1]);
+                sum.iter_mut().zip(change).for_each(|(sum, by)| *sum += by.abs());
+            }
+            sum
+        };
+        let (before, after) = (sum(&knots[..=middle]), sum(&knots[middle..]));
+        let travel = std::array::from_fn(|i| f64::max(before[i], after[i]));
+        Self { chain, travel, offsets: offsets(chain, knots) }
+    }
+
+    /// Returns the bounds if each D-H coordinate deviates from the path by up to `travel`, rad or m.
+    pub fn deviating_by(&self, travel: JointVector) -> Self {
+        Self { travel, ..*self }
+    }
+
+    /// Returns an upper bound of the displacement, relative to frame `first`, of the points in a sphere, m.
+    pub fn displacement(&self, sphere: &BoundingSphere, first: usize) -> f64 {
+        let (mut sum, mut reach) = (0.0, 0.0);
+        for i in (first..sphere.frame).rev() {
+            let link = &self.chain.links[i];
+            // The lever arm ends at the centre of the sphere, or at the origin of the next frame. `aside` is
+            // the distance of its end from the joint axis, and `along` is its coordinate along this axis
+            // without r.
+            let (aside, along) = if i + 1 == sphere.frame {
+                let c = &sphere.centre;
+                let y = link.cos_alpha * c.y - link.sin_alpha * c.z;
+                ((link.l + c.x).hypot(y), link.sin_alpha * c.y + link.cos_alpha * c.z)
+            } else {
+                (link.l.abs(), 0.0)
+            };
+            let slack = if i + 1 == sphere.frame { sphere.radius } else { reach };
+            sum += self.travel[i].abs()
+                * match link.kind {
+                    JointKind::Revolute => aside + slack,
+                    JointKind::Prismatic => 1.0,
+                };
+            let (least, greatest) = self.offsets[i];
+            reach = aside.hypot((along + least).abs().max((along + greatest).abs())) + slack;
+        }
+        sum
+    }
+
+    /// Returns an upper bound of the displacement, relative to frame `first`, of the points in a sphere on either side
+    /// of a posture of a straight move, m.
+    ///
+    /// `frames` are the link frames of the posture, `half` is the share of the move on either side, and `whole` is the
+    /// [`Self::displacement`] of the whole move.
+    pub fn displacement_around(
+        &self,
+        frames: &[Pose; MAX_JOINTS + 1],
+        sphere: &BoundingSphere,
+        first: usize,
+        half: f64,
+        whole: f64,
+    ) -> f64 {
+        let centre = frames[sphere.frame].transform(&sphere.centre);
+        let (mut velocity, mut rotation, mut turned) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        for i in first..sphere.frame {
+            let by: Vector3<f64> = frames[i].rotation.column(2) * self.travel[i];
+            match self.chain.links[i].kind {
+                JointKind::Revolute => {
+                    velocity += by.cross(&(centre - frames[i].translation));
+                    rotation += by;
+                    turned += self.travel[i].abs();
+                }
+                JointKind::Prismatic => velocity += by,
+            }
+        }
+        let speed = velocity.norm() + rotation.norm() * sphere.radius;
+        half * whole.min(speed + half * turned * whole)
+    }
+}
+
+/// Returns the change of each D-H coordinate on a move in joint coordinates, rad or m.
+fn changes(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
+    let mut changes = [0.0; MAX_JOINTS];
+    for (change, row) in changes.iter_mut().zip(&chain.coupling).take(chain.axes()) {
+        *change = row.iter().zip(from.iter().zip(to)).map(|(c, (a, b))| c * (b - a)).sum();
+    }
+    changes
+}
+
+/// Returns the least and the greatest axial offset r of each row over the knots of a path, m.
+fn offsets<'k>(chain: &Chain, knots: impl IntoIterator<Item = &'k JointVector>) -> [(f64, f64); MAX_JOINTS] {
+    let mut offsets = [(f64::INFINITY, f64::NEG_INFINITY); MAX_JOINTS];
+    for q in knots {
+        let posture = chain.posture(q);
+        for (range, r) in offsets.iter_mut().zip(posture.r) {
+            *range = (range.0.min(r), range.1.max(r));
+        }
+    }
+    offsets
+}
