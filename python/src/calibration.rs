@@ -6,6 +6,7 @@ use crate::{faults, records};
 use numpy::{AllowTypeChange, PyArray2, PyArrayLikeDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
 use std::time::Instant;
 use sweetspot::calibration::{MeasuredPosition, MeasuringSession, calibrate as fitted, harmonics, unknowns};
 use sweetspot::cell::MAX_JOINTS;
@@ -65,6 +66,36 @@ pub struct Calibration {
     residual_mm: Option<f64>,
 }
 
+/// Joint coordinates of one session, and the positions or poses measured in it.
+type Session<'py> = (Numbers<'py>, Numbers<'py>);
+
+/// Returns the sessions of `q` and `measured`: one if they are arrays, several if they are lists of arrays.
+fn several<'py>(q: &Bound<'py, PyAny>, measured: &Bound<'py, PyAny>) -> PyResult<Vec<Session<'py>>> {
+    let is_list = q.is_instance_of::<PyList>() || q.is_instance_of::<PyTuple>();
+    let arrays = if is_list { q.extract::<Vec<Numbers<'_>>>().unwrap_or_default() } else { Vec::new() };
+    if arrays.is_empty() || arrays.iter().any(|array| array.shape().len() != 2) {
+        return Ok(vec![(q.extract()?, measured.extract()?)]);
+    }
+    let measured: Vec<Numbers<'_>> = measured.extract().map_err(|_| {
+        PyTypeError::new_err("q is a list of arrays, one for each session, so measured must be one, too")
+    })?;
+    if arrays.len() != measured.len() {
+        let message = format!("q has {} sessions, but measured has {}", arrays.len(), measured.len());
+        return Err(PyTypeError::new_err(message));
+    }
+    Ok(arrays.into_iter().zip(measured).collect())
+}
+
+/// Returns the sessions of a pair (q, measured), or of a list of such pairs.
+fn pairs<'py>(test: &Bound<'py, PyAny>) -> PyResult<Vec<Session<'py>>> {
+    let pairs: Vec<(Bound<'py, PyAny>, Bound<'py, PyAny>)> = match test.is_instance_of::<PyList>() {
+        true => test.extract()?,
+        false => vec![test.extract()?],
+    };
+    let each = pairs.iter().map(|(q, measured)| several(q, measured));
+    Ok(each.collect::<PyResult<Vec<_>>>()?.into_iter().flatten().collect())
+}
+
 /// Identifies the kinematic errors of a robot from measured positions of its tool.
 #[pyfunction]
 #[pyo3(signature = (robot, q, measured, *, unit="m", sigma=None, test=None, elastic=false, harmonics=None))]
@@ -72,11 +103,11 @@ pub struct Calibration {
 pub fn calibrate(
     py: Python<'_>,
     robot: &Robot,
-    q: Numbers<'_>,
-    measured: Numbers<'_>,
+    q: &Bound<'_, PyAny>,
+    measured: &Bound<'_, PyAny>,
     unit: &str,
     sigma: Option<f64>,
-    test: Option<(Numbers<'_>, Numbers<'_>)>,
+    test: Option<&Bound<'_, PyAny>>,
     elastic: bool,
     harmonics: Option<u8>,
 ) -> PyResult<Calibration> {
@@ -86,12 +117,17 @@ pub fn calibrate(
         _ => return Err(PyValueError::new_err("unit is \"m\" or \"mm\"")),
     };
     let model = &robot.model;
-    let of_session = |name: &str, q: &Numbers<'_>, measured: &Numbers<'_>| {
-        let rows = rows(q, measured, model.axes(), of_file, sigma.map(of_file))?;
-        Ok::<_, PyErr>(MeasuringSession { name: name.into(), measured: rows })
+    let read = |word: &str, sessions: &[Session<'_>]| {
+        let each = sessions.iter().enumerate().map(|(k, (q, measured))| {
+            let name = if sessions.len() == 1 { word.into() } else { format!("{word} {}", k + 1) };
+            let measured = rows(q, measured, model.axes(), of_file, sigma.map(of_file))
+                .map_err(|why| if sessions.len() == 1 { why } else { in_session(py, &name, &why) })?;
+            Ok(MeasuringSession { name, measured })
+        });
+        each.collect::<PyResult<Vec<_>>>()
     };
-    let sessions = [of_session("measured", &q, &measured)?];
-    let tests = test.map(|(q, measured)| of_session("test", &q, &measured)).transpose()?;
+    let sessions = read("measured", &several(q, measured)?)?;
+    let tests = read("test", &test.map_or(Ok(Vec::new()), pairs)?)?;
     let begun = Instant::now();
     let made = all_or_nothing(py, |_| {
         let chain = Chain::new(model);
@@ -119,6 +155,11 @@ pub fn calibrate(
     let residual_mm = document.residual_mm;
     let document = records::object(py, "CalibrationDocument", &document)?.unbind();
     Ok(Calibration { errors, document, covariance, residual_mm })
+}
+
+/// Returns the exception with the name of the session to which it belongs.
+fn in_session(py: Python<'_>, name: &str, why: &PyErr) -> PyErr {
+    PyErr::from_type(why.get_type(py), format!("{name}: {}", why.value(py)))
 }
 
 /// Returns measured positions from arrays of joint coordinates (n, axes) and of positions (n, 3) or poses (n, 4, 4).

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use sweetspot::assess::RobotDataSheet;
 use sweetspot::cell::Robot as RobotModel;
-use sweetspot::cli::front_end::{PackageFolders, ROBOTS, read_robot, robot as built_in, without_import};
+use sweetspot::cli::front_end::{PackageFolders, ROBOTS, read_robot_or_urdf, robot as built_in};
 use sweetspot::files::fault::did_you_mean;
 use sweetspot::files::{LoadedRobot, shown};
 use sweetspot::reach::Inverse;
@@ -26,7 +26,7 @@ impl Robot {
     }
 }
 
-/// Returns a built-in robot by its name, or reads a robot file.
+/// Returns a built-in robot by its name, or reads a robot file or a URDF.
 #[pyfunction]
 #[pyo3(signature = (name, *, packages=None))]
 pub fn robot(py: Python<'_>, name: PathBuf, packages: Option<Vec<(String, PathBuf)>>) -> PyResult<Robot> {
@@ -43,10 +43,10 @@ pub fn robot(py: Python<'_>, name: PathBuf, packages: Option<Vec<(String, PathBu
             let message = format!("unknown robot `{}`", shown(&word));
             return Err(faults::refused(py, "robot", message, &near.unwrap_or_else(listed)));
         }
-        None => py.detach(|| read_robot(&name, &packages)),
+        None => py.detach(|| read_robot_or_urdf(&name, &packages)),
     };
     let LoadedRobot { robot, warnings, .. } = read.map_err(|found| faults::exception(py, &found))?;
-    faults::warn(py, &without_import(&warnings))?;
+    faults::warn(py, &warnings)?;
     Ok(Robot::new(robot))
 }
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-from conftest import CELLS, Run, measured
+from conftest import CELLS, ROOT, Run, measured
 
 import sweetspot as ss
 
@@ -42,6 +42,32 @@ def test_identified_errors_go_into_a_cell() -> None:
     assert map.operations[0].errors == "measured" and np.nanmin(map["p95_mm"]) > 0
     assert calibrated.robot.errors[-1] == "measured" or "measured" in calibrated.robot.errors
     assert made.errors.toml == str(made.errors) and made.errors.toml.startswith("[errors.measured]")
+
+
+def test_sessions_give_the_parameters_of_the_command_with_several_files(tmp_path: Path, command: Run) -> None:
+    joints, poses, lines = measured("A", 240)
+    files, q, xyz = [tmp_path / "a.csv", tmp_path / "b.csv"], [], []
+    for k, file in enumerate(files):
+        file.write_text("\n".join([lines[0], *lines[1 + k :: 2]]) + "\n")
+        q.append(joints[k::2])
+        xyz.append(poses[k::2])
+    said = command("calibrate", "ur10", *files, "--json")
+    robot = ss.robot("ur10")
+    made = ss.calibrate(robot, q, xyz, unit="mm", test=[(q[0], xyz[0]), (q[1], xyz[1])])
+    for ours, theirs in zip(made.parameters, said["parameters"]):
+        assert (ours.name, ours.value) == (theirs["name"], pytest.approx(theirs["value"], abs=1e-6))
+    assert [s.poses for s in made.document.sessions] == [120, 120]
+    assert [t.file for t in made.document.tests] == ["test 1", "test 2"]
+    # Every session has a frame of the instrument of its own.
+    xyz[1] = xyz[1].copy()
+    xyz[1][:, :3, 3] += [100, -50, 20]
+    moved = ss.calibrate(robot, q, xyz, unit="mm")
+    assert moved.residual_mm == pytest.approx(made.residual_mm, rel=1e-6)
+    assert ss.calibrate(robot, np.vstack(q), np.vstack(xyz), unit="mm").residual_mm > 10
+    with pytest.raises(TypeError, match="2 sessions, but measured has 1"):
+        ss.calibrate(robot, q, xyz[:1], unit="mm")
+    with pytest.raises(TypeError, match=r"measured 2: .*\(120, 3\)"):
+        ss.calibrate(robot, q, [xyz[0], xyz[1][:50]], unit="mm")
 
 
 def test_wrong_arrays_are_refused() -> None:

@@ -90,6 +90,18 @@ def test_other_questions(command: Run) -> None:
     assert ss.robot("ur10e").sheet().to_dict() == command("robot", "ur10e", "--json")
 
 
+def test_a_urdf_is_a_robot_whose_guesses_are_told(command: Run) -> None:
+    path = ROOT / "tests" / "data" / "own_arm.urdf"
+    with pytest.warns(ss.InputWarning) as told:
+        robot = ss.robot(path)
+    assert robot.sheet().to_dict() == command("robot", path, "--json") and robot.errors == ["guess"]
+    messages = "\n".join(str(warning.message) for warning in told)
+    assert "angles plainly mean right angles" in messages and "preset medium" in messages
+    assert "base.stl" in messages and "--package own_arm=DIR" in messages
+    with pytest.raises(ss.UnreadableError):
+        ss.robot("no_such_arm.urdf")
+
+
 def test_questions_without_an_answer() -> None:
     cell = ss.Cell.read(HITACHI)
     with pytest.raises(ss.InputError, match="no node"):

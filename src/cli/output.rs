@@ -58,18 +58,26 @@ pub fn faults(faults: &[Fault]) {
 
 /// Prints the warnings of the import of a URDF; warnings of one kind, which have the same help, are printed as one.
 pub fn import_warnings(warnings: &[Fault]) {
+    for Fault { file, message, help, .. } in grouped_by_help(warnings) {
+        talk(&format!("{}: warning: {message}\n  help: {help}", shown(&file)));
+    }
+}
+
+/// Returns the first warning of each kind of the import of a URDF, with the number of others; warnings of one kind have
+/// the same help.
+pub fn grouped_by_help(warnings: &[Fault]) -> Vec<Fault> {
     let mut kinds: IndexMap<&str, Vec<&Fault>> = IndexMap::new();
     for warning in warnings.iter().filter(|fault| fault.kind == FaultKind::Import) {
         kinds.entry(&warning.help).or_default().push(warning);
     }
-    for (help, all) in kinds {
-        let first = all[0];
-        let more = match all.len() - 1 {
-            0 => String::new(),
-            more => format!(" (and {more} more of this kind)"),
-        };
-        talk(&format!("{}: warning: {}{more}\n  help: {help}", shown(&first.file), first.message));
-    }
+    let grouped = kinds.into_values().map(|all| {
+        let mut first = all[0].clone();
+        if all.len() > 1 {
+            first.message += &format!(" (and {} more of this kind)", all.len() - 1);
+        }
+        first
+    });
+    grouped.collect()
 }
 
 /// Returns a progress bar on stderr that counts evaluated layouts; hidden if stderr is no terminal.

@@ -52,6 +52,7 @@ __version__: str
 _Path = str | PathLike[str]
 _Packages = list[tuple[str, _Path]]
 _Floats = npt.NDArray[np.float64]
+_Session = tuple[npt.ArrayLike, npt.ArrayLike]
 
 class _Question(TypedDict, total=False):
     """The flags of the commands that choose errors and their interpretation."""
@@ -348,12 +349,12 @@ def arrow_stream(names: list[str], columns: list[list[Any]]) -> object:
 
 def calibrate(
     robot: Robot,
-    q: npt.ArrayLike,
-    measured: npt.ArrayLike,
+    q: npt.ArrayLike | list[_Floats],
+    measured: npt.ArrayLike | list[_Floats],
     *,
     unit: Literal["m", "mm"] = "m",
     sigma: float | None = None,
-    test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    test: _Session | list[_Session] | None = None,
     elastic: bool = False,
     harmonics: int | None = None,
 ) -> Calibration:
@@ -362,6 +363,9 @@ def calibrate(
     `q` has the joint coordinates (n, axes) in rad (m for a prismatic joint), `measured` the positions (n, 3) or poses
     (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the standard deviation of the
     instrument per axis, in `unit`. `test` has positions that are not part of the fit.
+
+    For several sessions, each with a frame of the instrument and a tool of its own, give a list of arrays as `q` and
+    one as `measured`. `test` may be a list of pairs (q, measured).
     """
 
 def compare(*layouts: Cell | Search, names: list[str] | None = None) -> ComparisonDocument:
@@ -371,7 +375,7 @@ def evaluator(cell: Cell) -> Evaluator:
     """Returns a function from layouts to costs, for an optimiser of the user's own."""
 
 def robot(name: _Path, *, packages: _Packages | None = None) -> Robot:
-    """Returns a built-in robot by its name, or reads a robot file."""
+    """Returns a built-in robot by its name, or reads a robot file or a URDF."""
 
 def robots() -> RobotsDocument:
     """Returns the built-in robots, the record of `sweetspot robots --json`."""

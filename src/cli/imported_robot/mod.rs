@@ -13,7 +13,7 @@ use super::{Exit, loading, output};
 use crate::cell::Robot;
 use crate::files;
 use crate::files::fault::listed;
-use crate::files::{Fault, FileContent, LoadedRobot, UrdfOutline, lean_urdf, shown};
+use crate::files::{Fault, FileContent, LoadedRobot, Severity, UrdfOutline, lean_urdf, shown};
 use crate::pose_accuracy::PRESETS;
 use crate::reach::Inverse;
 use crate::report::error_table;
@@ -72,15 +72,45 @@ pub fn is_importable(path: &Path) -> bool {
 /// Imports a URDF or xacro file. Prints its faults if it has errors.
 pub fn import(query: ImportQuery<'_>) -> Result<ImportedRobot, Exit> {
     let text = urdf_text(query)?;
+    imported(query, &text).map_err(|faults| {
+        output::faults(&faults);
+        loading::exit_of(&faults)
+    })
+}
+
+/// Reads a robot file or a URDF, and everything that it refers to, without printing.
+///
+/// The warnings of a URDF say what [`ImportedRobot::tell`] prints about it.
+///
+/// # Errors
+/// Returns the faults of the files.
+pub fn read_robot_or_urdf(path: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Vec<Fault>> {
+    if loading::content(path) != Some(FileContent::Urdf) {
+        let loaded = loading::read_robot(path, packages)?;
+        return Ok(LoadedRobot { warnings: loading::without_import(&loaded.warnings), ..loaded });
+    }
+    let given = path.to_string_lossy();
+    let unreadable = |why: String| vec![Fault::unreadable(&given, why, "check the path and its permissions")];
+    let bytes = loading::file_bytes(path).map_err(unreadable)?;
+    let text = String::from_utf8(bytes).map_err(|_| unreadable("it is not UTF-8 text".into()))?;
+    let imported = imported(ImportQuery::new(path, packages), &text)?;
+    let warnings = imported.told(&given);
+    Ok(LoadedRobot { warnings, ..imported.loaded })
+}
+
+/// Imports a URDF with the text `text`.
+///
+/// # Errors
+/// Returns the faults that are errors.
+fn imported(query: ImportQuery<'_>, text: &str) -> Result<ImportedRobot, Vec<Fault>> {
     let refuse = |mut faults: Vec<Fault>| {
         // Warnings of an import that fails would hide its errors.
         faults.retain(Fault::is_error);
-        output::faults(&faults);
-        loading::exit_of(&faults)
+        faults
     };
     let given = query.path.to_string_lossy();
-    let (outline, mut warnings) = files::urdf_outline(&given, &text, query.tip).map_err(refuse)?;
-    let source = UrdfSource { path: query.path, text: &text, outline: &outline };
+    let (outline, mut warnings) = files::urdf_outline(&given, text, query.tip).map_err(refuse)?;
+    let source = UrdfSource { path: query.path, text, outline: &outline };
     let bare = source.robot(&MeshFiles::default(), &Guesses::none()).map_err(refuse)?;
     let (preset, guesses) = guesses(&bare.robot);
     let names = outline.shapes.iter().filter_map(|(_, mesh)| mesh.as_ref());
@@ -131,6 +161,34 @@ impl ImportedRobot {
             self.preset
         ));
         self.tell_left_out();
+    }
+
+    /// Returns warnings that say what [`Self::tell`] prints; `file` is the path of the URDF.
+    fn told(&self, file: &str) -> Vec<Fault> {
+        let warning = |message: String, help: &str| Fault {
+            severity: Severity::Warning,
+            line: 0,
+            ..Fault::of_file(file, message, help)
+        };
+        let mut warnings = output::grouped_by_help(&self.warnings);
+        warnings.push(warning(
+            format!("the errors are guessed: the set `{GUESS}` is the preset {}", self.preset),
+            "identify them from measured positions, or state your own error set in a robot file",
+        ));
+        let (kept, all) = self.shapes;
+        if all == 0 {
+            let message = "the URDF has no collision shapes, so collisions of the arm go unseen";
+            warnings.push(warning(message.into(), "add solids in a robot file: sweetspot init writes one"));
+        }
+        warnings.extend(self.left_out.iter().map(|LeftOutMesh { name, why, remedy }| {
+            let name = shown(name);
+            warning(format!("{name} is left out of the {all} collision shapes: {}", shown(why)), remedy)
+        }));
+        if kept < all && self.left_out.is_empty() {
+            let message = format!("{} of {all} collision shapes are left out", all - kept);
+            warnings.push(warning(message, "see sweetspot check for this file"));
+        }
+        warnings
     }
 
     fn tell_left_out(&self) {
