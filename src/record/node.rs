@@ -127,7 +127,7 @@ impl MapNode {
 }
 
 /// Returns a figure of a posture for every reported sense whose unit is `unit`; None if no sense has this
-/// unit.
+/// unit, or if the errors are no tolerances and the figure needs some.
 fn by_sense(
     map: &OperationMap,
     p: &PostureRecord,
@@ -135,7 +135,8 @@ fn by_sense(
     figure: fn(&Figures) -> f64,
 ) -> Option<BySense> {
     let pairs = map.senses.iter().zip(&p.figures).filter(|(s, _)| s.unit == unit);
-    let values: BySense = pairs.map(|(s, f)| (s.name.clone(), in_unit(unit, figure(f)))).collect();
+    let known = pairs.map(|(s, f)| (s, figure(f))).filter(|(_, si)| si.is_finite());
+    let values: BySense = known.map(|(s, si)| (s.name.clone(), in_unit(unit, si))).collect();
     (!values.is_empty()).then_some(values)
 }
 

@@ -48,7 +48,8 @@ pub struct SpotEntry {
     pub counts: StatusCounts,
 }
 
-/// Error figures for several senses, each under the name of its sense; null if the operation has no spot.
+/// Error figures for several senses, each under the name of its sense; null if the operation has no spot, or if the
+/// errors compensate each other, so that they are no tolerances and the figure needs some.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
 /// Limit of an operation and the margin to it, in the unit of the objective.
@@ -71,7 +72,8 @@ impl SpotEntry {
         let unit = a.cell.unit();
         let figures = |figure: fn(&Figures) -> f64| {
             let lengths = map.senses.iter().filter(|s| s.unit == Unit::Length);
-            let value = |name: &str| a.figures(k, name).map(|f| in_unit(Unit::Length, figure(f)));
+            let known = |f: &Figures| Some(figure(f)).filter(|si| si.is_finite());
+            let value = |name: &str| a.figures(k, name).and_then(known).map(|si| in_unit(Unit::Length, si));
             lengths.map(|s| (s.name.clone(), value(&s.name))).collect::<OptionBySense>()
         };
         let own = a.figures(k, &operation.sense.name).map(|f| operation.sense.unit.from_si(f.error));

@@ -87,8 +87,8 @@ fn every_heavy_crate_has_one_home() {
     assert_eq!(homes("parry3d"), only("clearance"));
     assert_eq!(homes("argmin"), only("search"));
     assert_eq!(homes("pulp"), only("error_map"));
-    let programs = sources().into_iter().filter(|f| uses_crate(&f.code, "clarabel"));
-    let programs: Vec<_> = programs.map(|f| f.path).collect();
+    let programs = sources().iter().filter(|f| uses_crate(&f.code, "clarabel"));
+    let programs: Vec<_> = programs.map(|f| f.path.clone()).collect();
     let allowed = |path: &str| {
         let homes = ["layout/separate.rs", "allocation/cone_program.rs"];
         homes.contains(&path) || path.starts_with("reach/numeric/")
@@ -110,7 +110,7 @@ fn every_heavy_crate_has_one_home() {
     // The crates of the PDF have one file.
     for name in ["svg2pdf", "pdf_writer", "notosans"] {
         let users: Vec<_> =
-            sources().into_iter().filter(|f| uses_crate(&f.code, name)).map(|f| f.path).collect();
+            sources().iter().filter(|f| uses_crate(&f.code, name)).map(|f| f.path.clone()).collect();
         assert_eq!(users, ["report/pdf/file.rs"], "{name}");
     }
     // Hashes of the files that are read and written, and of what a page may run.
@@ -118,7 +118,7 @@ fn every_heavy_crate_has_one_home() {
     for (name, home) in
         [("toml", "files"), ("tobj", "mesh"), ("stl_io", "mesh"), ("roxmltree", "files"), ("csv", "report")]
     {
-        let users: Vec<_> = sources().into_iter().filter(|f| f.code.contains(&format!("{name}::"))).collect();
+        let users: Vec<_> = sources().iter().filter(|f| f.code.contains(&format!("{name}::"))).collect();
         // `report::toml` and `report::csv` are modules of this crate.
         // Tables of targets are CSV files, too.
         let is_input = |f: &File| name == "csv" && f.path == "files/targets.rs";
@@ -168,8 +168,8 @@ fn a_module_uses_only_those_above_it() {
 
 #[test]
 fn lib_rs_names_every_module_and_holds_no_logic() {
-    let roots: Vec<File> =
-        sources().into_iter().filter(|f| ["lib.rs", "core/lib.rs"].contains(&f.path.as_str())).collect();
+    let roots: Vec<&File> =
+        sources().iter().filter(|f| ["lib.rs", "core/lib.rs"].contains(&f.path.as_str())).collect();
     let modules: BTreeSet<String> = roots.iter().flat_map(|lib| paths_from(&lib.code, "pub mod ")).collect();
     assert_eq!(modules, ORDER.iter().map(|m| m.to_string()).collect());
     for lib in &roots {
@@ -207,7 +207,7 @@ fn a_module_declares_every_file_of_src() {
 #[test]
 fn src_has_no_unsafe_code() {
     let found: Vec<_> =
-        sources().into_iter().filter(|f| uses_crate(&f.code, "unsafe")).map(|f| f.path).collect();
+        sources().iter().filter(|f| uses_crate(&f.code, "unsafe")).map(|f| f.path.clone()).collect();
     assert!(found.is_empty(), "{found:?}");
     let manifest = std::fs::read_to_string(crate::common::root().join("Cargo.toml")).unwrap();
     assert!(manifest.contains("unsafe_code = \"forbid\""));
@@ -257,7 +257,7 @@ fn only_units_rs_converts_units() {
     let inches = with_words(&["0.0254", "25.4"], |f| f.path == "units.rs");
     assert!(inches.is_empty(), "{inches:#?}");
     // The conversions are in units.rs.
-    let units = sources().into_iter().find(|f| f.path == "units.rs").unwrap();
+    let units = sources().iter().find(|f| f.path == "units.rs").unwrap();
     assert!(["to_radians", "to_degrees", "/ 1000.0", "* 1000.0"].iter().all(|w| units.code.contains(w)));
 }
 

@@ -28,6 +28,11 @@ impl ErrorDistribution {
     /// Returns the reason if the operation has no spot, or if its error has no distribution.
     pub fn at_spot(a: &Assessment<'_>, operation: usize) -> Result<Self, String> {
         let cell = a.cell;
+        if cell.errors_compensate() {
+            return Err(
+                "the errors compensate each other in one calibrated arm, so they are no tolerances".into()
+            );
+        }
         let (_, posture) = a.spot(operation).ok_or("the operation has no usable node")?;
         let judged = |model, reading| judged(a, operation, posture, model, reading);
         let (read, figures) = judged(cell.model, Reading::Statistical)?;

@@ -42,6 +42,8 @@ pub struct ErrorEvaluator {
     pub(super) spin_bound: Option<SpinBound>,
     /// Whether the value is the same, bit by bit, after a rotation of the tool by the last joint.
     ignores_spin: bool,
+    /// Whether the errors of the signed sample are no tolerances ([`Cell::errors_compensate`]).
+    pub(super) errors_compensate: bool,
 }
 
 /// Working memory of an [`ErrorEvaluator`], reused between postures.
@@ -102,6 +104,7 @@ impl ErrorEvaluator {
             sources,
             best_fit,
             signed_values,
+            errors_compensate: cell.errors_compensate(),
             signed,
             mean: means,
             alone: is_untied && still,

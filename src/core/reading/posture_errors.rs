@@ -6,9 +6,42 @@ use super::figures::{Figures, PostureErrors};
 use super::work_context::WorkContext;
 use super::worst_case::WorstCase;
 use crate::cell::{Model, Reading, Sense};
+use crate::pose::Displacement;
 use crate::robot::Frames;
 
 impl ErrorEvaluator {
+    /// Returns the error figures of a posture that a map shows.
+    ///
+    /// They are those of [`Self::judge`], but the worst case and the statistics are NaN if the errors of the signed
+    /// sample compensate each other ([`crate::cell::Cell::errors_compensate`]).
+    pub fn judge_for_map(
+        &self,
+        context: &WorkContext,
+        frames: &Frames,
+        memory: &mut EvaluatorScratch,
+    ) -> PostureErrors {
+        if self.reading != Reading::Signed || !self.errors_compensate {
+            return self.judge(context, frames, memory);
+        }
+        self.prepare(context, frames, memory);
+        let [nonlinear, linear, second_order] = [Model::Nonlinear, Model::Linear, Model::SecondOrder]
+            .map(|model| self.error_of(&self.signed_values, context, frames, model, memory));
+        let error = self.of_model([nonlinear, linear, second_order]);
+        let of_sense = |sense: &Sense| Figures::of_sample(self.measure(sense, context, frames).size(&error));
+        let figures = self.reported.iter().map(of_sense).collect();
+        let value = self.value(context, frames, memory);
+        PostureErrors { value, error, nonlinear, linear, second_order, figures, success: None }
+    }
+
+    /// Returns the error by the chosen model.
+    fn of_model(&self, [nonlinear, linear, second_order]: [Displacement; 3]) -> Displacement {
+        match self.model {
+            Model::Nonlinear => nonlinear,
+            Model::Linear => linear,
+            Model::SecondOrder => second_order,
+        }
+    }
+
     /// Returns all error figures of a posture, in every sense of [`ErrorEvaluator::reported`].
     pub fn judge(
         &self,
@@ -34,11 +67,7 @@ impl ErrorEvaluator {
         let values = &values[..self.sources.list.len()];
         let [nonlinear, linear, second_order] = [Model::Nonlinear, Model::Linear, Model::SecondOrder]
             .map(|model| self.error_of(values, context, frames, model, memory));
-        let error = match self.model {
-            Model::Nonlinear => nonlinear,
-            Model::Linear => linear,
-            Model::SecondOrder => second_order,
-        };
+        let error = self.of_model([nonlinear, linear, second_order]);
         let figures =
             self.reported.iter().zip(worst.iter().zip(&statistics)).map(|(sense, (worst, random))| Figures {
                 error: self.measure(sense, context, frames).size(&error),

@@ -73,7 +73,7 @@ fn map_summary(a: &Assessment<'_>, map: &OperationMap) -> String {
             if let Some(said) = refined_summary(a, map.operation) {
                 let _ = write!(out, "\n  {said}");
             }
-            if let Some(k) = map.sense(sense) {
+            if let Some(k) = map.sense(sense).filter(|k| p.figures[*k].worst.is_finite()) {
                 let _ =
                     write!(out, "\n  at this node: {}", risk(&p.figures[k], operation.sense.unit, p.success));
             }

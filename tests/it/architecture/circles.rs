@@ -89,7 +89,7 @@ fn no_circles_inside_a_folder() {
         files.iter().map(|f| f.path.rsplit_once('/').map_or("", |(d, _)| d)).collect();
     let (mut seen, mut found) = (0, Vec::new());
     for folder in folders.into_iter().filter(|folder| !folder.is_empty()) {
-        let uses = uses(&files, folder);
+        let uses = uses(files, folder);
         for (own, others) in &uses {
             seen += others.len();
             let back = others.iter().filter(|(other, _)| reached(&uses, other).contains(own.as_str()));

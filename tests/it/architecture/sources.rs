@@ -1,6 +1,7 @@
 //! Reads the source files as text and finds code, paths and words in them.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Source file of src.
 pub struct File {
@@ -23,15 +24,18 @@ impl File {
     }
 }
 
-/// Returns every source file of src.
-pub fn sources() -> Vec<File> {
-    let mut files = Vec::new();
-    collect(&crate::common::root().join("src"), "", &mut files);
-    for file in files.iter_mut().filter(|f: &&mut File| f.path != "core/lib.rs") {
-        file.path = file.path.trim_start_matches("core/").to_string();
-    }
-    assert!(files.len() > 40, "only {} files found", files.len());
-    files
+/// Returns every source file of src. The files are read once.
+pub fn sources() -> &'static [File] {
+    static SOURCES: LazyLock<Vec<File>> = LazyLock::new(|| {
+        let mut files = Vec::new();
+        collect(&crate::common::root().join("src"), "", &mut files);
+        for file in files.iter_mut().filter(|f: &&mut File| f.path != "core/lib.rs") {
+            file.path = file.path.trim_start_matches("core/").to_string();
+        }
+        assert!(files.len() > 40, "only {} files found", files.len());
+        files
+    });
+    &SOURCES
 }
 
 fn collect(folder: &Path, prefix: &str, files: &mut Vec<File>) {

@@ -42,7 +42,7 @@ fn begins_with(text: &str, start: &str) -> bool {
 fn every_type_name_is_unique() {
     let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for file in sources() {
-        for (name, line) in types(&file) {
+        for (name, line) in types(file) {
             places.entry(name).or_default().push(format!("src/{}:{line}", file.path));
         }
     }
@@ -58,7 +58,7 @@ fn every_doc_comment_means_something_alone() {
     let mut count = 0;
     let mut found = Vec::new();
     for file in sources() {
-        for (text, line) in sentences(&file) {
+        for (text, line) in sentences(file) {
             count += 1;
             if ELLIPSES.iter().any(|start| begins_with(&text, start)) {
                 found.push(format!("src/{}:{line}: {text}", file.path));

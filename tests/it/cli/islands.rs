@@ -108,7 +108,7 @@ fn the_best_of_several_seeds_is_the_result() {
 fn the_merged_front_is_that_of_all_fronts() {
     let shop = Sandbox::new();
     let front = |more: &[&str]| {
-        let goals = ["search", CELL, "--pareto", "error,clearance,footprint", "--budget", "900"];
+        let goals = ["search", CELL, "--pareto", "error,clearance,footprint", "--budget", "500"];
         let document = shop.json(&[&goals[..], more].concat());
         let losses = |l: &Value| {
             let goal = |key: &str| number(&l["goals"][key]);
@@ -133,7 +133,7 @@ fn the_merged_front_is_that_of_all_fronts() {
         "--pareto",
         "error,clearance,footprint",
         "--budget",
-        "900",
+        "500",
         "--islands",
         "3",
         "--keep",

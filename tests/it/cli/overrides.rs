@@ -317,12 +317,23 @@ fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
 #[test]
 fn errors_that_compensate_each_other_are_no_tolerances() {
     let shop = Sandbox::new();
-    let read = shop.done(&["map", "cells/ur_cell.toml", "--reading", "worst-case"]);
+    // A nonlinear worst case of every node would take most of the time.
+    let coarse =
+        "from = \"ur_cell.toml\"\n[operation.assembly]\ngrid = [2, 2]\n[operation.picking]\ngrid = [2, 1]\n";
+    shop.write("cells/coarse.toml", coarse);
+    let read = shop.done(&["map", "cells/coarse.toml", "--reading", "worst-case"]);
     assert!(read.err.contains("compensate each other in one calibrated arm"), "{}", read.err);
     let other = shop.done(&["map", "cells/hitachi_cell.toml", "--reading", "worst-case"]);
     assert!(!other.err.contains("compensate"), "{}", other.err);
     for (cell, has_none) in [("ur_cell", true), ("hitachi_cell", false)] {
         shop.done(&["report", &format!("cells/{cell}.toml"), "-o", "report.html"]);
         assert_eq!(shop.text("report.html").contains("so there is no worst case"), has_none, "{cell}");
+        let map = shop.json(&["map", &format!("cells/{cell}.toml")]);
+        let nodes = items(&map["operations"][0]["nodes"]);
+        let node = nodes.iter().find(|node| node["status"] == "ok").unwrap();
+        assert!(node["error_sense_mm"].as_f64().is_some() && node["value"].as_f64().is_some(), "{cell}");
+        for figure in ["worst_mm", "rms_mm", "p95_mm", "p99_mm"] {
+            assert_eq!(node[figure].is_null(), has_none, "{cell}: {figure}");
+        }
     }
 }
