@@ -217,7 +217,7 @@ pub struct SearchSettings {
     /// Largest number of layout evaluations.
     pub budget: u64,
     pub seed: u64,
-    /// Whether placement tolerances do not count: the layout need only work exactly as drawn.
+    /// Whether placement tolerances are ignored: the layout need only work exactly as drawn.
     pub ideal: bool,
     /// Whether the search minimizes the worst value over the placement tolerances instead of the value as
     /// drawn.
@@ -255,7 +255,7 @@ pub struct Resolution {
 impl Resolution {
     /// Resolution that a fitter can set.
     pub const BUILDABLE: Self = Self { mm: 1.0, deg: 0.1 };
-    /// Resolution of an ideal layout: a file can hold exactly the coordinates that were evaluated.
+    /// Resolution of an ideal layout: so fine that rounding to it changes no figure in practice.
     pub const IDEAL: Self = Self { mm: 1e-3, deg: 1e-4 };
 }
 
@@ -281,8 +281,8 @@ impl SearchSettings {
 }
 
 impl SearchSettings {
-    /// Returns whether the search takes the cost of tolerances into account. Limits then bound the tolerances, not the
-    /// error at the present ones.
+    /// Returns whether the search takes the cost of tolerances into account. A limit then constrains the choice of
+    /// tolerances, not the error at the tolerances of the error set.
     pub fn prices_tolerances(&self) -> bool {
         self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
     }

@@ -42,10 +42,11 @@ pub enum Parameter {
     /// The deflection grows with the posture-dependent lever. The value is the compliance of the joint times
     /// the weight at and beyond the end of the link.
     Elastic(usize, usize),
-    /// Compliance of a revolute joint, rad/(N m), which multiplies the torque by all masses that it carries
-    /// ([`crate::robot::gravity_torque`]).
+    /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the joint
+    /// carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
-    /// Share of the periodic error of a revolute joint that the joint has ([`SignedErrors::periodic`]), without unit.
+    /// Index of a revolute joint: factor of its periodic error ([`SignedErrors::periodic`]), without unit; 1 for the
+    /// whole error.
     Periodic(usize),
     /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
     /// frame.
@@ -67,8 +68,8 @@ impl Parameter {
         links.chain(frames).chain(joints).chain(Self::elastic(axes))
     }
 
-    /// Returns the elastic parameters of a robot with `axes` joints: joint by joint the terms of all links that
-    /// it carries, then the compliances, then the shares of periodic errors.
+    /// Returns the elastic parameters of a robot with `axes` joints: the elastic terms joint by joint, the
+    /// compliances, then the factors of periodic errors. Each joint has one elastic term per link that it carries.
     pub fn elastic(axes: usize) -> impl Iterator<Item = Parameter> {
         let terms =
             (0..axes).flat_map(move |joint| (joint..axes).map(move |link| Self::Elastic(joint, link)));

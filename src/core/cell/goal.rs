@@ -81,7 +81,7 @@ impl Goals {
         Some(goals)
     }
 
-    /// Every goal.
+    /// Returns the list of all goals.
     pub fn all() -> Self {
         Self(Goal::ALL.map(Some))
     }

@@ -263,7 +263,7 @@ impl Cell {
 
     /// Returns whether the errors of a signed sample compensate each other: one of them is longer than the arm.
     ///
-    /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are no tolerances.
+    /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are not tolerances.
     pub fn errors_compensate(&self) -> bool {
         let ErrorSet::Signed(sample) = self.error_set() else { return false };
         sample.dr.iter().chain(&sample.dl).any(|length| length.abs() > self.robot.reach())
@@ -283,7 +283,8 @@ impl Cell {
         }
     }
 
-    /// Returns the goals that layouts of this cell have: all, but the cost of tolerances only if the search prices these.
+    /// Returns the goals that are measured for layouts of this cell. The cost of tolerances is among them only if the
+    /// search prices tolerances.
     pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
         let has_cost = self.search.prices_tolerances();
         Goal::ALL.into_iter().filter(move |goal| has_cost || *goal != Goal::Cost)

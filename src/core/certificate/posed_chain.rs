@@ -8,10 +8,10 @@
 //! e' = -J^-1 D (a + e').
 //! ```
 //!
-//! Let the deviation be at most r in every component. Then D is known to first order up to r, and the right side
-//! is bounded. If this bound is at most r, the path exists and keeps the assumption. This is Krawczyk's test (R.
-//! Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken", Computing 4, 1969) for a
-//! path. J + D is regular along it, so the arm stays in its branch.
+//! Assume that every component of the deviation is at most r. This assumption bounds D, and therefore the right side.
+//! If this bound is at most r, the path exists and keeps the assumption. This is Krawczyk's test (R. Krawczyk,
+//! "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken", Computing 4, 1969) for a path. J + D is
+//! regular along it, so the arm stays in its branch.
 //!
 //! D is bounded by its first derivatives at the nominal posture, and by a bound of its second derivatives: every
 //! derivative of a column is a product of unit axes and one lever arm.

@@ -183,7 +183,7 @@ impl Scene {
         there.find_map(|(k, (link, capsule))| Some((k, self.first_hit(link, capsule, poses, bodies)?)))
     }
 
-    /// Returns the first contact of the robot with itself; the part `part` takes part in it.
+    /// Returns the first self-collision of the robot that involves a solid of `part`.
     fn own_hit(
         &self,
         part: ArmPart,

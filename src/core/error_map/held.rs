@@ -160,7 +160,7 @@ impl PlacedLayout<'_> {
         self.asking(operation, spots, workspace, |query, memory| query.keeps_free(held, memory))
     }
 
-    /// Asks one operation with the memory of a workspace.
+    /// Calls `ask` with the query of one operation and its memory in the workspace.
     fn asking<T>(
         &self,
         operation: usize,

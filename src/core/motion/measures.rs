@@ -86,8 +86,8 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
 /// Returns the joint displacements of least norm that come nearest to a motion of the TCP; the motion is scaled like the
 /// Jacobian.
 ///
-/// Normal equations take a fifth of the time of a singular value decomposition, which solves the nearly singular
-/// postures alone. Singular values below `rank_tolerance` count as 0.
+/// The function solves the normal equations, which takes a fifth of the time of a singular value decomposition. Only
+/// nearly singular postures are solved by that decomposition. Singular values below `rank_tolerance` count as 0.
 pub(super) fn joint_displacements(
     chain: &Chain,
     frames: &Frames,

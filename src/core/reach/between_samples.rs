@@ -24,7 +24,8 @@ const MAX_PARTS: usize = 128;
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {
-    /// Calls `found` like [`Self::gap`], and returns the same, but never a lower bound of a distance below `near` (m).
+    /// Calls [`Self::gap`], and replaces a lower bound of the distance that is below `near` (m) by the distance
+    /// itself.
     fn gap_near(
         &self,
         sample: &HeldSample<'_>,
@@ -69,7 +70,7 @@ impl HeldTarget<'_> {
 
     /// Searches the lattice values around the number `best` for one with a usable posture, towards the least [`Gap`].
     ///
-    /// `least` is the gap at `best`, and smaller than those one step of the scan away.
+    /// `least` is the gap at `best`. The gaps one step of the scan away must be larger.
     fn search_around(&self, best: u32, least: Gap, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let interval = (best.saturating_sub(SCAN_STEP), (best + SCAN_STEP).min(HeldJoint::LATTICE));
         let (best, least) = match least.reach > 0.0 {

@@ -15,7 +15,8 @@ pub(super) struct HeldJoint {
     /// Posture of the joints that are not held, copied as scratch memory.
     pub template: Posture,
     link: Link,
-    /// Distance of the last frame of the other joints from their last axis, along it and across, m.
+    /// Distance from the last joint of the other joints to the frame after it, m: root sum square of its D-H length
+    /// and offset.
     lead: f64,
     /// Whether the held joint is the first joint of the arm; otherwise it is the last.
     first: bool,
