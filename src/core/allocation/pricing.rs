@@ -1,6 +1,6 @@
-//! Prices of nodes: what the cheapest tolerances cost with which an operation keeps its limit at a node.
+//! Prices of nodes: the cost of the cheapest tolerances with which an operation keeps its limit at a node.
 //!
-//! A search compares thousands of nodes, so a price takes the linear error model. [`super::allocate_judged`] judges
+//! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`] judges
 //! the layout that is found by the full model, which differs by a few per cent if the tolerances are wide.
 
 use super::dual_ascent::priced_scales;
@@ -34,8 +34,8 @@ pub struct TolerancePricing {
     most: f64,
     /// Cost of the loosest tolerances.
     least: f64,
-    /// Logarithm of the multiplier from which bounds start: that of the present cost, about which it lies if the limits
-    /// are about the present figures.
+    /// Logarithm of the multiplier with which bounds start. It is the logarithm of the present cost, because the
+    /// multiplier is about as large if the limits are near the present figures.
     first_multiplier: f64,
 }
 
@@ -52,7 +52,7 @@ pub struct OperationPricing {
 impl TolerancePricing {
     /// Collects the tolerances that act on the operations of a cell; None if there is none.
     ///
-    /// Measured and correlated errors are no tolerances of their own.
+    /// Measured and correlated errors have no tolerance of their own.
     pub fn new(cell: &Cell, evaluators: &[&ErrorEvaluator]) -> Option<Self> {
         let mut parameters: Vec<Parameter> = Vec::new();
         for source in evaluators.iter().flat_map(|evaluator| &evaluator.sources.list) {
@@ -79,7 +79,7 @@ impl TolerancePricing {
 
     /// Returns the cost of the cheapest tolerances that keep every limit, which is 1 for each figure.
     ///
-    /// If even the tightest exceed a limit, the result is their cost, multiplied by the largest figure.
+    /// If even the tightest tolerances exceed a limit, the result is their cost multiplied by the largest figure.
     pub fn price(&self, figures: &[LinearFigure], scratch: &mut FigureScratch) -> f64 {
         let mut largest = |end: fn(&ToleranceCost) -> f64| {
             let scales: Vec<f64> = self.costs.iter().map(end).collect();
@@ -119,7 +119,8 @@ impl TolerancePricing {
 
     /// Returns a lower bound of the price of one figure, from at most `directions` directions of the error.
     ///
-    /// The direction of the worst case at the scales that a direction gives is a better one, and often the best.
+    /// Each direction gives scales. The direction of the worst case at these scales is a better direction, and often
+    /// the best.
     fn bound(
         &self,
         figure: &LinearFigure,
@@ -152,7 +153,7 @@ impl TolerancePricing {
 }
 
 impl OperationPricing {
-    /// Prepares an operation with a limit; `evaluator` must be its own.
+    /// Prepares an operation with a limit; `evaluator` must belong to this operation.
     pub fn new(
         tolerances: Arc<TolerancePricing>,
         operation: &Operation,

@@ -1,4 +1,4 @@
-//! Layouts side by side, and whether they answer the same question.
+//! Comparison of layouts side by side, and the check that they can be compared.
 
 use super::Assessment;
 use crate::cell::{Cell, Operation, Reading, Role};

@@ -1,4 +1,5 @@
-//! Which placement tolerance ends a layout: without it, or with less of it, the layout would hold.
+//! Placement tolerances that make a layout infeasible: without them, or with smaller ones, the layout would be
+//! feasible.
 
 use crate::cell::{Cell, Layout, Slot};
 use crate::layout::{Workcell, evaluate};
@@ -10,7 +11,8 @@ const BISECTIONS: usize = 8;
 /// Names of the keys of a tolerance.
 const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 
-/// Returns, in words, which placement tolerances end an infeasible layout, and which values would hold.
+/// Returns, in words, which placement tolerances make a layout infeasible, and with which values it would be
+/// feasible.
 ///
 /// Each tolerance is reduced alone; if none suffices, those of each piece are reduced together, and finally all of
 /// them. The list is empty if the layout does not hold even as drawn.

@@ -135,7 +135,8 @@ pub struct RobotDataSheet<'a> {
     pub family: &'static str,
     /// Pose of the TCP at the home position.
     pub pose: Pose,
-    /// None for a redundant arm and for numeric inverse kinematics, because the envelope then takes many seconds.
+    /// Working envelope; None for a redundant arm and for numeric inverse kinematics, because the computation would
+    /// take many seconds.
     pub envelope: Option<SheetEnvelope>,
 }
 

@@ -3,7 +3,7 @@
 use crate::cell::{Cell, Layout, Placement, PlacementTolerance};
 use nalgebra::Vector3;
 
-/// BoxAxis of a [`TargetBox`].
+/// Axis of a [`TargetBox`]: a coordinate of the target, or the heading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoxAxis {
     /// Coordinate x, y or z of the target in the base frame.

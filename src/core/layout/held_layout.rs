@@ -16,7 +16,7 @@ use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayo
 use crate::motion::Blocked;
 use crate::safe_text::shown;
 
-/// Reason why a layout with held spots does not work, or not well enough.
+/// Reason why a layout with held spots is infeasible, misses a limit or has too large an objective.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
     /// The objective exceeds the given one.
@@ -280,7 +280,7 @@ impl Judgement<'_, '_> {
         combined(&self.held.workcell.cell, &values)
     }
 
-    /// Returns spot and value of every operation as drawn, apart from collisions and certificates.
+    /// Returns spot and value of every operation as drawn, without checks of collisions and certificates.
     ///
     /// The value is 0, a lower bound, if the joint price needs no costs of single operations.
     fn drawn(

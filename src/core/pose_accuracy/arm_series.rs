@@ -53,8 +53,8 @@ impl<'a> PoseAccuracyTest<'a> {
 
     /// Returns the pose accuracy of the series whose parameters have the given spreads.
     ///
-    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call tests the same random
-    /// numbers, so the accuracy is a smooth function of the spreads.
+    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same random numbers,
+    /// so the accuracy is a smooth function of the spreads.
     pub fn accuracy(&self, spreads: &[Spread]) -> PoseAccuracy {
         let mut at: Vec<(f64, f64)> = richtmyer_steps().take(spreads.len()).map(|step| (0.5, step)).collect();
         let (mut means, mut largest) = (Vec::with_capacity(ROBOTS), Vec::with_capacity(ROBOTS));

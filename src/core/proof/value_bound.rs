@@ -16,8 +16,9 @@
 //! lower bound: a farthest corner and a centred distribution only grow with further independent sources. For
 //! correlated sources, the other errors count as far as they do not depend on the elastic ones.
 //!
-//! Means of measured errors do not count either: the farthest corner about a mean is at least as far as that
-//! about 0, because the mean has the same or the opposite direction, and a mean enlarges each statistic.
+//! Means of measured errors are ignored, too, and the bound stays valid. The farthest corner about a mean is at least
+//! as far as the farthest corner about 0, because one of two opposite corners lies on the side of the mean. A mean
+//! also enlarges each statistic.
 //!
 //! For the mean of |e| this bound is the tangent of a convex function of the effects. Percentiles have a
 //! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the

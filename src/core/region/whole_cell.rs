@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-9;
 pub struct WholeTurn {
     pub least: f64,
     pub most: f64,
-    /// What ends the nearer side.
+    /// Reason that limits the rotation on the nearer side.
     pub ended: RoomEnd,
 }
 

@@ -36,7 +36,7 @@ const POLL: f64 = 1.0 / 256.0;
 const POLLS: i32 = 4;
 /// Largest room that counts, m.
 const WIDEST: f64 = 0.25;
-/// Room that is looked for first, m; the room of the best layout so far decides later.
+/// Least limit of the rooms that count, m. The limit grows with the largest room found so far, up to [`WIDEST`].
 const FIRST_WIDEST: f64 = 0.02;
 /// Share of the most room below which a room is not estimated accurately.
 const POOR: f64 = 0.3;
