@@ -20,7 +20,7 @@ const CLOSED: f64 = 1e-9;
 /// Relative violation of a limit that rounding leaves in chosen grades.
 const ROUNDING: f64 = 1e-9;
 
-/// Part of the choices, with its relaxation.
+/// Branch of the search: the scales that it permits, and the solution of its relaxation.
 struct GradeBranch {
     domains: Vec<ScaleDomain>,
     relaxed: RelaxedSolution,

@@ -1,10 +1,10 @@
 //! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged figures.
 //!
 //! In each round, the linear figure of a requirement is scaled so that it equals the judged figure at the scales of
-//! the last round. The square of a judged figure may be a convex function of the squared scales; that of a high
-//! percentile is. Then the linear figures bound the judged figure from below, and all of them are kept as cuts.
-//! Kelley's method then converges to the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving
-//! convex programs", J. SIAM 8, 1960). Otherwise each round replaces the linear figures of the previous round.
+//! the last round. The square of a judged figure may be a convex function of the squared scales, as for a high
+//! percentile. Then the linear figures bound the judged figure from below, and all of them are kept as cuts. Kelley's
+//! method then converges to the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving convex
+//! programs", J. SIAM 8, 1960). Otherwise each round replaces the linear figures of the previous round.
 
 use super::linear_figure::{FigureScratch, LinearFigure};
 use super::problem::{ToleranceProblem, ToleranceRequirement};
@@ -45,8 +45,8 @@ pub struct JudgedAllocation {
     pub judged: Vec<f64>,
     /// Number of rounds after the first.
     pub rounds: usize,
-    /// Largest relative excess of a judged figure over its limit after the first round. It measures the error of the
-    /// linear problem.
+    /// Largest relative excess of a judged figure over its limit after the first round. This excess measures the
+    /// error of the linear problem.
     pub missed: f64,
     /// Largest relative excess of a judged figure over its limit at the end.
     pub excess: f64,
@@ -81,7 +81,7 @@ impl LinearModel<'_> {
         ToleranceProblem { costs: self.costs.to_vec(), requirements: requirements.collect() }
     }
 
-    /// Solves the linear problem. The shadow price of a requirement is the sum of those of its figures.
+    /// Solves the linear problem. The shadow price of a requirement is the sum of the shadow prices of its figures.
     fn solved(&self) -> Result<ToleranceAllocation, AllocationFailure> {
         let owner = |k: usize| self.figures.get(k).map_or(0, |(requirement, _)| *requirement);
         let mut found = allocate(&self.problem()).map_err(|failure| match failure {

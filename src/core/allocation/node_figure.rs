@@ -15,8 +15,8 @@ const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
 ///
-/// A normal error in one direction has a larger percentile than one of equal variance in two or three directions
-/// above this probability.
+/// Above this probability, a normal error in one direction has a larger percentile than a normal error of equal
+/// variance in two or three directions.
 const LEAST_CONVEX_SHARE: f64 = 0.8;
 
 /// One operation at one node.
@@ -29,7 +29,7 @@ pub struct NodeFigure<'a> {
 }
 
 impl NodeFigure<'_> {
-    /// Returns the figure of the reading, m or rad. Any reading but the statistical one counts as worst case.
+    /// Returns the figure of the reading, m or rad. Any reading except the statistical one counts as worst case.
     ///
     /// For the yield, this is the percentile that must not exceed the limit.
     pub fn value(&self, memory: &mut EvaluatorScratch) -> f64 {
@@ -119,8 +119,8 @@ impl NodeFigure<'_> {
     /// Returns a lower bound of the squared figure divided by the mean square of the error; None for a worst case.
     ///
     /// Among normal errors, those with equal variance in all directions have the least high percentile. Those in one
-    /// direction have the least low percentile. A bounded error has a lower percentile than a normal one, but a high
-    /// one is still above the root mean square.
+    /// direction have the least low percentile. A bounded error has a lower percentile than a normal error, but its
+    /// high percentile is still above the root mean square.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;

@@ -14,8 +14,8 @@ const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 /// Returns, in words, which placement tolerances make a layout infeasible, and with which values it would be
 /// feasible.
 ///
-/// Each tolerance is reduced alone; if none suffices, those of each piece are reduced together, and finally all of
-/// them. The list is empty if the layout does not hold even as drawn.
+/// Each tolerance is reduced alone. If no single tolerance suffices, all tolerances of each piece are reduced
+/// together, and finally the tolerances of all pieces. The list is empty if the layout does not hold even as drawn.
 pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     if !workcell.certifies() || evaluate(workcell, layout).is_accepted() {
         return Vec::new();

@@ -291,7 +291,7 @@ pub struct Requirement {
     ///
     /// If the layout must withstand misplacements, the error is its upper bound over all of them.
     pub margin: f64,
-    /// Whether the upper bound is known; if not, the error is the one as drawn.
+    /// Whether the upper bound is known. If not, the margin is that of the layout as drawn.
     pub known: bool,
 }
 

@@ -81,8 +81,9 @@ impl<'a> Remedies<'a> {
 
     /// Returns the advised remedies, each of which is enough; empty if none helps.
     ///
-    /// If there are limits, these are the remedies with the least work that keep them. Otherwise, it is the one with the
-    /// least work among those whose error is the least, up to 1 % of the error as drawn.
+    /// If there are limits, these are the remedies with the least work that keep them. Otherwise, the only advised
+    /// remedy has an error that exceeds the least error by at most 1 % of the error as drawn. Of several such
+    /// remedies, it is the one with the least work.
     pub fn advised(&self) -> Vec<Remedy> {
         let steps = [&[Remedy::AsDrawn][..], &[Remedy::Calibrated, Remedy::Moved], &[Remedy::Both]];
         if self.has_limits() {

@@ -303,7 +303,7 @@ pub struct Tolerance {
     pub costs: Vec<ToleranceCost>,
 }
 
-/// Errors of one robot as a calibration identified them: values, and how uncertain these are.
+/// Errors of one robot as a calibration identified them: values and their uncertainties.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredErrors {
     /// Values with their signs: the means of the parameters.

@@ -13,7 +13,7 @@
 //! "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken", Computing 4, 1969) for a path. J + D is
 //! regular along it, so the arm stays in its branch.
 //!
-//! D is bounded by its first derivatives at the nominal posture, and by a bound of its second derivatives: every
+//! D is bounded by its first derivatives at the nominal posture and by a bound of its second derivatives. Every
 //! derivative of a column is a product of unit axes and one lever arm.
 
 use super::target_box::BoxAxis;

@@ -133,7 +133,7 @@ impl Scene {
 
     /// Returns whether a part of the arm has no contact.
     ///
-    /// The arm has none if neither the part before the last joint nor the part behind it has one.
+    /// The arm has no contact if both parts, before and behind the last joint, have no contact.
     pub fn is_part_free(
         &self,
         part: ArmPart,

@@ -5,9 +5,9 @@
 //! command, a controller without calibration lands on T*.
 //!
 //! Newton's method uses the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors differs from
-//! it by the size of the errors, about 0.001, so each step reduces the remaining error by that factor, or by less
-//! near a singular posture. Position comes before orientation: an arm with fewer than six joints keeps the position,
-//! and the orientation is the nearest one (least squares in the null space of the position).
+//! it by the size of the errors, about 0.001. So each step reduces the remaining error by that factor, or by less
+//! near a singular posture. Position has priority over orientation: an arm with fewer than six joints attains the
+//! position with the nearest possible orientation (least squares in the null space of the position).
 
 mod step;
 

@@ -9,7 +9,7 @@ use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext};
 use crate::robot::Frames;
 use std::sync::Arc;
 
-/// Everything about one operation that does not depend on the layout.
+/// Data of one operation that do not depend on the layout.
 pub struct OperationSetup {
     /// Index of the equipment that carries the surface.
     pub equipment: usize,
@@ -88,8 +88,8 @@ impl OperationSetup {
         }
     }
 
-    /// Returns what a search computes after a rough bound: a sharper bound, or the value if a bound would cost as
-    /// much.
+    /// Returns the kind of value that a search computes after a rough bound: a sharper bound, or the value if a bound
+    /// would cost as much.
     pub fn after_rough_bound(&self) -> Certainty {
         match self.is_priced || self.evaluator.has_sharp_worst_bound() {
             true => Certainty::Bound,

@@ -12,7 +12,7 @@ pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 /// Least diagonal entry of the Cholesky factor of `J^T J` at which the normal equations keep half of the digits.
 const WELL_CONDITIONED: f64 = 1e-4;
 
-/// Measures of a posture that a search may maximize besides minimizing the error.
+/// Measures of a posture that a search may maximize while it minimizes the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
     /// Least distance of a joint from its limit, as a share of half its range.

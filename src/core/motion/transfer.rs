@@ -46,7 +46,7 @@ pub struct Transfer {
     pub travel: f64,
     /// Joint vector of the next operation at its spot.
     ///
-    /// Joint angles may be changed by whole turns, so that they are nearest to those of the operation before.
+    /// Joint angles may be changed by whole turns, so that they are nearest to the angles at the previous operation.
     /// At the end of a cycle they are the angles with which the cycle started.
     pub arrival: JointVector,
 }

@@ -43,8 +43,8 @@ impl HeldTarget<'_> {
     /// Searches values between the samples of the held joint for usable postures.
     ///
     /// A finer scan covers the whole range of the held joint. A golden-section search narrows the interval around
-    /// every value whose [`Gap`] is not larger than those of its neighbours. Returns the least gap found, and whether
-    /// it found a usable posture.
+    /// every value whose [`Gap`] is not larger than the gaps of its neighbours. Returns the least gap found, and
+    /// whether it found a usable posture.
     pub fn search_between(&self, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let flange = self.inverse.flange(self.first, self.target, self.attitudes);
         let near = self.joint.most_travel(&flange) * f64::from(SCAN_STEP);

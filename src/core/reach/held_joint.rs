@@ -15,8 +15,7 @@ pub(super) struct HeldJoint {
     /// Posture of the joints that are not held, copied as scratch memory.
     pub template: Posture,
     link: Link,
-    /// Distance from the last joint of the other joints to the frame after it, m: root sum square of its D-H length
-    /// and offset.
+    /// Distance between the origins of the last two D-H frames of the chain without the held joint, m.
     lead: f64,
     /// Whether the held joint is the first joint of the arm; otherwise it is the last.
     first: bool,

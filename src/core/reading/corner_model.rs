@@ -35,7 +35,7 @@ pub struct CornerModel<'a> {
 }
 
 impl<'a> CornerModel<'a> {
-    /// Returns the model at a posture; `expansion` must be that of the posture.
+    /// Returns the model at a posture; `expansion` must hold the derivatives at this posture.
     pub fn new(
         evaluator: &'a ErrorEvaluator,
         measure: SenseRows,

@@ -23,7 +23,8 @@ use crate::kinematic_error::{Expansion, MotionTerm};
 use crate::pose::{Displacement, Pose};
 use nalgebra::{Vector3, Vector6};
 
-/// Largest sum of all rotations, rad, for which products of four and more errors are less than those of three.
+/// Largest sum of all rotations, rad, for which products of four and more errors are smaller than products of three
+/// errors.
 const MAX_ROTATION: f64 = 0.25;
 
 /// Part of the cell to which a small motion belongs.

@@ -87,7 +87,7 @@ pub struct Region {
     pub turn: Option<f64>,
     /// Reason that limits [`Self::room`], or [`Self::turn`] if the search does not move the piece in plan.
     pub ended: RoomEnd,
-    /// Width of the rim along the outline in which the region is not resolved.
+    /// Width of the rim along the outline in which the region is not resolved, m.
     pub rim: f64,
 }
 

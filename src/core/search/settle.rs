@@ -30,8 +30,8 @@ const SHARE: f64 = 0.25;
 const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 /// Largest number of generations of a run.
 const GENERATIONS: u64 = 70;
-/// First step of the polls, as a share of the search range, and the number of polled steps; each is half the one
-/// before.
+/// First step of the polls, as a share of the search range, and the number of polled steps; each step is half the
+/// previous one.
 const POLL: f64 = 1.0 / 256.0;
 const POLLS: i32 = 4;
 /// Largest room that counts, m.

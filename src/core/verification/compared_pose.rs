@@ -22,7 +22,8 @@ pub struct ComparedPose {
     pub size: f64,
     /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are predicted.
     ///
-    /// The deviations are constant: those of one arm. The fit of base and reflectors absorbs a part of them.
+    /// The deviations are constant over all poses, because they belong to one arm. The fit of base and reflectors
+    /// absorbs a part of them.
     pub is_inside: Option<bool>,
     /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose; None
     /// unless the errors are measured.

@@ -1,8 +1,8 @@
 //! Hypotheses about measured data, compared by how well they fit the nominal robot.
 //!
-//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the
-//! joints, and whether the position is mirrored. The plain reading is kept unless another one fits clearly
-//! better. The convention of orientations is found after that of the positions.
+//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the joints, and
+//! whether the position is mirrored. The plain reading is kept unless another one fits clearly better. The convention
+//! of the orientations is found after the reading of the positions.
 
 mod data_reading;
 mod joint_map;

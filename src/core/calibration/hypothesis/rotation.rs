@@ -38,7 +38,7 @@ impl RotationReading {
     }
 }
 
-/// Returns the convention that explains the orientations best; `reading` is that of joints and positions.
+/// Returns the convention that explains the orientations best; `reading` is the reading of joints and positions.
 ///
 /// Returns None if there are fewer than four orientations, or if the positions are mirrored.
 pub fn explain_rotations(
