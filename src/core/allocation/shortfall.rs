@@ -11,6 +11,7 @@ const ROUNDING: f64 = 1e-12;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToleranceShortfall {
     pub requirement: usize,
+    /// Limit of the requirement.
     pub limit: f64,
     /// Least figure that the bounds permit.
     pub least: f64,

@@ -12,6 +12,7 @@ use super::shortfall::{ToleranceShortfall, shortfalls};
 pub struct ToleranceAllocation {
     /// Scale of every tolerance.
     pub scales: Vec<f64>,
+    /// Cost of these tolerances.
     pub cost: f64,
     /// Lower bound of the cost of all sets of tolerances that keep the requirements.
     pub lower_bound: f64,

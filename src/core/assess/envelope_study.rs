@@ -14,6 +14,7 @@ pub struct Reachable<'a> {
     pub operation: Option<&'a Operation>,
     pub family: &'static str,
     pub attitude: Attitude,
+    /// Distance between sampled points, m.
     pub step: f64,
     /// Azimuth of the vertical section, rad.
     pub azimuth: f64,

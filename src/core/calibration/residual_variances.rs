@@ -118,6 +118,7 @@ pub struct Scores {
 }
 
 impl Scores {
+    /// Returns the derivatives before any position is added.
     pub fn none() -> Self {
         Self { gradient: [0.0; MAX_VARIANCES], information: [[0.0; MAX_VARIANCES]; MAX_VARIANCES] }
     }

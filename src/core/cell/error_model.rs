@@ -229,9 +229,11 @@ pub enum Distribution {
 }
 
 impl Distribution {
+    /// All distributions.
     pub const ALL: [Distribution; 3] =
         [Distribution::Normal, Distribution::Uniform, Distribution::Triangular];
 
+    /// Returns the name of the distribution in files.
     pub const fn name(self) -> &'static str {
         match self {
             Distribution::Normal => "normal",
@@ -323,6 +325,7 @@ pub enum ErrorSet {
 }
 
 impl ErrorSet {
+    /// Returns the name of the set.
     pub fn name(&self) -> &str {
         match self {
             ErrorSet::Signed(e) => &e.name,
@@ -379,6 +382,7 @@ impl FrameErrors {
         }
     }
 
+    /// Returns the errors as tolerances. For a signed sample, the half widths are the magnitudes of its values.
     pub fn tolerance(&self) -> [Spread; PER_FRAME] {
         match self {
             FrameErrors::Signed(values) => values.map(Spread::of_magnitude),

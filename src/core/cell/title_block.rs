@@ -29,8 +29,10 @@ pub enum Projection {
 }
 
 impl Projection {
+    /// All projection methods.
     pub const ALL: [Projection; 2] = [Projection::FirstAngle, Projection::ThirdAngle];
 
+    /// Returns the name of the method in files.
     pub const fn name(self) -> &'static str {
         match self {
             Projection::FirstAngle => "first-angle",

@@ -65,6 +65,7 @@ pub struct Piece {
 }
 
 impl<'a> PosedChain<'a> {
+    /// Prepares a chain at the posture with the frames `frames`.
     pub fn new(chain: &'a Chain, task: &'a ToolTask, frames: &Frames) -> Self {
         let (mut axes, mut moved) = ([Vector3::zeros(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
         let tip = frames.tcp.translation;
@@ -107,6 +108,7 @@ impl<'a> PosedChain<'a> {
         }
     }
 
+    /// Returns whether a joint is revolute.
     pub fn turns(&self, joint: usize) -> bool {
         self.chain.links[joint].kind == JointKind::Revolute
     }

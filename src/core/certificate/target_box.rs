@@ -13,7 +13,9 @@ pub enum BoxAxis {
 }
 
 impl BoxAxis {
+    /// Number of axes.
     pub const COUNT: usize = 4;
+    /// All axes of a target box.
     pub const ALL: [Self; Self::COUNT] =
         [Self::Position(0), Self::Position(1), Self::Position(2), Self::Heading];
 }

@@ -68,7 +68,9 @@ pub struct Detail {
 }
 
 impl Detail {
+    /// Every model and reading, envelopes, and at most 4000 nodes per error map.
     pub const FULL: Self = Self { lenses: true, envelopes: true, nodes: 4000 };
+    /// Model and reading of the cell, envelopes, and all nodes.
     pub const PLAIN: Self = Self { lenses: false, envelopes: true, nodes: usize::MAX };
 }
 

@@ -20,6 +20,7 @@ pub enum PartKind {
 }
 
 impl PartKind {
+    /// Returns the name of the kind in documents.
     pub fn name(self) -> &'static str {
         match self {
             Self::Robot => "robot",

@@ -157,6 +157,7 @@ pub struct Judge<'a, 'm> {
 }
 
 impl<'a, 'm> Judge<'a, 'm> {
+    /// Prepares the bounds of an operation's values under a demand.
     pub fn new(query: &'a SpotQuery<'a>, demand: Demand<'a>, memory: &'m mut MapperWorkspace) -> Self {
         let demand = Demand { value: Some(&query.workcell.value_bounds[query.operation]), ..demand };
         Self { query, demand, memory }

@@ -60,6 +60,7 @@ impl CornerMotion {
 /// Change of the error along the rows of a sense if the signs of one source are reversed.
 #[derive(Debug, Clone, Copy)]
 pub struct PredictedFlip {
+    /// Predicted change of the error along the rows, m or rad.
     pub change: Vector6<f64>,
     /// Bound of the size of the terms that `change` neglects.
     pub margin: f64,

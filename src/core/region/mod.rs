@@ -77,7 +77,9 @@ pub struct Region {
     /// along one axis, the ring is a line of two points. The list is empty if the search moves the piece along
     /// neither axis.
     pub rings: Vec<Vec<PlanePoint>>,
+    /// Range of z, m.
     pub z: (f64, f64),
+    /// Range of the yaw, rad.
     pub yaw: (f64, f64),
     /// Largest distance, m, by which the piece may be displaced in every direction in plan in which the search may
     /// move it. It is None if the search does not move the piece in plan.

@@ -62,6 +62,7 @@ pub struct MovablePiece<'a> {
 }
 
 impl<'a> MovablePiece<'a> {
+    /// Prepares a body of a layout; in its region, the objective is at most `most`.
     pub fn new(held: &'a HeldLayout<'a>, most: f64, body: MovableBody) -> Self {
         let cell = &held.workcell().cell;
         let own = match body {

@@ -14,7 +14,7 @@
 //! front or shortlist. Polish and local search together use a quarter of the budget.
 //!
 //! At the end, a search for one layout takes the layout with the most room among those with nearly the least
-//! objective. It evaluates at most a fifth as many layouts again.
+//! objective. This phase evaluates further layouts, at most a quarter of the budget.
 //!
 //! Searches that differ only in their seeds ([`Island`]) are merged into one result.
 
