@@ -35,7 +35,7 @@ pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     reduced(cell, layout, &bodies.concat()).into_iter().collect()
 }
 
-/// Describes how much of some tolerances holds; None if the layout does not hold without them either.
+/// Describes to which share some tolerances must be reduced; None if the layout is infeasible even without them.
 fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {
     let holds = |share: f64| {
         let mut less = cell.clone();

@@ -165,7 +165,7 @@ impl Cell {
         faults
     }
 
-    /// Returns every reason why the tolerances of the cell have no cost with which the limits are kept.
+    /// Returns every reason why the cost of the cheapest tolerances that keep the limits is not defined.
     fn pricing_faults(&self, interpretation: &Interpretation) -> Vec<QuestionFault> {
         let mut faults = Vec::new();
         let mut refuse = |about, message: String, help: &str| {

@@ -43,7 +43,7 @@ impl Ending {
         match self {
             Self::Objective => {
                 let what = if cell.unit() == Unit::Cost { "cost" } else { "error" };
-                format!("the {what} grows beyond the indifference")
+                format!("the {what} grows by more than the indifference")
             }
             Self::Limit(k) => of(k, "its error may exceed its limit".into()),
             Self::Overlap(overlap) => overlap.in_words(cell),
@@ -171,8 +171,8 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment; None if the layout does not
-    /// hold as found.
+    /// Returns the values of the operations that do not depend on a piece of equipment; None if the layout as found
+    /// is infeasible or misses a limit.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;

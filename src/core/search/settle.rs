@@ -69,7 +69,7 @@ struct RoomState {
 /// Returns the layout of a search that has the most room among those with nearly the least objective.
 ///
 /// `best` is the point with the least objective, `least`. `bound` limits the objective, too, if it is given. The
-/// result is None if there is nothing to choose, or if the observer stops the search.
+/// result is None if the room has no meaning for this search, or if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,
