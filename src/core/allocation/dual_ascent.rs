@@ -1,6 +1,6 @@
 //! Dual ascent: Newton's method for the Lagrangian dual of a small allocation, without a cone program.
 //!
-//! A search prices thousands of nodes in every second, and a few requirements bind at each. The dual then has a
+//! A search prices thousands of nodes per second, and a few requirements bind at each node. The dual then has a
 //! handful of variables. The minimum over each scale at given prices has a closed form or takes a few Newton steps
 //! (`lagrangian`):
 //!

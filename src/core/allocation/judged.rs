@@ -1,7 +1,7 @@
 //! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged figures.
 //!
 //! In each round, the linear figure of a requirement is scaled so that it equals the judged figure at the scales of
-//! the last round. The square of a judged figure may be a convex function of the squared scales, as for a high
+//! the previous round. The square of a judged figure may be a convex function of the squared scales, as for a high
 //! percentile. Then the linear figures bound the judged figure from below, and all of them are kept as cuts. Kelley's
 //! method then converges to the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving convex
 //! programs", J. SIAM 8, 1960). Otherwise each round replaces the linear figures of the previous round.
@@ -20,7 +20,8 @@ const MAX_REPLACING_ROUNDS: usize = 10;
 const MAX_REDUCTIONS: usize = 8;
 /// Relative excess of a judged figure over its limit up to which it counts as kept.
 pub const JUDGED_EXCESS: f64 = 1e-6;
-/// Share of the largest ratio of figure and limit above which a requirement gets a cut before the first solution.
+/// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut before the
+/// first solution.
 const NEAR_LARGEST: f64 = 0.8;
 /// Relative change of the common scale at which uniform tightening has converged.
 const SAME_SCALE: f64 = 1e-9;

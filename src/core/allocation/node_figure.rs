@@ -10,7 +10,7 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Share of the largest variance below which a smaller variance does not set the numerical step.
+/// Share of the largest variance; smaller variances do not influence the numerical step.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
@@ -252,8 +252,8 @@ impl NodeFigure<'_> {
     }
 }
 
-/// Returns the derivatives of the squared percentile of `|e|` by the covariance of `e`, the sum of the squares of
-/// `columns`; None if `e` is zero.
+/// Returns the derivatives of the squared percentile of `|e|` with respect to the covariance of `e`, which is `sum g
+/// g^T` over `columns`. Returns None if `e` is zero.
 fn percentile_slopes(
     columns: &[(Option<usize>, Vector6<f64>)],
     rows: usize,

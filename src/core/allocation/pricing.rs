@@ -1,7 +1,7 @@
 //! Prices of nodes: the cost of the cheapest tolerances with which an operation keeps its limit at a node.
 //!
 //! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`] judges
-//! the layout that is found by the full model, which differs by a few per cent if the tolerances are wide.
+//! the resulting layout by the full model, whose prices differ by a few per cent if the tolerances are wide.
 
 use super::dual_ascent::priced_scales;
 use super::limit_row::LimitRow;
@@ -19,7 +19,8 @@ pub const DEFAULT_YIELD: f64 = 0.99;
 /// Relative gap between a price and its lower bound.
 pub(super) const GAP: f64 = 1e-6;
 
-/// Largest number of directions of an error from which a bound is computed, and of steps to the multiplier of each.
+/// Largest number of directions of the error from which a bound is computed, and largest number of steps to the
+/// multiplier of each direction.
 const ROUGH: (usize, usize) = (1, 2);
 const SHARP: (usize, usize) = (4, 8);
 /// Relative amount by which rounding may raise a bound.
@@ -34,8 +35,8 @@ pub struct TolerancePricing {
     most: f64,
     /// Cost of the loosest tolerances.
     least: f64,
-    /// Logarithm of the multiplier with which bounds start. It is the logarithm of the present cost, because the
-    /// multiplier is about as large if the limits are near the present figures.
+    /// Logarithm of the multiplier with which bounds start. It is the logarithm of the present cost, which is near
+    /// the multiplier if the limits are near the present figures.
     first_multiplier: f64,
 }
 

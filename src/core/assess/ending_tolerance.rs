@@ -35,7 +35,8 @@ pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     reduced(cell, layout, &bodies.concat()).into_iter().collect()
 }
 
-/// Describes to which share some tolerances must be reduced; None if the layout is infeasible even without them.
+/// Describes the largest values of some tolerances with which the layout is feasible; None if it is infeasible even
+/// without these tolerances.
 fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {
     let holds = |share: f64| {
         let mut less = cell.clone();

@@ -86,8 +86,8 @@ pub struct Assessment<'a> {
     /// Certificate that the layout works at every misplacement; None if none is demanded, or if the layout is not
     /// feasible.
     pub certificate: Option<LayoutCertificate>,
-    /// Where every piece may stand; None unless [`Self::with_regions`] was called, or if the layout is not feasible or
-    /// misses a limit.
+    /// Regions in which every piece may stand; None unless [`Self::with_regions`] was called, or if the layout is not
+    /// feasible or misses a limit.
     pub regions: Option<Regions>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
     pub apart: Option<Layout>,

@@ -77,7 +77,7 @@ impl IntendedCalibration<'_> {
 pub struct PlanProblem {
     /// Motion of the reflector at every candidate per standard deviation of each unknown, m.
     pub(super) slopes: Vec<Matrix3xX<f64>>,
-    /// Places of the candidates in a space in which distances are those of the joint space, rad.
+    /// Points that represent the candidates; the distance of two points is the distance in the joint space, rad.
     places: Vec<SMatrix<f64, { 2 * MAX_JOINTS }, 1>>,
     /// Directions of the unknowns that matter at the task; the squared error is the sum of their variances.
     pub(super) targets: DMatrix<f64>,
@@ -101,7 +101,7 @@ impl PlanProblem {
         self.slopes.len()
     }
 
-    /// Returns the covariance of the positions of two candidates before the measurement, without their own
+    /// Returns the covariance of the positions of two candidates before the measurement, without the independent
     /// errors.
     pub(super) fn prior(&self, i: usize, j: usize) -> Matrix3<f64> {
         let columns = self.slopes[i].column_iter().zip(self.slopes[j].column_iter());

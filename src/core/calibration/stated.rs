@@ -29,7 +29,7 @@ pub fn no_errors(axes: usize) -> SignedErrors {
 /// Returns the errors of joint frames that make a chain of Denavit-Hartenberg rows equal to stated frames.
 ///
 /// Frame k leads from the frame after joint k to the next joint axis. Its nominal value is `Tx(l) Rx(alpha)` of the
-/// row before, then `Rz(theta) Tz(r)` of its own row.
+/// previous row, then `Rz(theta) Tz(r)` of its own row.
 pub fn errors_of_frames(chain: &Chain, frames: &[Pose]) -> SignedErrors {
     let mut errors = no_errors(chain.axes());
     let mut before = Pose::IDENTITY;

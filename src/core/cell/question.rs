@@ -182,7 +182,7 @@ impl Cell {
         }
         if priced && !self.search.pareto.is_empty() {
             let help = "use the goals error, cost with the objective sum";
-            refuse(About::Objective, "the objective tolerance-cost cannot be combined with goals".into(), help);
+            refuse(About::Objective, "the objective tolerance-cost allows no goals".into(), help);
         }
         for (k, operation) in self.operations.iter().enumerate() {
             if interpretation.limit_of(operation).is_none() {

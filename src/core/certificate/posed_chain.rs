@@ -146,8 +146,8 @@ impl<'a> PosedChain<'a> {
         Some(std::array::from_fn(|r| std::array::from_fn(|c| inverse[(r, c)])))
     }
 
-    /// Converts derivatives by the displacements of the active joints to derivatives by the coordinates: entry c of
-    /// the result is the sum of `S_kc` times entry k.
+    /// Converts derivatives with respect to the displacements of the active joints to derivatives with respect to the
+    /// coordinates. Entry c of the result is the sum of `S_kc` times entry k.
     fn by_coordinates(&self, columns: &Square) -> Square {
         let n = self.task.rows;
         let mut sums = [[0.0; MAX_ROWS]; MAX_ROWS];
@@ -256,8 +256,8 @@ impl<'a> PosedChain<'a> {
         None
     }
 
-    /// Returns an upper bound of the terms of third order in the rows of the task: `D q'` without the first
-    /// derivatives of D, for displacements up to `wide` and rates up to `rates`.
+    /// Returns an upper bound of the third-order terms in the rows of the task: `D q'` without the first derivatives
+    /// of D. The displacements are at most `wide`, and the rates at most `rates`.
     fn third(&self, wide: &Rows, rates: &Rows) -> Rows {
         let n = self.task.rows;
         let turned = |by: &Rows, bits: u8| -> f64 {

@@ -1,4 +1,4 @@
-//! Target box: where a TCP target can be, as seen from the robot base, if equipment and base are misplaced.
+//! Target box: possible positions of a TCP target relative to the robot base, if equipment and base are misplaced.
 
 use crate::cell::{Cell, Layout, Placement, PlacementTolerance};
 use nalgebra::Vector3;
@@ -126,7 +126,7 @@ struct SecondOrder {
 impl SecondOrder {
     /// Returns a bound of the displacement (m) that the first-order terms leave out.
     ///
-    /// Several rotations in a row rotate the lever arms and the translations by at most `turned`.
+    /// Successive rotations rotate the lever arms and the translations by at most `turned`.
     fn bound(&self) -> f64 {
         self.turned * (self.turned * self.levers / 2.0 + self.slid) * 2.0
     }

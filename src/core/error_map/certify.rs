@@ -27,8 +27,8 @@ struct Nominal {
 }
 
 impl OperationQuery<'_> {
-    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all
-    /// misplacements, if one is asked for and known.
+    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all misplacements,
+    /// if `demand` asks for a bound and it is known.
     ///
     /// # Errors
     /// Returns the reason if the posture is not certified. The limit of the operation is not checked.

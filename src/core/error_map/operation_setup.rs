@@ -65,7 +65,7 @@ pub struct ValueScratch {
 }
 
 impl OperationSetup {
-    /// Prepares the cost of the tolerances; `is_priced` states whether it is the value of a node.
+    /// Prepares the cost of the tolerances; `is_priced` states whether this cost is the value of a node.
     pub fn price(&mut self, tolerances: &Arc<TolerancePricing>, operation: &Operation, is_priced: bool) {
         self.pricing = OperationPricing::new(tolerances.clone(), operation, &self.evaluator);
         self.is_priced = is_priced && self.pricing.is_some();

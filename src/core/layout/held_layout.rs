@@ -1,6 +1,6 @@
 //! A layout whose operations keep their spots while robot base or equipment is placed elsewhere.
 //!
-//! Node and branch of every operation stay as they are, so that a sheet with the spots remains valid. An operation
+//! Node and branch of every operation stay as they are, so that a drawing with the spots remains valid. An operation
 //! at every node keeps no posture: each of its nodes takes its best posture.
 
 use super::certify::is_between_solids;

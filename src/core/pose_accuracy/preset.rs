@@ -5,7 +5,7 @@ use crate::kinematic_error::{ParameterSet, identifiable};
 use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
 
-/// Tolerances of a class of arms: one half width for every kind of parameter, three standard deviations.
+/// Tolerances of a class of arms: one half width (three standard deviations) for every kind of parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorPreset {
     pub name: &'static str,

@@ -46,7 +46,7 @@ pub struct AttitudeSet {
     pub(super) spin_rotations: Vec<(f64, f64)>,
     /// Required azimuth, rad; None for a free or radial azimuth and for a vertical tool.
     heading: Option<f64>,
-    /// For each attitude, the rotation of the last joint that leads to it from an attitude solved before.
+    /// For each attitude, the rotation of the last joint that leads to it from a previously solved attitude.
     pub(super) spin_turns: Vec<SpinTurn>,
     pub(super) tolerance: f64,
     tilts_sideways: bool,

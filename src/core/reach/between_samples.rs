@@ -8,13 +8,13 @@ use super::held_joint::{HeldJoint, HeldSample};
 use super::redundancy::HeldTarget;
 use crate::robot::Posture;
 
-/// Number of lattice steps between the values of the held joint that the search between samples scans.
+/// Number of lattice steps between successive values of the held joint that the search between samples scans.
 const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 
 /// Number of values that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// Violation of limits (rad, m or cosine) above which no usable posture is expected one step of the scan away.
+/// Violation of limits (rad, m or cosine) above which no usable posture is expected within one step of the scan.
 const HOPELESS: f64 = 0.5;
 
 /// Number of times that the search for a reached value divides an interval.

@@ -96,7 +96,7 @@ pub struct FlipPrediction {
 }
 
 impl FlipPrediction {
-    /// Returns a predictor for the sources of an operation on `equipment`; `expansion` is of the same sources.
+    /// Returns a predictor for the sources of an operation on `equipment`; `expansion` must be of the same sources.
     pub fn new(sources: &ErrorSources, expansion: &Expansion, equipment: usize) -> Self {
         let of_robot = |k: usize| sources.robot_index(k).into_iter().flat_map(|p| expansion.motions(p));
         let of_work = |k: usize| match sources.list[k].parameter {

@@ -7,8 +7,8 @@
 //!   displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
 //! - Worst case: the tolerances before the joint alone have a worst case that is at most as large.
 //! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the entries
-//!   of the covariance are trigonometric polynomials of degree 2. Without its mean an error is at most as large in
-//!   every figure (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176), which [`CentredBound`] uses.
+//!   of the covariance are trigonometric polynomials of degree 2. If the mean of an error is set to 0, no figure
+//!   increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176), which [`CentredBound`] uses.
 
 use super::norm::{CentredBound, CovarianceEntries};
 use super::{Effects, ErrorSources, SenseRows};

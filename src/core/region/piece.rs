@@ -229,7 +229,8 @@ impl<'a> MovablePiece<'a> {
 }
 
 impl MovablePiece<'_> {
-    /// Estimates the room: the largest radius, up to the widest of `scale`, at which all of some directions hold.
+    /// Estimates the room: the largest radius, up to the widest of `scale`, at which the placements in all tried
+    /// directions hold.
     ///
     /// Only the ends of the directions are judged, so the estimate may exceed the room.
     pub fn estimated_room(&self, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {

@@ -255,7 +255,10 @@ fn check_states_which_postures_a_search_judges() {
     assert!(text.contains(": a search skips nodes whose lower bound exceeds the best value found"), "{text}");
     assert_eq!((order["judges"].as_str(), order["why"].as_str()), (Some("ranked-nodes"), None));
     let (text, order) = judged("cells/ur_cell.toml");
-    assert!(text.contains(": a search skips spin families whose lower bound exceeds the best value found"), "{text}");
+    assert!(
+        text.contains(": a search skips spin families whose lower bound exceeds the best value found"),
+        "{text}"
+    );
     assert_eq!(order["judges"], "spin-families");
     let (text, order) = judged("cells/offset_wrist_cell.toml");
     let why = "the inverse kinematics of the arm is numeric";

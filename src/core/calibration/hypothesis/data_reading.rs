@@ -61,7 +61,7 @@ impl DataReading {
     }
 }
 
-/// Returns the name of a unit of length; ""m" for a length that is not in [`LENGTH_UNITS`].
+/// Returns the name of a unit of length; "m" for a length that is not in [`LENGTH_UNITS`].
 pub fn unit_name(unit: f64) -> &'static str {
     LENGTH_UNITS.iter().find(|(_, length)| *length == unit).map_or("m", |(name, _)| name)
 }

@@ -2,7 +2,7 @@
 //!
 //! Joint 1 rotates the reachable points about its axis. So a target is described by its radius and its height, and
 //! the reachable points by their cross-section in this half-plane. A square lattice of cells covers the
-//! cross-section. Each cell knows the nearest cell that contains a sampled point, by an exact distance transform
+//! cross-section. An exact distance transform gives, for each cell, the nearest cell that contains a sampled point
 //! (Felzenszwalb and Huttenlocher 2012).
 
 use super::three_joint_point::{ThreeJointPoint, ThreeJointState};
