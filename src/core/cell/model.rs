@@ -268,7 +268,8 @@ impl Cell {
         &self.robot.errors[self.errors]
     }
 
-    /// Returns whether the errors of a signed sample compensate each other: one of them is longer than the arm.
+    /// Returns whether the errors of a signed sample compensate each other, which holds if one of them exceeds the
+    /// reach of the arm.
     ///
     /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are not tolerances.
     pub fn errors_compensate(&self) -> bool {
