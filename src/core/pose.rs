@@ -67,7 +67,7 @@ impl Pose {
         Self { rotation, translation }
     }
 
-    /// Returns the inverse pose: that of frame a in frame b, if `self` is the pose of b in a.
+    /// Returns the inverse pose: the pose of frame a in frame b, if `self` is the pose of b in a.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();
         Self { rotation, translation: -(rotation * self.translation) }

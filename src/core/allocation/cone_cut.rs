@@ -14,7 +14,7 @@ pub enum ConeCut {
 }
 
 impl ConeCut {
-    /// Returns the constraint of one sign pattern; `u` are scales at which it is the worst.
+    /// Returns the constraint of one sign pattern; `u` are scales at which this pattern is the worst.
     pub fn vertex(columns: Vec<Vector6<f64>>, constant: Vector6<f64>, rows: usize, u: &[f64]) -> Self {
         if rows > 1 {
             return Self::Vertex { columns, constant, rows };
@@ -24,7 +24,8 @@ impl ConeCut {
         Self::Row { columns: columns.iter().map(|c| sign * c[0]).collect(), constant: sign * constant[0] }
     }
 
-    /// Returns whether two cuts state the same; a sign pattern and the opposite one do.
+    /// Returns whether two cuts are the same constraint. A sign pattern and the opposite one give the same
+    /// constraint.
     pub fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Vertex { columns: a, constant: f, .. }, Self::Vertex { columns: b, constant: g, .. }) => {

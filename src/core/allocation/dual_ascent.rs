@@ -1,7 +1,7 @@
 //! Dual ascent: Newton's method for the Lagrangian dual of a small allocation, without a cone program.
 //!
-//! A search prices thousands of nodes in every second, and a few requirements bind at each. The dual then has a
-//! handful of variables, while the minimum over each scale at given prices has a closed form or nearly so
+//! A search prices thousands of nodes per second, and a few requirements bind at each node. The dual then has a
+//! handful of variables. The minimum over each scale at given prices has a closed form or takes a few Newton steps
 //! (`lagrangian`):
 //!
 //! ```text
@@ -10,8 +10,9 @@
 //! ```
 //!
 //! A vector `y_i` belongs to one sign pattern of a worst case, a number `mu_j` to a root sum square. Patterns are
-//! added when the scales violate them. The value of the dual is a lower bound of the cost whatever the multipliers
-//! are, and the scales are reduced until they keep every limit, so the gap between both is known.
+//! added when the scales violate them. For any multipliers, the value of the dual is a lower bound of the cost. The
+//! scales are reduced until they keep every limit, so their cost is an upper bound. The gap between the two bounds is
+//! therefore known.
 
 use super::cone_cut::ConeCut;
 use super::dual_terms::{DualPoint, DualTerm, charges, crossings, derivatives, dual, stepped};
@@ -27,14 +28,14 @@ const MAX_ROUNDS: usize = 40;
 const MAX_STEPS: usize = 60;
 /// Largest number of halvings of one step.
 const MAX_HALVINGS: i32 = 40;
-/// Ratio of each ridge that is tried to the one before.
+/// Ratio of each ridge that is tried to the ridge tried before it.
 const RIDGE_GROWTH: f64 = 1000.0;
 /// Relative gain of a step below which the dual has converged.
 const CONVERGED: f64 = 1e-12;
 /// Derivative of the dual, which is the relative violation of a limit, at which a coarse ascent ends.
 const COARSE: f64 = 1e-2;
-/// Derivative at which the last ascent ends, and violation below which no sign pattern is added, as shares of the gap
-/// that is asked for.
+/// Derivative at which the last ascent ends, as a share of the requested gap. It is also the violation below which no
+/// sign pattern is added.
 const FINE: f64 = 0.1;
 const VIOLATION: f64 = 0.01;
 
@@ -44,7 +45,7 @@ pub struct PricedScales {
     /// Scale of every tolerance; they keep every limit.
     pub scales: Vec<f64>,
     pub cost: f64,
-    /// Cost that no scales which keep the limits can beat.
+    /// Lower bound of the cost of all scales that keep the limits.
     pub lower_bound: f64,
     /// Shadow price of the limit of every figure: the cost saved per relative increase of the limit.
     pub shadow_prices: Vec<f64>,
@@ -52,7 +53,7 @@ pub struct PricedScales {
     pub(super) prices: Vec<f64>,
     /// Constraints that bind, each with the index of its figure.
     pub(super) cuts: Vec<(usize, ConeCut)>,
-    /// Multiplier vector of each of these constraints, with the index of its figure.
+    /// Multiplier vector of each constraint in `cuts`, with the index of its figure.
     pub(super) multipliers: Vec<(usize, Vector6<f64>)>,
 }
 
@@ -122,8 +123,8 @@ pub fn priced_scales(
     None
 }
 
-/// Returns the multipliers with which a violated constraint alone reaches its limit along its direction at the scales
-/// `u`, while the other terms stay; None if these keep it.
+/// Returns multipliers with which the violated constraint `cut` reaches its limit along its direction at the scales
+/// `u`. The terms `others` stay unchanged. The result is None if they already keep the constraint.
 fn first_multipliers(
     costs: &[ToleranceCost],
     others: &[DualTerm],

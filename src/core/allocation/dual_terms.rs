@@ -11,7 +11,8 @@ use std::rc::Rc;
 pub struct DualTerm {
     pub figure: usize,
     pub cut: Rc<ConeCut>,
-    /// Vector of a sign pattern in several axes; otherwise the multiplier is the first component.
+    /// Multiplier vector of a sign pattern in several axes. For any other constraint, the multiplier is the first
+    /// component.
     pub y: Vector6<f64>,
 }
 
@@ -117,7 +118,7 @@ pub fn derivatives(terms: &[DualTerm], point: &DualPoint) -> (DVector<f64>, DMat
     (gradient, hessian)
 }
 
-/// Returns the lengths below 1 at which a multiplier passes 0, the longest first.
+/// Returns the step lengths below 1 at which a multiplier passes 0, the longest first.
 pub fn crossings(terms: &[DualTerm], step: &DVector<f64>) -> Vec<f64> {
     let (mut at, mut found) = (0, Vec::new());
     for term in terms {

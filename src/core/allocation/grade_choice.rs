@@ -20,7 +20,7 @@ const CLOSED: f64 = 1e-9;
 /// Relative violation of a limit that rounding leaves in chosen grades.
 const ROUNDING: f64 = 1e-9;
 
-/// Part of the choices, with its relaxation.
+/// Branch of the search: the scales that it permits, and the solution of its relaxation.
 struct GradeBranch {
     domains: Vec<ScaleDomain>,
     relaxed: RelaxedSolution,
@@ -41,7 +41,7 @@ impl PartialOrd for GradeBranch {
 }
 
 impl Ord for GradeBranch {
-    /// The branch with the least bound is the greatest: it is taken from the heap first.
+    /// Orders branches so that the heap returns the branch with the least bound first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.relaxed.bound.total_cmp(&self.relaxed.bound)
     }
@@ -57,7 +57,7 @@ struct GradeSearch<'a> {
     best: Option<(Vec<f64>, f64)>,
 }
 
-/// Returns the cheapest scales of which every one with grades is at a grade, and a lower bound of the cost.
+/// Returns the cheapest scales, which are at a grade for every parameter with grades, and a lower bound of the cost.
 ///
 /// `relaxed` is the solution with mixtures of all grades. Returns None if the solver fails.
 pub fn choose_grades(
@@ -106,7 +106,8 @@ impl GradeSearch<'_> {
         self.figures.iter().all(|f| f.value(scales, self.scratch) <= 1.0 + ROUNDING)
     }
 
-    /// Takes the relaxed scales of a branch for a choice, discards grades, and keeps the branch if it is open.
+    /// Rounds the relaxed scales of a branch to a choice of grades, discards grades, and keeps the branch if it is
+    /// open.
     fn offer(&mut self, mut branch: GradeBranch, heap: &mut BinaryHeap<GradeBranch>) {
         let pairs = self.costs.iter().zip(&branch.domains).zip(&branch.relaxed.scales);
         let rounded: Vec<f64> = pairs.map(|((cost, domain), u)| tighter(cost, domain, *u)).collect();
@@ -132,7 +133,7 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Splits a branch at the parameter whose grade costs most more than in the relaxation.
+    /// Splits a branch at the parameter whose grade exceeds its cost in the relaxation the most.
     fn split(&mut self, branch: GradeBranch) -> Vec<Vec<ScaleDomain>> {
         let GradeBranch { domains, relaxed } = branch;
         let mut widest: Option<(f64, usize, usize)> = None;

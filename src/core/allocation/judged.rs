@@ -1,10 +1,10 @@
 //! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged figures.
 //!
 //! In each round, the linear figure of a requirement is scaled so that it equals the judged figure at the scales of
-//! the last round. If the square of the judged figure is a convex function of the squared scales, as that of a high
-//! percentile, its linear figures bound it from below: they are cuts, and all are kept. Kelley's method then
-//! converges to the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving convex programs",
-//! J. SIAM 8, 1960). Otherwise each round replaces the linear figures of the last one.
+//! the previous round. The square of a judged figure may be a convex function of the squared scales, as for a high
+//! percentile. Then the linear figures bound the judged figure from below, and all of them are kept as cuts. Kelley's
+//! method then converges to the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving convex
+//! programs", J. SIAM 8, 1960). Otherwise each round replaces the linear figures of the previous round.
 
 use super::linear_figure::{FigureScratch, LinearFigure};
 use super::problem::{ToleranceProblem, ToleranceRequirement};
@@ -20,7 +20,8 @@ const MAX_REPLACING_ROUNDS: usize = 10;
 const MAX_REDUCTIONS: usize = 8;
 /// Relative excess of a judged figure over its limit up to which it counts as kept.
 pub const JUDGED_EXCESS: f64 = 1e-6;
-/// Share of the largest ratio of figure and limit above which a requirement gets a cut before the first solution.
+/// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut before the
+/// first solution.
 const NEAR_LARGEST: f64 = 0.8;
 /// Relative change of the common scale at which uniform tightening has converged.
 const SAME_SCALE: f64 = 1e-9;
@@ -45,16 +46,16 @@ pub struct JudgedAllocation {
     pub judged: Vec<f64>,
     /// Number of rounds after the first.
     pub rounds: usize,
-    /// Largest relative excess of a judged figure over its limit after the first round; what the linear
-    /// programme missed.
+    /// Largest relative excess of a judged figure over its limit after the first round. This excess measures the
+    /// error of the linear problem.
     pub missed: f64,
     /// Largest relative excess of a judged figure over its limit at the end.
     pub excess: f64,
-    /// Common scale of uniform tightening, and its cost; None if it cannot keep the limits.
+    /// Common scale of uniform tightening, and its cost; None if no common scale keeps the limits.
     pub uniform: Option<(f64, f64)>,
 }
 
-/// Linear figures that stand for the judged ones, each with the index of its requirement.
+/// Linear figures that approximate the judged figures, each with the index of its requirement.
 struct LinearModel<'a> {
     costs: &'a [ToleranceCost],
     limits: &'a [f64],
@@ -81,7 +82,7 @@ impl LinearModel<'_> {
         ToleranceProblem { costs: self.costs.to_vec(), requirements: requirements.collect() }
     }
 
-    /// Solves the linear problem. The shadow price of a requirement is the sum of those of its figures.
+    /// Solves the linear problem. The shadow price of a requirement is the sum of the shadow prices of its figures.
     fn solved(&self) -> Result<ToleranceAllocation, AllocationFailure> {
         let owner = |k: usize| self.figures.get(k).map_or(0, |(requirement, _)| *requirement);
         let mut found = allocate(&self.problem()).map_err(|failure| match failure {

@@ -21,7 +21,7 @@ pub fn least_priced(cost: &ToleranceCost, domain: &ScaleDomain, price: f64) -> (
     }
 }
 
-/// Returns the scale at which `c(u) + price u` has no slope; infinite if it always decreases.
+/// Returns the scale at which `c(u) + price u` is stationary; infinite if it always decreases.
 fn stationary(law: &CostLaw, price: f64) -> f64 {
     if price <= 0.0 {
         return f64::INFINITY;

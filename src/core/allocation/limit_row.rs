@@ -13,7 +13,7 @@ const WIDEST: f64 = 60.0;
 const LONGEST: f64 = 3.0;
 /// Relative gain below which the steps of a quick bound end.
 const QUICK_GAIN: f64 = 1e-4;
-/// Difference below which two values are the same but for rounding.
+/// Difference up to which two values differ by rounding alone.
 const SAME: f64 = 1e-13;
 
 /// One constraint along one direction: `constant + sum_k (linear_k u_k + squares_k u_k^2) <= 1`. An empty list counts
@@ -26,7 +26,8 @@ pub struct LimitRow {
 }
 
 impl LimitRow {
-    /// Returns a cut along a direction of its error; the direction of a cut in one axis is the first one.
+    /// Returns the row of a cut along a direction of its error. Only a cut with several axes depends on the
+    /// direction.
     pub(super) fn along(cut: &ConeCut, direction: &Vector6<f64>) -> Self {
         match cut {
             ConeCut::Row { columns, constant } => {
@@ -45,7 +46,7 @@ impl LimitRow {
         }
     }
 
-    /// Makes the row one of zeros with a left side of 0.
+    /// Resets the row to `count` coefficients of 0 and the constant 0.
     pub(super) fn clear(&mut self, count: usize) {
         for list in [&mut self.linear, &mut self.squares] {
             list.clear();
@@ -68,7 +69,8 @@ impl LimitRow {
         self.constant + costs.iter().enumerate().map(of).sum::<f64>()
     }
 
-    /// Returns the value of the constraint minus its limit, and its slope by the logarithm of the multiplier.
+    /// Returns the value of the constraint minus its limit, and its derivative with respect to the logarithm of the
+    /// multiplier.
     fn excess(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64], multiplier: f64) -> (f64, f64) {
         let (mut sum, mut slope) = (self.constant - 1.0, 0.0);
         for (k, cost) in costs.iter().enumerate() {
@@ -82,8 +84,8 @@ impl LimitRow {
         (sum, slope * multiplier)
     }
 
-    /// Returns a lower bound of the cost from a few Newton steps for the multiplier, which starts at `x`, its
-    /// logarithm; the steps move it. Writes the scales at these prices.
+    /// Returns a lower bound of the cost from a few Newton steps. The steps update `x`, the logarithm of the
+    /// multiplier. The function writes the scales at these prices to `scales`.
     pub(super) fn quick_bound(
         &self,
         costs: &[ToleranceCost],

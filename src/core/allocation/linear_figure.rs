@@ -69,8 +69,8 @@ impl LinearFigure {
         (value, cut)
     }
 
-    /// Writes the worst case along the direction of its worst sign pattern at the scales `u`. It never exceeds the worst
-    /// case. A root sum square is written as it is.
+    /// Writes to `row` the component of the error along the direction of the worst sign pattern at the scales `u`. It
+    /// never exceeds the worst case. A root sum square is written unchanged.
     pub(super) fn along_worst(&self, u: &[f64], row: &mut LimitRow, scratch: &mut FigureScratch) {
         row.linear.clear();
         row.squares.clear();
@@ -110,7 +110,7 @@ impl LinearFigure {
         }
     }
 
-    /// Applies the signs of the last [`Self::value`].
+    /// Returns the generators and the sum of the fixed errors, with the signs that the last [`Self::value`] found.
     fn signed(&self, scratch: &FigureScratch) -> (Vec<Vector6<f64>>, Vector6<f64>) {
         let Self::WorstCase { generators, fixed, .. } = self else { return (Vec::new(), Vector6::zeros()) };
         let signed = |(g, s): (&Vector6<f64>, &f64)| g * *s;
@@ -134,7 +134,7 @@ impl LinearFigure {
         }
     }
 
-    /// Returns whether one cut does not state the whole figure: a worst case in more than one axis.
+    /// Returns whether the figure needs several cuts, as a worst case in more than one axis does.
     pub fn has_many_cuts(&self) -> bool {
         matches!(self, Self::WorstCase { rows, .. } if *rows > 1)
     }

@@ -10,17 +10,18 @@
 //! statistics  F_i(u) = sqrt(f^2 + sum_k w_ik u_k^2)                       (root sum square)
 //! ```
 //!
-//! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one second-order
-//! cone. A worst case is one second-order cone for each sign pattern, and in one axis one linear row; the patterns
-//! of a plane depend on the directions of the generators only, so there are at most n. Cutting planes (`ConeCut`)
-//! add the patterns that bind: the exact worst case finds the one that a solution violates. Every requirement is
-//! its own source of cuts, so many nodes cost little.
+//! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one second-order cone.
+//! A worst case is one second-order cone for each sign pattern; in one axis it is one linear row. In a plane, the
+//! patterns depend only on the directions of the generators, so n generators have at most n patterns. Cutting planes
+//! (`ConeCut`) add the patterns that bind: the exact worst case finds the pattern that a solution violates. Every
+//! requirement adds cuts only while it is violated, so many nodes cost little.
 //!
-//! Continuous costs are solved by Newton's method on the dual, which has a few variables ([`priced_scales`]).
-//! Discrete grades, and a gap that this leaves, are solved as cone programs by the crate `clarabel`, with second-order,
-//! power and exponential cones for the costs. Both give dual vectors, and these give a lower bound of the cost in
-//! closed form ([`ToleranceAllocation::lower_bound`]). It holds whatever the accuracy of the solver, so the duality
-//! gap is proven. Discrete grades are chosen by branch and bound over the relaxation (`grade_choice`).
+//! Continuous costs are solved by Newton's method on the dual, which has a few variables ([`priced_scales`]). Two
+//! cases are solved as cone programs by the crate `clarabel`: discrete grades, and a gap that Newton's method leaves.
+//! The cones of the costs are second-order, power and exponential cones. Both give dual vectors, and these give a
+//! lower bound of the cost in closed form ([`ToleranceAllocation::lower_bound`]). It holds whatever the accuracy of
+//! the solver, so the duality gap is proven. Discrete grades are chosen by branch and bound over the relaxation
+//! (`grade_choice`).
 //!
 //! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution by the
 //! full model and adapts the requirements until the judged figures keep the limits.

@@ -1,8 +1,8 @@
 //! Price of figures that differ a little from figures whose cheapest tolerances are known.
 //!
 //! The known scales, reduced until they keep the limits of the new figures, give an upper bound of the new price. The
-//! known multipliers give a lower bound, which differs from the price by about the square of the change. Together they
-//! compare most prices with a limit, at a tenth of the effort of an ascent.
+//! known multipliers give a lower bound, which differs from the price by about the square of the change. The two
+//! bounds decide most comparisons of a price with a limit, at a tenth of the effort of an ascent.
 
 use super::dual_ascent::{PricedScales, priced_scales};
 use super::linear_figure::{FigureScratch, LinearFigure};
@@ -18,7 +18,8 @@ const STEPS: usize = 3;
 pub struct NearbyPrice {
     /// Scale of every tolerance.
     scales: Vec<f64>,
-    /// Multiplier vectors, each with the index of its figure. That of a root sum square is its first component.
+    /// Multiplier vectors, each with the index of its figure. For a root sum square, the multiplier is the first
+    /// component.
     multipliers: Vec<(usize, Vector6<f64>)>,
 }
 
@@ -53,7 +54,7 @@ impl NearbyPrice {
     }
 
     /// Returns the cost of the scales, reduced until they keep every limit of other figures; None if they cannot keep
-    /// one.
+    /// a limit.
     pub fn reduced_cost(
         &self,
         costs: &[ToleranceCost],

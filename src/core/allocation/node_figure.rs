@@ -10,13 +10,13 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Share of the largest variance below which a smaller variance does not set the numerical step.
+/// Share of the largest variance; smaller variances do not influence the numerical step.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
 ///
-/// A normal error in one direction has a larger percentile than one of equal variance in two or three directions
-/// above this probability.
+/// Above this probability, a normal error in one direction has a larger percentile than a normal error of equal
+/// variance in two or three directions.
 const LEAST_CONVEX_SHARE: f64 = 0.8;
 
 /// One operation at one node.
@@ -29,9 +29,9 @@ pub struct NodeFigure<'a> {
 }
 
 impl NodeFigure<'_> {
-    /// Returns the figure of the reading, m or rad. Any reading but the statistical one counts as worst case.
+    /// Returns the figure of the reading, m or rad. Any reading except the statistical one counts as worst case.
     ///
-    /// For the yield, this is the percentile that the limit must not be below.
+    /// For the yield, this is the percentile that must not exceed the limit.
     pub fn value(&self, memory: &mut EvaluatorScratch) -> f64 {
         self.value_of(self.evaluator, memory)
     }
@@ -68,10 +68,10 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns whether the squared figure is a convex function of the squared scales, but for nonlinear effects.
+    /// Returns whether the squared figure is a convex function of the squared scales, apart from nonlinear effects.
     ///
-    /// The square of a high percentile is: it lies between the trace and the largest eigenvalue of the
-    /// covariance, times a factor. That of a mean or of a low percentile is not.
+    /// The square of a high percentile is convex: it lies between the trace and the largest eigenvalue of the
+    /// covariance, times a factor. The square of a mean or of a low percentile is not convex.
     pub fn is_convex(&self) -> bool {
         match (self.evaluator.reading, self.evaluator.quantity) {
             (Reading::Statistical, Quantity::P95 | Quantity::P99) => true,
@@ -118,9 +118,9 @@ impl NodeFigure<'_> {
 
     /// Returns a lower bound of the squared figure divided by the mean square of the error; None for a worst case.
     ///
-    /// Normal errors of one variance in all directions have the least high percentile, and those in one direction
-    /// the least low one. A bounded error has a lower percentile than a normal one, but a high one is still above
-    /// the root mean square.
+    /// Among normal errors, those with equal variance in all directions have the least high percentile. Those in one
+    /// direction have the least low percentile. A bounded error has a lower percentile than a normal error, but its
+    /// high percentile is still above the root mean square.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;
@@ -142,7 +142,7 @@ impl NodeFigure<'_> {
         Some((1..=evaluator.sense.rows().len()).map(ratio).fold(f64::INFINITY, f64::min) * (1.0 - 1e-9))
     }
 
-    /// Returns the root mean square, which is exact but for the mean of second-order terms.
+    /// Returns the root mean square, which is exact except for the mean of second-order terms.
     fn root_mean_square(
         &self,
         free: &[Parameter],
@@ -154,8 +154,8 @@ impl NodeFigure<'_> {
         LinearFigure::RootSumSquare { squares, constant }
     }
 
-    /// Returns the mean square that each free parameter causes at its present tolerance, the square of the mean, and
-    /// the mean square of everything else with the square of the mean.
+    /// Returns three results: the mean square that each free parameter causes at its present tolerance, the square of
+    /// the mean error, and the mean square of all other errors plus the square of the mean error.
     fn squares(&self, free: &[Parameter], memory: &mut EvaluatorScratch) -> (Vec<f64>, f64, f64) {
         let Self { evaluator, context, frames, .. } = self;
         evaluator.prepare(context, frames, memory);
@@ -179,8 +179,8 @@ impl NodeFigure<'_> {
         (squares, of_mean, constant)
     }
 
-    /// Returns the root sum square with the value and the slopes of a percentile of normal errors without a mean; None
-    /// if the quantity is no percentile or an error is not normal.
+    /// Returns the root sum square with the value and the slopes of a percentile of normal errors without a mean;
+    /// None if the quantity is not a percentile or an error is not normal.
     ///
     /// The squared percentile is a function of the eigenvalues of the covariance, so a few percentiles give all slopes.
     pub fn normal_percentile(
@@ -227,8 +227,9 @@ impl NodeFigure<'_> {
 
     /// Returns the root sum square with the value and the slopes of a percentile or mean at the present scales.
     ///
-    /// The square of such a figure is homogeneous of degree 1 in the squares of the scales, if all errors are
-    /// free and have no mean. So the slopes by these squares, `d value^2 / d u_k^2`, describe it well.
+    /// The square of such a figure is homogeneous of degree 1 in the squares of the scales, if all errors are free
+    /// and have no mean. So the derivatives with respect to these squares, `d value^2 / d u_k^2`, describe the figure
+    /// well.
     fn percentile(
         &self,
         free: &[Parameter],
@@ -251,8 +252,8 @@ impl NodeFigure<'_> {
     }
 }
 
-/// Returns the derivatives of the squared percentile of `|e|` by the covariance of `e`, the sum of the squares of
-/// `columns`; None if `e` is zero.
+/// Returns the derivatives of the squared percentile of `|e|` with respect to the covariance of `e`, which is `sum g
+/// g^T` over `columns`. Returns None if `e` is zero.
 fn percentile_slopes(
     columns: &[(Option<usize>, Vector6<f64>)],
     rows: usize,

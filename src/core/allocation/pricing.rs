@@ -1,7 +1,7 @@
-//! Prices of nodes: what the cheapest tolerances cost with which an operation keeps its limit at a node.
+//! Prices of nodes: the cost of the cheapest tolerances with which an operation keeps its limit at a node.
 //!
-//! A search compares thousands of nodes, so a price takes the linear error model. [`super::allocate_judged`] judges
-//! the layout that is found by the full model, which differs by a few per cent if the tolerances are wide.
+//! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`] judges
+//! the resulting layout by the full model, whose prices differ by a few per cent if the tolerances are wide.
 
 use super::dual_ascent::priced_scales;
 use super::limit_row::LimitRow;
@@ -19,7 +19,8 @@ pub const DEFAULT_YIELD: f64 = 0.99;
 /// Relative gap between a price and its lower bound.
 pub(super) const GAP: f64 = 1e-6;
 
-/// Largest number of directions of an error from which a bound is computed, and of steps to the multiplier of each.
+/// Largest number of directions of the error from which a bound is computed, and largest number of steps to the
+/// multiplier of each direction.
 const ROUGH: (usize, usize) = (1, 2);
 const SHARP: (usize, usize) = (4, 8);
 /// Relative amount by which rounding may raise a bound.
@@ -34,8 +35,8 @@ pub struct TolerancePricing {
     most: f64,
     /// Cost of the loosest tolerances.
     least: f64,
-    /// Logarithm of the multiplier from which bounds start: that of the present cost, about which it lies if the limits
-    /// are about the present figures.
+    /// Logarithm of the multiplier with which bounds start. It is the logarithm of the present cost, which is near
+    /// the multiplier if the limits are near the present figures.
     first_multiplier: f64,
 }
 
@@ -52,7 +53,7 @@ pub struct OperationPricing {
 impl TolerancePricing {
     /// Collects the tolerances that act on the operations of a cell; None if there is none.
     ///
-    /// Measured and correlated errors are no tolerances of their own.
+    /// Measured and correlated errors have no tolerance of their own.
     pub fn new(cell: &Cell, evaluators: &[&ErrorEvaluator]) -> Option<Self> {
         let mut parameters: Vec<Parameter> = Vec::new();
         for source in evaluators.iter().flat_map(|evaluator| &evaluator.sources.list) {
@@ -79,7 +80,7 @@ impl TolerancePricing {
 
     /// Returns the cost of the cheapest tolerances that keep every limit, which is 1 for each figure.
     ///
-    /// If even the tightest exceed a limit, the result is their cost, multiplied by the largest figure.
+    /// If even the tightest tolerances exceed a limit, the result is their cost multiplied by the largest figure.
     pub fn price(&self, figures: &[LinearFigure], scratch: &mut FigureScratch) -> f64 {
         let mut largest = |end: fn(&ToleranceCost) -> f64| {
             let scales: Vec<f64> = self.costs.iter().map(end).collect();
@@ -119,7 +120,8 @@ impl TolerancePricing {
 
     /// Returns a lower bound of the price of one figure, from at most `directions` directions of the error.
     ///
-    /// The direction of the worst case at the scales that a direction gives is a better one, and often the best.
+    /// Each direction gives scales. The direction of the worst case at these scales is a better direction, and often
+    /// the best.
     fn bound(
         &self,
         figure: &LinearFigure,
@@ -152,7 +154,7 @@ impl TolerancePricing {
 }
 
 impl OperationPricing {
-    /// Prepares an operation with a limit; `evaluator` must be its own.
+    /// Prepares an operation with a limit; `evaluator` must belong to this operation.
     pub fn new(
         tolerances: Arc<TolerancePricing>,
         operation: &Operation,

@@ -1,4 +1,5 @@
-//! Infeasible requirements: by how much the tightest tolerances exceed a limit, and which bounds are in the way.
+//! Infeasible requirements: the excess of the tightest tolerances over a limit, and the bounds of scales that cause
+//! it.
 
 use super::linear_figure::FigureScratch;
 use super::problem::ToleranceProblem;
@@ -10,10 +11,11 @@ const ROUNDING: f64 = 1e-12;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToleranceShortfall {
     pub requirement: usize,
+    /// Limit of the requirement.
     pub limit: f64,
     /// Least figure that the bounds permit.
     pub least: f64,
-    /// Bounds in the way, the most effective first.
+    /// Lower bounds of scales that cause the excess, the most effective first.
     pub bounds: Vec<BoundInTheWay>,
 }
 

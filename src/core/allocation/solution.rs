@@ -12,12 +12,14 @@ use super::shortfall::{ToleranceShortfall, shortfalls};
 pub struct ToleranceAllocation {
     /// Scale of every tolerance.
     pub scales: Vec<f64>,
+    /// Cost of these tolerances.
     pub cost: f64,
-    /// Cost that no set of tolerances which keeps the requirements can beat.
+    /// Lower bound of the cost of all sets of tolerances that keep the requirements.
     pub lower_bound: f64,
     /// Figure of every requirement at these scales.
     pub values: Vec<f64>,
-    /// Shadow price of every requirement: the decrease of the cost per unit of its limit. With grades, it is that of the relaxation.
+    /// Shadow price of every requirement: the decrease of the cost per unit of its limit. With grades, it is the
+    /// shadow price of the relaxation.
     pub shadow_prices: Vec<f64>,
     /// Number of cone programs solved.
     pub programs: usize,

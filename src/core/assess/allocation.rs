@@ -43,7 +43,7 @@ pub struct CellAllocation<'a> {
     layout: &'a Layout,
     maps: &'a [OperationMap],
     pub parameters: Vec<AllocatedParameter>,
-    /// Parameters whose errors stay, because they are measured or correlated.
+    /// Parameters whose errors stay unchanged, because they are measured or correlated.
     pub fixed: Vec<Parameter>,
     pub requirements: Vec<NodeRequirement>,
     /// Yield that is demanded if the quantity is the yield, 0 to 1.
@@ -53,7 +53,7 @@ pub struct CellAllocation<'a> {
 /// Reason why a cell has no cheapest tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoAllocation {
-    /// The question has no answer: no limit, no tolerance. The texts tell why, and what to do.
+    /// The cell lacks a limit or a tolerance. The text `why` states the reason, and `help` the remedy.
     Question { why: String, help: &'static str },
     /// An operation has no usable node. The text tells why.
     Unusable(String),

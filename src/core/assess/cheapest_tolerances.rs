@@ -15,7 +15,7 @@ pub struct CheapestTolerances {
     pub found: JudgedAllocation,
     /// Monte Carlo checks; empty unless the reading is statistical.
     pub sampled: Vec<SampledRequirement>,
-    /// Number of allocations after the first that the samples caused.
+    /// Number of further allocations that the samples caused.
     pub sampled_rounds: usize,
 }
 

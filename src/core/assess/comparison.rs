@@ -1,4 +1,4 @@
-//! Layouts side by side, and whether they answer the same question.
+//! Comparison of layouts side by side, and the check that they can be compared.
 
 use super::Assessment;
 use crate::cell::{Cell, Operation, Reading, Role};
@@ -25,7 +25,8 @@ impl<'a> Comparison<'a> {
         Ok(Self { columns })
     }
 
-    /// Returns the layout as drawn beside the best layout of a search, which has its regions.
+    /// Returns a comparison of the layout as drawn with the best layout of a search. Only the best layout has its
+    /// regions.
     pub fn of_search(workcell: &'a Workcell, record: &SearchRecord) -> Self {
         let [start, best] = [("start", &record.start), ("best", &record.best)]
             .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));

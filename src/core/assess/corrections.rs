@@ -1,4 +1,4 @@
-//! Corrections of a cell's programme: what to command so that the TCP lands on each target despite its errors.
+//! Corrections of a cell's programme: the commands with which the TCP lands on each target despite its errors.
 
 use super::posture_context::{NodeChoice, PostureContext};
 use crate::cell::{
@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Debug, Clone, PartialEq)]
 pub struct StatedTarget {
     pub name: String,
-    /// Pose of the TCP in the base frame; without a rotation, the attitude of the operation holds.
+    /// Position of the TCP, base frame, m. If `rotation` is None, the attitude of the operation applies.
     pub position: Vector3<f64>,
     pub rotation: Option<Matrix3<f64>>,
 }
@@ -49,7 +49,7 @@ pub struct OperationCorrector<'a> {
 impl<'a> OperationCorrector<'a> {
     /// Prepares the correction of one operation; None if its errors have no known signs.
     ///
-    /// A tolerance does not say in which direction one robot is off, so nothing can be corrected.
+    /// A tolerance does not state the sign of a robot's error, so nothing can be corrected.
     pub fn new(workcell: &'a Workcell, operation: usize) -> Option<Self> {
         let evaluator = workcell.evaluator(operation);
         let values = evaluator.sources.signed();
@@ -72,7 +72,7 @@ impl<'a> OperationCorrector<'a> {
         Ok(self.corrected(&context.joints, &context.frames.tcp, context.situation))
     }
 
-    /// Returns the work context of targets that are no nodes of the map.
+    /// Returns the work context of targets that are not nodes of the map.
     ///
     /// # Errors
     /// Returns the reason if the frame of the surface cannot be taught.
@@ -82,7 +82,7 @@ impl<'a> OperationCorrector<'a> {
         PostureContext::of_joints(cell, Ok(self.workcell), self.operation, home).map(|c| c.situation)
     }
 
-    /// Corrects a target that is no node of the map. Collisions are not checked.
+    /// Corrects a target that is not a node of the map. Collisions are not checked.
     ///
     /// # Errors
     /// Returns the reason if the nominal robot does not reach the target.

@@ -18,6 +18,7 @@ pub struct ErrorDistribution {
     pub figures: Figures,
     /// Error of the signed sample under the model of the cell; None if the error set has no signed sample.
     pub signed: Option<f64>,
+    /// Limit of the operation, m or rad; None without a limit.
     pub limit: Option<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! Which placement tolerance ends a layout: without it, or with less of it, the layout would hold.
+//! Placement tolerances that make a layout infeasible: without them, or with smaller ones, the layout would be
+//! feasible.
 
 use crate::cell::{Cell, Layout, Slot};
 use crate::layout::{Workcell, evaluate};
@@ -10,10 +11,11 @@ const BISECTIONS: usize = 8;
 /// Names of the keys of a tolerance.
 const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 
-/// Returns, in words, which placement tolerances end an infeasible layout, and which values would hold.
+/// Returns, in words, which placement tolerances make a layout infeasible, and with which values it would be
+/// feasible.
 ///
-/// Each tolerance is reduced alone; if none suffices, those of each piece are reduced together, and finally all of
-/// them. The list is empty if the layout does not hold even as drawn.
+/// Each tolerance is reduced alone. If no single tolerance suffices, all tolerances of each piece are reduced
+/// together, and finally the tolerances of all pieces. The list is empty if the layout does not hold even as drawn.
 pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     if !workcell.certifies() || evaluate(workcell, layout).is_accepted() {
         return Vec::new();
@@ -33,7 +35,8 @@ pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     reduced(cell, layout, &bodies.concat()).into_iter().collect()
 }
 
-/// Describes how much of some tolerances holds; None if the layout does not hold without them either.
+/// Describes the largest values of some tolerances with which the layout is feasible; None if it is infeasible even
+/// without these tolerances.
 fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {
     let holds = |share: f64| {
         let mut less = cell.clone();

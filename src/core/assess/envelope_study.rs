@@ -14,6 +14,7 @@ pub struct Reachable<'a> {
     pub operation: Option<&'a Operation>,
     pub family: &'static str,
     pub attitude: Attitude,
+    /// Distance between sampled points, m.
     pub step: f64,
     /// Azimuth of the vertical section, rad.
     pub azimuth: f64,
@@ -135,7 +136,8 @@ pub struct RobotDataSheet<'a> {
     pub family: &'static str,
     /// Pose of the TCP at the home position.
     pub pose: Pose,
-    /// None for a redundant arm and for numeric inverse kinematics, because the envelope then takes many seconds.
+    /// Working envelope; None for a redundant arm and for numeric inverse kinematics, because the computation would
+    /// take many seconds.
     pub envelope: Option<SheetEnvelope>,
 }
 

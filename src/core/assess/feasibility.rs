@@ -1,4 +1,4 @@
-//! Whether a layout is feasible, and why it is not, without the maps of its operations.
+//! Feasibility of a layout, with the reasons if it is infeasible, without the maps of its operations.
 
 use super::posture_context::no_usable_node;
 use crate::cell::{Cell, Layout};

@@ -86,8 +86,8 @@ pub struct Assessment<'a> {
     /// Certificate that the layout works at every misplacement; None if none is demanded, or if the layout is not
     /// feasible.
     pub certificate: Option<LayoutCertificate>,
-    /// Where every piece may stand; None unless [`Self::with_regions`] was called, or if the layout is not feasible or
-    /// misses a limit.
+    /// Regions in which every piece may stand; None unless [`Self::with_regions`] was called, or if the layout is not
+    /// feasible or misses a limit.
     pub regions: Option<Regions>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
     pub apart: Option<Layout>,
@@ -236,8 +236,8 @@ impl<'a> Assessment<'a> {
     /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
     /// yield, whose definition already contains the limit.
     ///
-    /// If the value is the cost of tolerances, the limit is the cost of the tightest ones. If that cost is only one of
-    /// several goals, the limits bound the tolerances, and no error at the present ones.
+    /// If the value is the cost of tolerances, the limit is the cost of the tightest ones. If that cost is only one
+    /// of several goals, the limits constrain the tolerances, not the error at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
@@ -267,8 +267,8 @@ impl<'a> Assessment<'a> {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
     }
 
-    /// Returns which placement tolerances end the layout, in words; empty if it is feasible, or not feasible even as
-    /// drawn.
+    /// Returns, in words, which placement tolerances make the layout infeasible; empty if it is feasible, or
+    /// infeasible even as drawn.
     pub fn ending_tolerances(&self) -> Vec<String> {
         if self.evaluation.objective.is_some() || self.evaluation.misfit.is_some() {
             return Vec::new();
@@ -291,7 +291,7 @@ pub struct Requirement {
     ///
     /// If the layout must withstand misplacements, the error is its upper bound over all of them.
     pub margin: f64,
-    /// Whether the upper bound is known; if not, the error is the one as drawn.
+    /// Whether the upper bound is known. If not, the margin is that of the layout as drawn.
     pub known: bool,
 }
 

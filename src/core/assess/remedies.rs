@@ -14,7 +14,8 @@ pub enum Remedy {
     Calibrated,
     /// The layout is the best of a search; no error is compensated.
     Moved,
-    /// The controller compensates the identified errors, and the layout is the best of a search for them.
+    /// The controller compensates the identified errors, and the layout is the best of a search with the remaining
+    /// errors.
     Both,
 }
 
@@ -59,7 +60,7 @@ impl<'a> Remedies<'a> {
         self.layout(remedy).evaluation.objective
     }
 
-    /// Returns by which share of the objective as drawn a remedy lowers it; None if either layout is not feasible.
+    /// Returns the share of the objective as drawn by which a remedy reduces it; None if either layout is infeasible.
     pub fn gain(&self, remedy: Remedy) -> Option<f64> {
         let drawn = self.objective(Remedy::AsDrawn).filter(|drawn| *drawn > 0.0)?;
         Some(1.0 - self.objective(remedy)? / drawn)
@@ -80,8 +81,9 @@ impl<'a> Remedies<'a> {
 
     /// Returns the advised remedies, each of which is enough; empty if none helps.
     ///
-    /// If there are limits, these are the remedies with the least work that keep them. Otherwise, it is the one with the
-    /// least work among those whose error is the least, up to 1 % of the error as drawn.
+    /// If there are limits, these are the remedies with the least work that keep them. Otherwise, the only advised
+    /// remedy has an error that exceeds the least error by at most 1 % of the error as drawn. Of several such
+    /// remedies, it is the one with the least work.
     pub fn advised(&self) -> Vec<Remedy> {
         let steps = [&[Remedy::AsDrawn][..], &[Remedy::Calibrated, Remedy::Moved], &[Remedy::Both]];
         if self.has_limits() {
@@ -95,7 +97,7 @@ impl<'a> Remedies<'a> {
         feasible().find(|(_, value)| *value <= least + slack).map(|(remedy, _)| remedy).into_iter().collect()
     }
 
-    /// Returns whether a remedy lowers the error as drawn by at least 1 %, or makes a feasible layout of none.
+    /// Returns whether a remedy lowers the error as drawn by at least 1 %, or makes an infeasible layout feasible.
     pub fn helps(&self, remedy: Remedy) -> bool {
         match (self.objective(Remedy::AsDrawn), self.objective(remedy)) {
             (Some(drawn), Some(value)) => value < drawn * (1.0 - NO_GAIN),

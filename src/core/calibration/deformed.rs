@@ -73,7 +73,7 @@ impl Deformed {
         Self { interface: at, before, normal, after, q: *q, levers }
     }
 
-    /// Returns how an unknown moves the point `x` (m, base frame).
+    /// Returns the motion of the point `x` (m, base frame) per unit of an unknown.
     pub fn motion(&self, chain: &Chain, unknown: Unknown, x: &Vector3<f64>) -> PointMotion {
         let slide = |frame: &Pose, axis: usize, place: usize| PointMotion {
             slope: frame.rotation.column(axis).into_owned(),
@@ -121,7 +121,7 @@ pub struct PointMotion {
 }
 
 impl PointMotion {
-    /// Returns a motion of nothing.
+    /// Returns the zero motion with the rank `place`.
     pub fn none(place: usize) -> Self {
         Self { slope: Vector3::zeros(), axis: Vector3::zeros(), place }
     }

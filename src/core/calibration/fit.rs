@@ -15,15 +15,15 @@ const STEPS: usize = 100;
 const CONVERGED: f64 = 1e-6;
 /// Smallest share of a step of the variances.
 const LEAST_SHARE: f64 = 0.1;
-/// Largest step at which the variances may settle.
+/// Largest step, in standard deviations before the measurement, at which the variances may count as converged.
 const ROUGHLY: f64 = 1e-3;
 /// Largest step, in standard deviations before the measurement, that need not lower the loss.
 const SURE: f64 = 0.1;
-/// Factor by which the damping grows after a step that raised the loss, and shrinks after another one.
+/// Factor by which the damping grows after a step that raised the loss, and shrinks after any other step.
 const DAMPING: f64 = 4.0;
-/// Smallest damping that is not left out.
+/// Damping up to which a successful step ends the damping.
 const LEAST_DAMPING: f64 = 0.1;
-/// Largest relative change of a variance that has settled.
+/// Largest relative change of a variance that counts as converged.
 const SETTLED: f64 = 1e-2;
 /// Number of positions whose covariances are computed at once.
 const STACKED: usize = 512;
@@ -31,7 +31,7 @@ const STACKED: usize = 512;
 /// Values of the unknowns and the frames of the sessions at the minimum.
 pub(super) struct Fit<'a> {
     pub state: FitState<'a>,
-    /// Covariance of the unknowns, followed by those of the frames of every session.
+    /// Covariance matrix of the unknowns of the arm and, after them, of the frames of every session.
     pub covariance: DMatrix<f64>,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct Residual {
 }
 
 impl Residual {
-    /// Returns the squared distance divided by the covariance of misfit and prediction.
+    /// Returns the squared Mahalanobis distance of the residual under the covariance of misfit and prediction.
     pub fn normalised(&self) -> f64 {
         let covariance = self.misfit + self.spread;
         covariance.cholesky().map_or(f64::INFINITY, |c| self.by.dot(&c.solve(&self.by)))
@@ -63,8 +63,8 @@ impl<'a> Fit<'a> {
 
     /// Returns the fit to the sessions without some of their positions, with the same variances.
     ///
-    /// A single Newton step is exact but for squares of the change, because errors are small. Returns None if the
-    /// other positions do not determine the unknowns.
+    /// A single Newton step is exact up to second-order terms of the change, because errors are small. Returns None
+    /// if the other positions do not determine the unknowns.
     pub fn without(&self, all: &NormalEquations, left_out: &[MeasuringSession]) -> Option<Self> {
         let left_out = NormalEquations::of_positions(&self.state, left_out, 1.0);
         let (step, covariance) = all.without(&left_out).with_expectations(&self.state, 0.0).solution()?;
@@ -107,10 +107,10 @@ impl<'a> Fit<'a> {
         Err(format!("the fit has not converged after {STEPS} steps"))
     }
 
-    /// Takes a step of Levenberg and Marquardt, and returns its largest change in standard deviations before the
+    /// Takes a Levenberg-Marquardt step, and returns its largest change in standard deviations before the
     /// measurement.
     ///
-    /// A long step that raises the loss is taken back and the damping grows.
+    /// A long step that raises the loss is undone, and the damping grows.
     fn take_step(&mut self, sessions: &[MeasuringSession], damping: &mut f64) -> Result<f64, String> {
         let state = &mut self.state;
         let solution = |newton: f64| {
@@ -136,7 +136,7 @@ impl<'a> Fit<'a> {
         Ok(largest)
     }
 
-    /// Takes a share of one step of the variances, and returns their largest relative change with its sign.
+    /// Changes the variances by a share of one scoring step, and returns their largest relative change with its sign.
     fn improve_misfit(&mut self, sessions: &[MeasuringSession], share: f64) -> f64 {
         let mut scores = Scores::none();
         for (s, session) in sessions.iter().enumerate() {
@@ -182,7 +182,8 @@ impl<'a> Fit<'a> {
     }
 }
 
-/// Returns the covariances of positions with these Jacobians, whose unknowns have the covariance `of_unknowns`.
+/// Returns the covariances (m^2) of positions, given their Jacobians and the covariance `of_unknowns` of the
+/// unknowns.
 pub(super) fn spreads(jacobians: &[DMatrix<f64>], of_unknowns: &DMatrix<f64>) -> Vec<Matrix3<f64>> {
     // One product of large matrices is faster than many of small ones.
     let stacks = jacobians.chunks(STACKED).flat_map(|some| {

@@ -25,7 +25,7 @@ pub(super) struct FitProblem<'a> {
 }
 
 impl FitProblem<'_> {
-    /// Returns the variances of the misfit to begin with; `spread` is the standard deviation of a position per axis, m.
+    /// Returns the initial variances of the misfit; `spread` is the standard deviation of a position per axis, m.
     fn expected_misfit(&self, spread: f64) -> ResidualVariances {
         let has_harmonics = self.unknowns.iter().any(|u| u.is_harmonic());
         ResidualVariances::expected(self.chain, has_harmonics, spread)
@@ -50,7 +50,7 @@ pub(super) struct PositionEquation {
     pub motions: Vec<PointMotion>,
     /// Covariance of the misfit, m^2.
     pub misfit: Matrix3<f64>,
-    /// Factor of the covariance by which the fit divides, m^2.
+    /// Cholesky factor of the covariance (m^2) that weights the residual in the fit.
     pub factor: Cholesky<f64, Const<3>>,
     pub weight: f64,
 }
@@ -94,7 +94,7 @@ impl<'a> FitState<'a> {
         }
     }
 
-    /// Returns half the sum of squares of all residuals, of which outliers have the loss of Huber.
+    /// Returns half the sum of squares of all normalised residuals; outliers count by Huber's loss.
     pub fn loss(&self, sessions: &[MeasuringSession]) -> f64 {
         let measured =
             sessions.iter().enumerate().flat_map(|(s, session)| session.measured.iter().map(move |m| (s, m)));

@@ -6,18 +6,19 @@
 //! e_j(q_j) = sum_k a_jk cos(k q_j) + b_jk sin(k q_j),   a_jk, b_jk ~ N(0, (f_j s_k)^2)
 //! ```
 //!
-//! The standard deviation `s_k` is the expected one of the order, so `e_j` is a Gaussian process: near postures share
-//! their error, and outside the measured range the error is as uncertain as before the measurement. The factor
-//! `f_j^2` is the sum of the squared coefficients, in units of `s_k`, divided by the number of coefficients that the
-//! data determine, found together with the fit (MacKay 1992, Bayesian interpolation). The expectation `f_j = 1` counts
-//! as much as twenty coefficients: what a joint shows in the measured range says little about the rest of its turn.
+//! Here `s_k` is the expected standard deviation of the order k. So `e_j` is a Gaussian process: nearby postures
+//! share their error, and outside the measured range the error stays as uncertain as before the measurement. The
+//! factor `f_j^2` is the sum of the squared coefficients, in units of `s_k`, divided by the number of coefficients
+//! that the data determine. The fit estimates it together with the coefficients (D. J. C. MacKay, "Bayesian
+//! interpolation", Neural Computation 4, 1992). The expectation `f_j = 1` counts as much as twenty coefficients,
+//! because the errors in the measured range say little about the rest of the turn.
 
 use super::unknown::{Unknown, expected_harmonic};
 use crate::cell::{JointKind, MAX_JOINTS};
 use crate::robot::Chain;
 use nalgebra::DMatrix;
 
-/// Number of determined coefficients that the expectation counts for.
+/// Weight of the expectation `f_j = 1`, as a number of determined coefficients.
 const WEIGHT_OF_EXPECTATION: f64 = 20.0;
 
 /// Returns the harmonics of every revolute joint up to an order, as unknowns of a calibration.
@@ -36,10 +37,10 @@ pub(super) fn wave(q: f64, order: usize, sine: bool) -> f64 {
     if sine { angle.sin() } else { angle.cos() }
 }
 
-/// Improves the standard deviations of the harmonics before the measurement, and returns their largest relative
+/// Updates the standard deviations of the harmonics before the measurement, and returns their largest relative
 /// change.
 ///
-/// `covariance` is that of the unknowns, which `values` belong to; it may have more rows and columns.
+/// `covariance` is the covariance of the unknowns with the values `values`; it may have further rows and columns.
 pub(super) fn improve_deviations(
     unknowns: &[Unknown],
     values: &[f64],

@@ -1,7 +1,7 @@
-//! Calibration whose periodic errors are taken as they were identified.
+//! Calibration with its periodic errors fixed at the identified values.
 //!
-//! An error set states periodic errors as functions of the posture, without a covariance of their coefficients. What
-//! is uncertain about them counts as a variance of their joint.
+//! An error set states periodic errors as functions of the posture, without a covariance of their coefficients. Their
+//! uncertainty counts as a variance of the joint coordinate.
 
 use super::harmonics::wave;
 use super::result::Calibration;
@@ -47,11 +47,11 @@ impl Calibration {
         }
     }
 
-    /// Returns the variance of the error of a joint, rad^2, that belongs to its periodic error.
+    /// Returns the variance, rad^2, that the uncertainty of a periodic error adds to the error of its joint.
     ///
-    /// For an arm with joint coupling this is [`Self::periodic_variance`]. For any other arm it is the variance of zero
-    /// error and periodic error together, averaged over the measured range, minus the variance of the zero error in
-    /// [`Self::covariance_beside_periodic_errors`].
+    /// For an arm with joint coupling this is [`Self::periodic_variance`]. For any other arm, it is a difference. The
+    /// first term is the variance of zero error and periodic error together, averaged over the measured range. The
+    /// second term is the variance of the zero error in [`Self::covariance_beside_periodic_errors`].
     pub fn variance_of_periodic_error(&self, joint: usize) -> f64 {
         if self.is_coupled() {
             return self.periodic_variance(joint);

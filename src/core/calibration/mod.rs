@@ -16,9 +16,9 @@
 //! sum_i r_i^T S_i^-1 r_i + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f
 //! ```
 //!
-//! by Newton's method with exact derivatives. Here `s_k` is the standard deviation of parameter `a_k`
-//! before the measurement, and `S_i` the covariance of what the parameters do not explain (see `residual_variances`): no
-//! model is complete, and most of what remains of a real arm are errors of its joints.
+//! by Newton's method with exact derivatives. Here `s_k` is the standard deviation of parameter `a_k` before the
+//! measurement, and `S_i` the covariance of the error that the parameters do not explain (see `residual_variances`).
+//! On a real arm, most of the unexplained error comes from the joints.
 
 mod accuracy;
 mod deformed;

@@ -19,8 +19,8 @@ pub(super) struct NormalEquations {
 impl NormalEquations {
     /// Returns the equations of the measured positions.
     ///
-    /// The Hessian has `newton` times the second derivatives of the positions: 1 for Newton's method, 0 for
-    /// the method of Gauss and Newton.
+    /// The second derivatives of the positions enter the Hessian with the factor `newton`: 1 gives Newton's method, 0
+    /// the Gauss-Newton method.
     pub fn of_positions(state: &FitState<'_>, sessions: &[MeasuringSession], newton: f64) -> Self {
         let common = state.question.unknowns.len();
         let size = common + state.frames.iter().map(SessionFrames::size).sum::<usize>();
@@ -60,10 +60,10 @@ impl NormalEquations {
         Self { hessian, right }
     }
 
-    /// Adds the expectations of the unknowns, whose precisions grow by `damping` times themselves.
+    /// Adds the expectations of the unknowns, with their precisions multiplied by `1 + damping`.
     ///
-    /// Without that of the reflectors, an arm whose tool is always upright leaves the height of its reflector
-    /// undetermined.
+    /// Without the expectation of the reflectors, the height of the reflector is undetermined on an arm whose tool is
+    /// always upright.
     pub fn with_expectations(mut self, state: &FitState<'_>, damping: f64) -> Self {
         for (k, (prior, value)) in state.priors.iter().zip(&state.values).enumerate() {
             self.hessian[(k, k)] += (1.0 + damping) * prior.powi(-2);
@@ -82,7 +82,7 @@ impl NormalEquations {
         self
     }
 
-    /// Removes the equations of some of the measured positions.
+    /// Subtracts the equations `some` of a part of the measured positions.
     pub fn without(&self, some: &Self) -> Self {
         Self { hessian: &self.hessian - &some.hessian, right: &self.right - &some.right }
     }
@@ -96,8 +96,8 @@ impl NormalEquations {
 
 /// Adds the scalar products of `residual` with the second derivatives of a position by the motions `curved`.
 ///
-/// The second derivative by two motions is the axis of the one nearer to the base times (vector product) the
-/// displacement by the other one.
+/// The second derivative with respect to two motions is a cross product: the axis of the motion nearer to the base
+/// times the displacement by the other motion.
 fn add_curvature(
     bent: &mut DMatrix<f64>,
     curved: &[usize],

@@ -1,4 +1,4 @@
-//! Plans of measuring poses: which poses tell most about the error of the robot at a task.
+//! Plans of measuring poses (optimal experimental design): the poses that reduce the uncertainty at a task the most.
 //!
 //! The measured position of pose i is, to first order in the unknowns a (robot, base and reflector),
 //!
@@ -6,21 +6,22 @@
 //! y_i = J_i a + m(q_i) + e_i
 //! ```
 //!
-//! The unknowns are normal with their standard deviations before the measurement. No model is complete, so the
-//! misfit m counts, not the noise of the instrument. It is a Gaussian process over the joint space: poses near
-//! each other have nearly the same misfit and tell the same thing twice. The e_i are independent.
+//! The unknowns are normal with their standard deviations before the measurement. No model is complete, so the misfit
+//! m limits the accuracy, not the noise of the instrument. It is a Gaussian process over the joint space: poses near
+//! each other have nearly the same misfit, so the second pose adds little information. The remaining errors e_i are
+//! independent.
 //!
-//! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of
-//! the task (I-optimality). A plan that maximises a determinant (D-optimality) would know the unknowns well,
-//! whether the task needs them or not. After a calibration the base is registered anew, so a rigid motion
-//! that fits the candidates does not count as an error.
+//! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of the task
+//! (I-optimality). A plan that maximises a determinant (D-optimality) would determine all unknowns well, even those
+//! that the task does not need. After a calibration the base is registered anew, so a rigid motion that fits the
+//! candidates does not count as an error.
 
 use super::plan_posterior::PlanPosterior;
 use super::plan_problem::PlanProblem;
 
 /// Largest number of exchange passes.
 const PASSES: usize = 4;
-/// Share of the gain by which an exchange must be better, so that rounding cannot make the search go round.
+/// Relative improvement that an exchange must exceed, so that rounding cannot make the search cycle.
 const BETTER: f64 = 1e-9;
 
 impl PlanProblem {
@@ -35,7 +36,7 @@ impl PlanProblem {
         PlanPosterior::of(self, chosen).map_or(f64::INFINITY, |posterior| posterior.remaining().sqrt())
     }
 
-    /// Chooses `count` candidates that leave the least expected error at the task, the most telling first.
+    /// Chooses `count` candidates that leave the least expected error at the task, the most informative first.
     ///
     /// The choice is greedy, then each pose is exchanged for a better candidate as long as there is one
     /// (Fedorov 1972). `progress` gets the number of finished steps and the largest number of all steps.

@@ -12,7 +12,7 @@ pub struct PlanPosterior<'a> {
     pub(super) chosen: Vec<usize>,
     /// Covariance of every candidate with each chosen pose before the measurement.
     columns: Vec<Vec<Matrix3<f64>>>,
-    /// Covariance of every candidate with itself, without its own error, m^2.
+    /// Covariance of the position of every candidate, without the independent error of the pose, m^2.
     variances: Vec<Matrix3<f64>>,
     /// Covariance of every candidate with the targets, m^2.
     crosses: Vec<Matrix3xX<f64>>,
@@ -22,7 +22,7 @@ pub struct PlanPosterior<'a> {
 }
 
 impl<'a> PlanPosterior<'a> {
-    /// Returns the covariances once the poses `chosen` are measured; None if they are no numbers.
+    /// Returns the covariances once the poses `chosen` are measured; None if they are not finite.
     pub fn of(problem: &'a PlanProblem, chosen: &[usize]) -> Option<Self> {
         let count = problem.candidates();
         let unknowns = problem.targets.nrows();
@@ -44,7 +44,7 @@ impl<'a> PlanPosterior<'a> {
         self.remaining.max(0.0)
     }
 
-    /// Returns by how much a measurement of a candidate reduces the variances of the targets, m^2.
+    /// Returns the amount by which a measurement of a candidate reduces the variances of the targets, m^2.
     pub fn gain(&self, candidate: usize) -> f64 {
         let cross = &self.crosses[candidate];
         let measured = self.variances[candidate] + self.own_error();
@@ -53,18 +53,19 @@ impl<'a> PlanPosterior<'a> {
         inverse.component_mul(&squares).sum()
     }
 
-    /// Returns the candidate with the greatest gain that is not chosen; the first one of several.
+    /// Returns the candidate with the greatest gain that is not chosen yet; the first of several equal ones.
     pub fn most_telling(&self) -> Option<usize> {
         self.most_telling_of(0..self.crosses.len())
     }
 
-    /// Returns the one of some candidates with the greatest gain that is not chosen; the first one of several.
+    /// Returns the one of `candidates` with the greatest gain that is not chosen yet; the first of several equal
+    /// ones.
     pub fn most_telling_of(&self, candidates: impl Iterator<Item = usize>) -> Option<usize> {
         let free = candidates.filter(|&i| !self.is_chosen[i]).map(|i| (i, self.gain(i)));
         free.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(i, _)| i)
     }
 
-    /// Adds a measurement of a candidate. Returns None if the covariances are no numbers.
+    /// Adds a measurement of a candidate. Returns None if the covariances are not finite.
     pub fn add(&mut self, pose: usize) -> Option<()> {
         self.update(pose, &self.own_error())?;
         self.columns.push(self.prior_column(pose));
@@ -73,7 +74,7 @@ impl<'a> PlanPosterior<'a> {
         Some(())
     }
 
-    /// Removes the measurement of a chosen pose. Returns None if the covariances are no numbers.
+    /// Removes the measurement of a chosen pose. Returns None if the covariances are not finite.
     pub fn remove(&mut self, pose: usize) -> Option<()> {
         let place = self.chosen.iter().position(|chosen| *chosen == pose)?;
         self.update(pose, &-self.own_error())?;

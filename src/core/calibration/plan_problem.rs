@@ -6,7 +6,7 @@ use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::Chain;
 use nalgebra::{DMatrix, Matrix3, Matrix3xX, SMatrix, SymmetricEigen, Vector3};
 
-/// Ratio to the largest eigenvalue of the task below which a direction does not matter.
+/// Share of the largest eigenvalue of the task below which a direction is ignored.
 const NEGLIGIBLE: f64 = 1e-12;
 /// Number of unknowns of the pose of the base.
 const OF_BASE: usize = 6;
@@ -20,15 +20,15 @@ pub struct UnmodelledError {
     pub shared: f64,
     /// Length scale of the shared part in the joint space, rad.
     pub length: f64,
-    /// Standard deviation of the part of each pose, m.
+    /// Standard deviation of the part that is independent at every pose, m.
     pub own: f64,
 }
 
 impl Default for UnmodelledError {
     /// Returns the errors of a measured arm, rounded.
     ///
-    /// Maximum likelihood on the series A, B and D of a UR10 (Landgraf et al. 2021) gives 0.10 to 0.21 mm for
-    /// the shared part, 0.83 to 0.99 rad for its length scale, and 0.18 to 0.22 mm for the other part.
+    /// Maximum likelihood on the series A, B and D of a UR10 (Landgraf et al. 2021) gives 0.10 to 0.21 mm for the
+    /// shared part, 0.83 to 0.99 rad for its length scale, and 0.18 to 0.22 mm for the independent part.
     fn default() -> Self {
         Self { shared: 2e-4, length: 1.0, own: 2e-4 }
     }
@@ -47,7 +47,7 @@ pub struct IntendedCalibration<'a> {
 }
 
 impl IntendedCalibration<'_> {
-    /// Returns the least number of poses whose coordinates are as many as the unknowns.
+    /// Returns the least number of poses with at least as many measured coordinates as unknowns.
     pub fn least_poses(&self) -> usize {
         self.unknowns_with_set_up().div_ceil(3)
     }
@@ -75,9 +75,9 @@ impl IntendedCalibration<'_> {
 /// Choice of measuring poses among candidates.
 #[derive(Debug, Clone)]
 pub struct PlanProblem {
-    /// Motion of the reflector by each unknown at every candidate, as the intended calibration gives it.
+    /// Motion of the reflector at every candidate per standard deviation of each unknown, m.
     pub(super) slopes: Vec<Matrix3xX<f64>>,
-    /// Places of the candidates in a space in which distances are those of the joint space, rad.
+    /// Points that represent the candidates; the distance of two points is the distance in the joint space, rad.
     places: Vec<SMatrix<f64, { 2 * MAX_JOINTS }, 1>>,
     /// Directions of the unknowns that matter at the task; the squared error is the sum of their variances.
     pub(super) targets: DMatrix<f64>,
@@ -101,7 +101,7 @@ impl PlanProblem {
         self.slopes.len()
     }
 
-    /// Returns the covariance of the positions of two candidates before the measurement, without their own
+    /// Returns the covariance of the positions of two candidates before the measurement, without the independent
     /// errors.
     pub(super) fn prior(&self, i: usize, j: usize) -> Matrix3<f64> {
         let columns = self.slopes[i].column_iter().zip(self.slopes[j].column_iter());
@@ -112,8 +112,9 @@ impl PlanProblem {
     }
 }
 
-/// Returns a point whose distances from others are chords of the joint angles, so that a full turn is no
-/// distance. The whole travel of a prismatic joint counts like half a turn.
+/// Returns a point for a posture; postures a full turn apart have the same point. The distance of two points is the
+/// root sum square of chords of the joint angle differences. The whole travel of a prismatic joint counts as half a
+/// turn.
 fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> {
     let mut place = SMatrix::zeros();
     for (i, link) in chain.links.iter().enumerate() {
@@ -127,7 +128,7 @@ fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> 
     place
 }
 
-/// Returns the motion of the base that fits the motions of the candidates by each unknown best.
+/// Returns, for each unknown, the motion of the base that best fits the motions of the candidates.
 fn registered(slopes: &[Matrix3xX<f64>], unknowns: usize) -> DMatrix<f64> {
     // Without this, candidates in a line would leave a rotation undetermined.
     let mut normal = DMatrix::identity(OF_BASE, OF_BASE) * (1e-9 * slopes.len() as f64);

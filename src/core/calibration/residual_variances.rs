@@ -1,4 +1,5 @@
-//! What the identified parameters do not explain: random errors of every joint, and of every position.
+//! Residual variances: random errors of every joint and of every position that the identified parameters do not
+//! explain.
 //!
 //! Gears and bearings add an error to each actuator coordinate that depends on the posture in a way that no
 //! parameter describes. The model of the remaining error of a measured position is
@@ -22,18 +23,18 @@ const MAX_VARIANCES: usize = MAX_JOINTS + 1;
 const EXPECTED_ANGLE: f64 = 3e-4;
 /// Smallest standard deviation of a joint, rad or m.
 const FINEST_JOINT: f64 = 1e-7;
-/// Smallest standard deviation of a position that matters, m; no tracker is better.
+/// Smallest standard deviation of a position, m; no tracker is more accurate.
 const FINEST_POSITION: f64 = 1e-6;
-/// Largest ratio of the variances of two steps.
+/// Largest factor by which one step may change a variance.
 const STEEPEST: f64 = 10.0;
 /// Share of the expected variance of a joint at which a change no longer matters.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Ratio by which the variances of the joints are larger in a fit without harmonics, and with harmonics.
+/// Factors that enlarge the variances of the joints in the fit: without harmonics, then with harmonics.
 ///
-/// Errors of a joint are functions of the posture, so near postures have nearly the same misfit, and many of
-/// them tell less than as many independent ones. Harmonics explain a part of what near postures have in common. The
-/// values are those of a real arm (results/measured).
+/// Errors of a joint depend on the posture, so nearby postures have nearly the same misfit. They carry less
+/// information than as many independent postures. Harmonics explain a part of the common misfit. The values are those
+/// of a real arm (results/measured).
 const CORRELATED: [f64; 2] = [4.0, 2.0];
 
 /// Variances of the errors that the identified parameters do not explain.
@@ -44,12 +45,12 @@ pub struct ResidualVariances {
     /// Variance of a position per axis, m^2.
     pub position: f64,
     expected: Vec<f64>,
-    /// Ratio by which the variances of the joints are larger in the fit.
+    /// Factor that enlarges the variances of the joints in the fit.
     correlated: f64,
 }
 
 impl ResidualVariances {
-    /// Returns the variances to begin with; `spread` is the standard deviation of a position per axis, m.
+    /// Returns the initial variances; `spread` is the standard deviation of a position per axis, m.
     pub fn expected(chain: &Chain, has_harmonics: bool, spread: f64) -> Self {
         let of_joint = |kind| match kind {
             JointKind::Revolute => EXPECTED_ANGLE.powi(2),
@@ -70,14 +71,13 @@ impl ResidualVariances {
         drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)
     }
 
-    /// Returns the covariance by which the fit divides, which has larger variances of the joints.
+    /// Returns the covariance (m^2) that weights the residual in the fit, with enlarged variances of the joints.
     pub fn covariance_of_fit(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
         let joints = self.joints.iter().map(|v| v * self.correlated).collect();
         Self { joints, ..self.clone() }.covariance(drives, stated)
     }
 
-    /// Returns the variances after a share of one step of the scoring, and their largest relative change with
-    /// its sign.
+    /// Returns the variances after a share of one scoring step, and their largest relative change with its sign.
     pub fn improved(&self, scores: &Scores, share: f64) -> (Self, f64) {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);
@@ -118,14 +118,15 @@ pub struct Scores {
 }
 
 impl Scores {
+    /// Returns the derivatives before any position is added.
     pub fn none() -> Self {
         Self { gradient: [0.0; MAX_VARIANCES], information: [[0.0; MAX_VARIANCES]; MAX_VARIANCES] }
     }
 
     /// Adds one measured position.
     ///
-    /// `inverse` is the inverse of its covariance, and `scatter` the square of the remaining error plus the
-    /// covariance of the fitted position.
+    /// `inverse` is the inverse of its covariance. `scatter` is the outer product `r r^T` of the remaining error,
+    /// plus the covariance of the fitted position.
     pub fn add(&mut self, drives: &[Vector3<f64>], inverse: &Matrix3<f64>, scatter: &Matrix3<f64>) {
         let last = drives.len();
         for (k, g) in drives.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Calibration of a robot, and its judgement by other measured positions.
+//! Result of a calibration of a robot, and its test with other measured positions.
 
 use super::accuracy::Accuracy;
 use super::deformed::Deformed;
@@ -38,16 +38,17 @@ pub struct Calibration {
     pub covariance: DMatrix<f64>,
     /// Every session after the fit.
     pub sessions: Vec<FittedSession>,
-    /// Number of directions, in the space of the unknowns without harmonics divided by their standard deviations, whose
-    /// standard deviation the data reduce to less than half.
+    /// Number of identified directions: the data reduce the standard deviation in such a direction to less than half.
+    /// Directions are in the space of the unknowns without harmonics, each divided by its standard deviation before
+    /// the measurement.
     pub rank: usize,
-    /// The other directions: shares of the unknowns, unit length.
+    /// Directions that the data do not identify, as unit vectors in the same space as for [`Self::rank`].
     pub unidentified: Vec<Vec<f64>>,
     /// Root mean square of the residuals per axis, m.
     pub residual: f64,
     /// Distances of measured positions from predictions of a fit without their block of the joint space, m.
     pub held_out: Option<Accuracy>,
-    /// Variances of what the parameters do not explain.
+    /// Variances of the errors that the parameters do not explain.
     pub misfit: ResidualVariances,
     /// Least and largest measured coordinate of every joint, rad or m.
     pub ranges: Vec<(f64, f64)>,
@@ -115,8 +116,8 @@ fn range_of(sessions: &[MeasuringSession], joint: usize) -> (f64, f64) {
     all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(q), high.max(q)))
 }
 
-/// Returns the directions of the parameters whose standard deviation the data do not halve: eigenvectors of
-/// their covariance divided by the standard deviations before the measurement.
+/// Returns the directions in which the data do not reduce the standard deviation to less than half. They are
+/// eigenvectors of the covariance of the parameters, divided by the standard deviations before the measurement.
 fn undetermined(covariance: &DMatrix<f64>, priors: &[f64], parameters: &[usize]) -> Vec<Vec<f64>> {
     let count = parameters.len();
     let scaled = DMatrix::from_fn(count, count, |i, j| {
@@ -166,8 +167,8 @@ impl Calibration {
 
     /// Fits base and reflectors to positions that were not part of the calibration.
     ///
-    /// Returns the session, and the share of its positions inside their 95 % ellipsoids. An ellipsoid
-    /// contains the misfit and the uncertainty of the unknowns. What the fit of base and reflectors takes up
+    /// Returns the session, and the share of its positions inside their 95 % ellipsoids. An ellipsoid contains the
+    /// misfit and the uncertainty of the unknowns. The part of the error that the fit of base and reflectors absorbs
     /// does not count. Returns None if the positions do not determine base and reflectors.
     pub fn tested(&self, measured: &[MeasuredPosition]) -> Option<(FittedSession, f64)> {
         let (unknowns, _) = self.unknowns_and_values();

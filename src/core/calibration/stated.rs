@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::Rotation3;
 
-/// Deviation of an axis direction, as a part of 1, from which two axes differ.
+/// Difference of two unit vectors along axes from which the axes count as different.
 const OTHER_AXIS: f64 = 1e-9;
 
 /// Returns an error set without errors.
@@ -28,8 +28,8 @@ pub fn no_errors(axes: usize) -> SignedErrors {
 
 /// Returns the errors of joint frames that make a chain of Denavit-Hartenberg rows equal to stated frames.
 ///
-/// Frame k leads from the frame after joint k to the next joint axis. Its nominal value is
-/// `Tx(l) Rx(alpha)` of the row before, then `Rz(theta) Tz(r)` of the own row.
+/// Frame k leads from the frame after joint k to the next joint axis. Its nominal value is `Tx(l) Rx(alpha)` of the
+/// previous row, then `Rz(theta) Tz(r)` of its own row.
 pub fn errors_of_frames(chain: &Chain, frames: &[Pose]) -> SignedErrors {
     let mut errors = no_errors(chain.axes());
     let mut before = Pose::IDENTITY;
@@ -43,7 +43,7 @@ pub fn errors_of_frames(chain: &Chain, frames: &[Pose]) -> SignedErrors {
     errors
 }
 
-/// Returns the nominal frames that [`errors_of_frames`] compares with.
+/// Returns the nominal frames with which [`errors_of_frames`] compares the stated frames.
 pub fn nominal_frames(chain: &Chain) -> Vec<Pose> {
     let mut before = Pose::IDENTITY;
     let frame = |link: &crate::robot::Link| {
@@ -76,7 +76,8 @@ pub fn errors_between(nominal: &Chain, calibrated: &Chain) -> Result<SignedError
     Ok(errors)
 }
 
-/// Returns the change of frame k, seen in that frame; the frame before it is taken to be the same.
+/// Returns the change from frame k of `a` to frame k of `b`, in the axes of that frame. The frames before frame k are
+/// assumed to coincide.
 fn change(a: &[Pose], b: &[Pose], k: usize) -> Pose {
     let own = |all: &[Pose]| match k {
         0 => all[0],

@@ -1,4 +1,4 @@
-//! Rows of measured data that cannot be what they seem: copies, and stuck instruments or encoders.
+//! Suspect rows of measured data: copies of other rows, and rows from stuck instruments or encoders.
 
 use super::raw::RawMeasurement;
 use super::session::MeasuredPosition;
@@ -6,10 +6,12 @@ use crate::cell::MAX_JOINTS;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// Share of the range of a joint, from which two postures differ.
+/// Difference of a joint coordinate, as a share of the range of the joint, from which two postures count as
+/// different.
 const OTHER_POSTURE: f64 = 2e-3;
 
-/// Share of the largest distance of two positions that no robot misses a repeated posture by.
+/// Distance of two positions, as a share of the largest distance in the file, that exceeds the repeatability of any
+/// robot.
 const UNREPEATED: f64 = 5e-3;
 
 /// Range of a joint coordinate, rad or m, below which the joint does not move.

@@ -1,4 +1,4 @@
-//! The part of random motions that a fit of base and reflectors takes up.
+//! The part of random motions that a fit of base and reflectors absorbs.
 
 use nalgebra::{DMatrix, Vector3};
 

@@ -12,10 +12,9 @@ pub enum Unknown {
     Row(Parameter),
     /// Deflection of joint `joint` by weight that link `link` carries.
     ///
-    /// The deflection is the value of the unknown (rad/m) times the horizontal lever of the link (m): the
-    /// component along the joint axis of the torque by a unit weight, for a lever from the start of the link
-    /// to its end. The value is the compliance of the joint (rad/(N m)) times the weight (N) at and beyond
-    /// the end of the link.
+    /// The deflection is the value of the unknown (rad/m) times the horizontal lever of the link (m), see
+    /// [`crate::robot::lever`]. The value is the compliance of the joint (rad/(N m)) times the weight (N) at and
+    /// beyond the end of the link.
     Elastic { joint: usize, link: usize },
     /// Error of actuator `joint` that is periodic in its coordinate q: the value (rad) times `cos(order q)`, or
     /// `sin(order q)` if `sine` is true.
@@ -40,14 +39,14 @@ impl Identified {
     }
 }
 
-/// Ratio to the largest lever below which a lever is left out.
+/// Share of the largest lever below which a lever is ignored.
 const SHORT_LEVER: f64 = 1.0 / 6.0;
 
 /// Returns the unknowns of a chain; with the elastic terms if `elastic` is true.
 ///
-/// A joint has an elastic term for each link that it carries and whose lever can turn it. Base and reflector
-/// of every session are found besides. They replace the errors dq and dr of the first row and all errors of
-/// the last row.
+/// A joint has an elastic term for each link that it carries and whose lever can turn it. The calibration also finds
+/// base and reflector of every session. They replace the errors dq and dr of the first row and all errors of the last
+/// row.
 pub fn unknowns(chain: &Chain, elastic: bool) -> Vec<Unknown> {
     let last = chain.axes() - 1;
     let is_free = |parameter: &Parameter| match *parameter {
@@ -105,7 +104,7 @@ impl Unknown {
     }
 }
 
-/// Largest order of the slow harmonics, which eccentric and tilted encoders and gears make larger.
+/// Largest order of the slow harmonics, which are larger because encoders and gears are eccentric or tilted.
 const SLOW: usize = 4;
 /// Standard deviation of a coefficient of a fast harmonic that is expected without data, rad.
 const EXPECTED_HARMONIC: f64 = 7.5e-5;

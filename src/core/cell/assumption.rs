@@ -16,7 +16,7 @@ const SLIDE_MARGIN_MM: f64 = 2.0;
 /// Assumed least singular value of the scaled Jacobian.
 ///
 /// At this value, a displacement of the TCP by 0.1 % of the reach of the arm turns its joints by up to 0.05 rad, or
-/// 2.9 degrees. Below it, an operation stops to be a precision operation: small corrections become large motions.
+/// 2.9 degrees. Below it, an operation is no longer a precision operation: small corrections become large motions.
 const SINGULARITY: f64 = 0.02;
 /// Assumed placement tolerance of every body that the search places: x, y and z, mm.
 const PLACE_MM: f64 = 2.0;
@@ -25,7 +25,7 @@ const PLACE_YAW_DEG: f64 = 0.2;
 /// Largest share of the travel of a joint that an assumed margin takes at each end.
 const MARGIN_SHARE: f64 = 0.1;
 
-/// Which of the quantities that [`Cell::assuming`] assumes are stated in the cell file.
+/// Record of which quantities of [`Cell::assuming`] the cell file states.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StatedKeys {
     /// Whether the file has search settings.

@@ -1,4 +1,4 @@
-//! Changes of a validated cell; each function returns a cell that is valid, too.
+//! Changes of a validated cell; each function returns a valid cell.
 //!
 //! No code outside this folder changes the fields of a cell, except the reader of cell files.
 
@@ -21,7 +21,7 @@ impl Cell {
         Some(cell)
     }
 
-    /// Returns this cell with every tolerance multiplied by its scale; correlated and measured errors stay.
+    /// Returns this cell with every tolerance multiplied by its scale; correlated and measured errors stay unchanged.
     ///
     /// A signed sample becomes a tolerance whose half widths are the scaled magnitudes of its values.
     pub fn with_scaled_tolerances(&self, scale: &dyn Fn(Parameter) -> f64) -> Cell {

@@ -17,8 +17,10 @@ pub enum Model {
 }
 
 impl Model {
+    /// All error models.
     pub const ALL: [Model; 3] = [Model::Nonlinear, Model::Linear, Model::SecondOrder];
 
+    /// Returns the name of the model in files.
     pub const fn name(self) -> &'static str {
         match self {
             Model::Nonlinear => "nonlinear",
@@ -41,8 +43,10 @@ pub enum Reading {
 }
 
 impl Reading {
+    /// All readings.
     pub const ALL: [Reading; 3] = [Reading::Signed, Reading::WorstCase, Reading::Statistical];
 
+    /// Returns the name of the reading in files.
     pub const fn name(self) -> &'static str {
         match self {
             Reading::Signed => "signed",
@@ -65,9 +69,11 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// All quantities.
     pub const ALL: [Quantity; 5] =
         [Quantity::Rms, Quantity::Mean, Quantity::P95, Quantity::P99, Quantity::Yield];
 
+    /// Returns the name of the quantity in files.
     pub const fn name(self) -> &'static str {
         match self {
             Quantity::Rms => "rms",
@@ -94,8 +100,10 @@ pub enum Registration {
 }
 
 impl Registration {
+    /// All registrations.
     pub const ALL: [Registration; 3] = [Registration::None, Registration::BestFit, Registration::Taught];
 
+    /// Returns the name of the registration in files.
     pub const fn name(self) -> &'static str {
         match self {
             Registration::None => "none",
@@ -122,9 +130,11 @@ pub enum NodeAggregation {
 }
 
 impl NodeAggregation {
+    /// All rules.
     pub const ALL: [NodeAggregation; 4] =
         [NodeAggregation::Best, NodeAggregation::Max, NodeAggregation::Mean, NodeAggregation::P95];
 
+    /// Returns the name of the rule in files.
     pub const fn name(self) -> &'static str {
         match self {
             NodeAggregation::Best => "best",
@@ -169,6 +179,7 @@ pub enum Objective {
 }
 
 impl Objective {
+    /// All objectives.
     pub const ALL: [Objective; 4] = [
         Objective::WeightedSum,
         Objective::WeightedMaximum,
@@ -176,6 +187,7 @@ impl Objective {
         Objective::ToleranceCost,
     ];
 
+    /// Returns the name of the objective in files.
     pub const fn name(self) -> &'static str {
         match self {
             Objective::WeightedSum => "sum",
@@ -186,6 +198,7 @@ impl Objective {
     }
 }
 
+/// Global solver of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Solver {
@@ -195,8 +208,10 @@ pub enum Solver {
 }
 
 impl Solver {
+    /// All global solvers.
     pub const ALL: [Solver; 3] = [Solver::CmaEs, Solver::ParticleSwarm, Solver::SimulatedAnnealing];
 
+    /// Returns the name of the solver in files.
     pub const fn name(self) -> &'static str {
         match self {
             Solver::CmaEs => "cma-es",
@@ -206,6 +221,7 @@ impl Solver {
     }
 }
 
+/// Settings of a search for the best layout.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchSettings {
     pub solver: Solver,
@@ -217,7 +233,7 @@ pub struct SearchSettings {
     /// Largest number of layout evaluations.
     pub budget: u64,
     pub seed: u64,
-    /// Whether placement tolerances do not count: the layout need only work exactly as drawn.
+    /// Whether placement tolerances are ignored: the layout need only work exactly as drawn.
     pub ideal: bool,
     /// Whether the search minimizes the worst value over the placement tolerances instead of the value as
     /// drawn.
@@ -255,7 +271,7 @@ pub struct Resolution {
 impl Resolution {
     /// Resolution that a fitter can set.
     pub const BUILDABLE: Self = Self { mm: 1.0, deg: 0.1 };
-    /// Resolution of an ideal layout: a file can hold exactly the coordinates that were evaluated.
+    /// Resolution of an ideal layout, at which a file holds exactly the coordinates that were evaluated.
     pub const IDEAL: Self = Self { mm: 1e-3, deg: 1e-4 };
 }
 
@@ -281,8 +297,8 @@ impl SearchSettings {
 }
 
 impl SearchSettings {
-    /// Returns whether the search takes the cost of tolerances into account. Limits then bound the tolerances, not the
-    /// error at the present ones.
+    /// Returns whether the search takes the cost of tolerances into account. A limit then constrains the choice of
+    /// tolerances, not the error at the tolerances of the error set.
     pub fn prices_tolerances(&self) -> bool {
         self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
     }

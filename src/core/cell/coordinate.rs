@@ -15,6 +15,7 @@ pub enum Coordinate {
 }
 
 impl Coordinate {
+    /// Returns the start value, m or rad.
     pub fn start(&self) -> f64 {
         match self {
             Coordinate::Fixed(value) | Coordinate::Range { start: value, .. } => *value,
@@ -22,6 +23,7 @@ impl Coordinate {
         }
     }
 
+    /// Returns whether the search may change the coordinate.
     pub fn is_free(&self) -> bool {
         !matches!(self, Coordinate::Fixed(_))
     }

@@ -42,10 +42,11 @@ pub enum Parameter {
     /// The deflection grows with the posture-dependent lever. The value is the compliance of the joint times
     /// the weight at and beyond the end of the link.
     Elastic(usize, usize),
-    /// Compliance of a revolute joint, rad/(N m), which multiplies the torque by all masses that it carries
-    /// ([`crate::robot::gravity_torque`]).
+    /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the joint
+    /// carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
-    /// Share of the periodic error of a revolute joint that the joint has ([`SignedErrors::periodic`]), without unit.
+    /// Index of a revolute joint: factor of its periodic error ([`SignedErrors::periodic`]), without unit; 1 for the
+    /// whole error.
     Periodic(usize),
     /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
     /// frame.
@@ -67,8 +68,8 @@ impl Parameter {
         links.chain(frames).chain(joints).chain(Self::elastic(axes))
     }
 
-    /// Returns the elastic parameters of a robot with `axes` joints: joint by joint the terms of all links that
-    /// it carries, then the compliances, then the shares of periodic errors.
+    /// Returns the elastic parameters of a robot with `axes` joints: the elastic terms joint by joint, the
+    /// compliances, then the factors of periodic errors. Each joint has one elastic term per link that it carries.
     pub fn elastic(axes: usize) -> impl Iterator<Item = Parameter> {
         let terms =
             (0..axes).flat_map(move |joint| (joint..axes).map(move |link| Self::Elastic(joint, link)));
@@ -228,9 +229,11 @@ pub enum Distribution {
 }
 
 impl Distribution {
+    /// All distributions.
     pub const ALL: [Distribution; 3] =
         [Distribution::Normal, Distribution::Uniform, Distribution::Triangular];
 
+    /// Returns the name of the distribution in files.
     pub const fn name(self) -> &'static str {
         match self {
             Distribution::Normal => "normal",
@@ -302,7 +305,7 @@ pub struct Tolerance {
     pub costs: Vec<ToleranceCost>,
 }
 
-/// Errors of one robot as a calibration identified them: values, and how uncertain these are.
+/// Errors of one robot as a calibration identified them: values and their uncertainties.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredErrors {
     /// Values with their signs: the means of the parameters.
@@ -322,6 +325,7 @@ pub enum ErrorSet {
 }
 
 impl ErrorSet {
+    /// Returns the name of the set.
     pub fn name(&self) -> &str {
         match self {
             ErrorSet::Signed(e) => &e.name,
@@ -378,6 +382,7 @@ impl FrameErrors {
         }
     }
 
+    /// Returns the errors as tolerances. For a signed sample, the half widths are the magnitudes of its values.
     pub fn tolerance(&self) -> [Spread; PER_FRAME] {
         match self {
             FrameErrors::Signed(values) => values.map(Spread::of_magnitude),

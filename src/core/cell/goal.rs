@@ -28,6 +28,7 @@ pub enum Goal {
 }
 
 impl Goal {
+    /// All goals.
     pub const ALL: [Goal; 7] = [
         Goal::Error,
         Goal::Clearance,
@@ -38,6 +39,7 @@ impl Goal {
         Goal::Cost,
     ];
 
+    /// Returns the name of the goal in files.
     pub fn name(self) -> &'static str {
         match self {
             Goal::Error => "error",
@@ -81,19 +83,22 @@ impl Goals {
         Some(goals)
     }
 
-    /// Every goal.
+    /// Returns the list of all goals.
     pub fn all() -> Self {
         Self(Goal::ALL.map(Some))
     }
 
+    /// Returns the goals in their order.
     pub fn iter(&self) -> impl Iterator<Item = Goal> + '_ {
         self.0.iter().flatten().copied()
     }
 
+    /// Returns the number of goals.
     pub fn count(&self) -> usize {
         self.iter().count()
     }
 
+    /// Returns whether the list has no goals.
     pub fn is_empty(&self) -> bool {
         self.count() == 0
     }

@@ -1,7 +1,7 @@
 //! International tolerance grades of ISO 286-1 for linear sizes up to 3150 mm: IT4 to IT14.
 //!
-//! The table holds the values of the standard, which it derives from the factors `i = 0.45 D^(1/3) + 0.001 D`
-//! up to 500 mm and `I = 0.004 D + 2.1` above, D in mm and i in um, and then rounds.
+//! The table holds the rounded values of the standard. The standard derives them from the factors `i = 0.45 D^(1/3) +
+//! 0.001 D` up to 500 mm and `I = 0.004 D + 2.1` above, with D in mm and i and I in um.
 
 use crate::units::m_from_mm;
 
@@ -42,7 +42,7 @@ const TABLE: [(u32, [u32; GRADES]); 21] = [
 
 /// Returns the half width, m, of the grade IT`grade` for a nominal size in mm; None outside the table.
 ///
-/// The grade is the full width of the zone of tolerance, so its half is the plus-or-minus value.
+/// The grade is the full width of the tolerance zone, so its half is the plus-or-minus value.
 pub fn it_half_width(grade: usize, nominal_mm: f64) -> Option<f64> {
     let column = grade.checked_sub(FIRST_IT_GRADE)?;
     let (_, row) = TABLE.iter().find(|(most, _)| nominal_mm > 0.0 && nominal_mm <= f64::from(*most))?;

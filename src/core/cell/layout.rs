@@ -134,6 +134,7 @@ impl Cell {
         std::iter::once(base).chain(bodies).filter(|body| !body.is_empty()).collect()
     }
 
+    /// Returns whether any body has a placement tolerance.
     pub fn has_placement_tolerance(&self) -> bool {
         !self.placement_tolerances().is_empty()
     }

@@ -27,6 +27,7 @@ pub struct Placement {
 }
 
 impl Placement {
+    /// Returns the pose of the placement.
     pub fn pose(&self) -> Pose {
         Pose::from_translation_yaw(Vector3::new(self.x, self.y, self.z), self.yaw)
     }
@@ -42,6 +43,7 @@ impl Placement {
         [self.x, self.y, self.z, self.yaw]
     }
 
+    /// Returns the placement with x, y, z (m) and yaw (rad).
     pub fn from_values([x, y, z, yaw]: [f64; 4]) -> Self {
         Self { x, y, z, yaw }
     }
@@ -81,6 +83,7 @@ pub enum Role {
     Obstacle,
 }
 
+/// Worktable, conveyor, fixture or obstacle, with its solids and floor space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equipment {
     pub name: String,
@@ -116,7 +119,9 @@ pub enum BaseSupport {
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeepOut {
     pub name: String,
+    /// Corner of least x, y and z, m.
     pub min: Vector3<f64>,
+    /// Corner of greatest x, y and z, m.
     pub max: Vector3<f64>,
 }
 
@@ -196,6 +201,7 @@ pub struct Operation {
     ///
     /// If None, the points are the reachable nodes nearest to three corners of the grid.
     pub teach: Option<[(f64, f64); 3]>,
+    /// Weight of the operation in the objective.
     pub weight: f64,
     pub held: HeldPart,
     /// Length of the straight approach along the tool axis to the spot, m; 0 means that no approach is
@@ -207,6 +213,7 @@ pub struct Operation {
 }
 
 impl Operation {
+    /// Returns the number of nodes.
     pub fn nodes(&self) -> usize {
         let (m, n) = self.place.divisions();
         (m + 1) * (n + 1)
@@ -261,9 +268,10 @@ impl Cell {
         &self.robot.errors[self.errors]
     }
 
-    /// Returns whether the errors of a signed sample compensate each other: one of them is longer than the arm.
+    /// Returns whether the errors of a signed sample compensate each other, which holds if one of them exceeds the
+    /// reach of the arm.
     ///
-    /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are no tolerances.
+    /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are not tolerances.
     pub fn errors_compensate(&self) -> bool {
         let ErrorSet::Signed(sample) = self.error_set() else { return false };
         sample.dr.iter().chain(&sample.dl).any(|length| length.abs() > self.robot.reach())
@@ -283,7 +291,8 @@ impl Cell {
         }
     }
 
-    /// Returns the goals that layouts of this cell have: all, but the cost of tolerances only if the search prices these.
+    /// Returns the goals that are measured for layouts of this cell. The cost of tolerances is among them only if the
+    /// search prices tolerances.
     pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
         let has_cost = self.search.prices_tolerances();
         Goal::ALL.into_iter().filter(move |goal| has_cost || *goal != Goal::Cost)

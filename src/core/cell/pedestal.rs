@@ -1,4 +1,4 @@
-//! What carries the robot base: the floor, a pedestal, or a wall or gantry.
+//! Support of the robot base: the floor, a pedestal, or a wall or gantry.
 
 use super::model::{BaseSupport, Cell};
 use super::shape::Rectangle;
@@ -20,7 +20,7 @@ impl Cell {
 
     /// Returns the pedestal of the highest base that the cell allows.
     ///
-    /// Below the floor, it stands in for the pedestal of every lower base.
+    /// If the base is lower, the surplus length of this pedestal lies below the floor.
     pub fn highest_pedestal(&self) -> Option<(Rectangle, f64)> {
         self.pedestal(self.base[2].range().1)
     }

@@ -165,7 +165,7 @@ impl Cell {
         faults
     }
 
-    /// Returns every reason why the tolerances of the cell have no cost with which the limits are kept.
+    /// Returns every reason why the cost of the cheapest tolerances that keep the limits is not defined.
     fn pricing_faults(&self, interpretation: &Interpretation) -> Vec<QuestionFault> {
         let mut faults = Vec::new();
         let mut refuse = |about, message: String, help: &str| {
@@ -182,7 +182,7 @@ impl Cell {
         }
         if priced && !self.search.pareto.is_empty() {
             let help = "use the goals error, cost with the objective sum";
-            refuse(About::Objective, "the objective tolerance-cost is a goal of its own".into(), help);
+            refuse(About::Objective, "the objective tolerance-cost allows no goals".into(), help);
         }
         for (k, operation) in self.operations.iter().enumerate() {
             if interpretation.limit_of(operation).is_none() {
@@ -196,7 +196,7 @@ impl Cell {
                 let help = "use over = \"max\", so that every node keeps the limit, or \"best\"";
                 refuse(
                     About::Operation(k),
-                    format!("{message}, but a tolerance keeps a limit at a node"),
+                    format!("{message}, but tolerances can only keep a limit at single nodes"),
                     help,
                 );
             }

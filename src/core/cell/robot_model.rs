@@ -20,6 +20,7 @@ pub const MAX_ERRORS: usize = Parameter::first_elastic(MAX_JOINTS);
 /// paper.
 pub type JointVector = [f64; MAX_JOINTS];
 
+/// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
     Revolute,
@@ -37,8 +38,10 @@ pub enum Convention {
 }
 
 impl Convention {
+    /// Both conventions.
     pub const ALL: [Self; 2] = [Self::Standard, Self::Modified];
 
+    /// Returns the name of the convention in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Standard => "standard",
@@ -68,6 +71,7 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// Returns whether the joint has no actuator and moves through the coupling alone.
     pub fn is_passive(&self) -> bool {
         self.limits.0 == self.limits.1
     }
@@ -108,6 +112,7 @@ impl Default for SelfCollision {
     }
 }
 
+/// Robot: joints, limits, tool, solids, masses and error sets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     pub name: String,
@@ -166,6 +171,7 @@ pub struct UrdfOrigin {
 }
 
 impl Robot {
+    /// Returns the number of joints.
     pub fn axes(&self) -> usize {
         self.joints.len()
     }

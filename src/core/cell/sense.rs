@@ -21,8 +21,10 @@ pub enum Frame {
 }
 
 impl Frame {
+    /// All frames.
     pub const ALL: [Frame; 3] = [Frame::World, Frame::Surface, Frame::Tool];
 
+    /// Returns the name of the frame in files.
     pub const fn name(self) -> &'static str {
         match self {
             Frame::World => "world",
@@ -61,6 +63,7 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// All units.
     pub const ALL: [Unit; 4] = [Unit::Length, Unit::Angle, Unit::Share, Unit::Cost];
 
     /// Returns whether values in this unit are errors, which can be compared with the limit of an operation.
@@ -153,6 +156,7 @@ impl Sense {
         PAPER.iter().filter_map(|name| Self::plain(name)).collect()
     }
 
+    /// Returns the rows (weighted components) of the sense.
     pub fn rows(&self) -> &[Row] {
         &self.rows[..self.count]
     }

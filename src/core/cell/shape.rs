@@ -64,6 +64,7 @@ impl Shape {
     }
 }
 
+/// Shape with the name that the cell file gives it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solid {
     pub name: String,

@@ -18,7 +18,7 @@ pub struct TitleBlock {
     pub projection: Projection,
 }
 
-/// Projection method of ISO 5456-2, which decides where the plan stands beside the front view.
+/// Projection method of ISO 5456-2, which determines whether the plan is above or below the front view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Projection {
     /// First-angle projection: the plan is below the front view.
@@ -29,8 +29,10 @@ pub enum Projection {
 }
 
 impl Projection {
+    /// All projection methods.
     pub const ALL: [Projection; 2] = [Projection::FirstAngle, Projection::ThirdAngle];
 
+    /// Returns the name of the method in files.
     pub const fn name(self) -> &'static str {
         match self {
             Projection::FirstAngle => "first-angle",

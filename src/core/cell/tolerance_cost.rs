@@ -32,7 +32,8 @@ pub enum CostLaw {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToleranceCost {
     pub law: CostLaw,
-    /// Least and greatest scale of the tolerance. For grades, those of the tightest and the loosest grade.
+    /// Least and greatest scale of the tolerance. For grades, these are the scales of the tightest and the loosest
+    /// grade.
     pub range: (f64, f64),
 }
 
@@ -63,8 +64,8 @@ impl ToleranceCost {
         Some(Self { law: CostLaw::Grades(kept), range })
     }
 
-    /// Returns the cost at the scale `u`. For grades, that of the loosest grade which is not looser than `u`;
-    /// if all are looser, that of the tightest.
+    /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade that is not looser than
+    /// `u`, or of the tightest grade if all are looser.
     pub fn cost(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Reciprocal { at, power: 1.0 } => at / u,
@@ -87,7 +88,8 @@ impl ToleranceCost {
         }
     }
 
-    /// Returns the scale that can be ordered and is nearest below `u`: `u` within the range, or a grade.
+    /// Returns the scale to order for the scale `u`: `u` clamped to the range, or the loosest grade that is not
+    /// looser. If all grades are looser, it is the tightest grade.
     pub fn ordered(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Grades(grades) => grades.get(self.grade(u).unwrap_or(0)).map_or(u, |g| g.scale),

@@ -1,4 +1,4 @@
-//! How far the solids of a cell move, as seen from the robot base, if equipment and base are misplaced.
+//! Bounds of the motion of a cell's solids relative to the robot base, if equipment and base are misplaced.
 
 use super::joint_enclosure::JointEnclosure;
 use crate::cell::{Cell, Layout, Placement, PlacementTolerance, Rectangle};

@@ -14,11 +14,11 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `target_box` | where the target can be |
-//! | `joint_enclosure` | the joint coordinates that follow it |
-//! | `posed_chain` | the test that they do |
-//! | `misplacements` | how far solids move |
-//! | `value_bound` | the largest value |
+//! | `target_box` | set of possible targets |
+//! | `joint_enclosure` | the joint coordinates that follow the target |
+//! | `posed_chain` | the test that these joint coordinates follow the target |
+//! | `misplacements` | bounds of the motion of solids |
+//! | `value_bound` | upper bound of the value |
 
 mod joint_enclosure;
 mod misplacements;

@@ -8,12 +8,12 @@
 //! e' = -J^-1 D (a + e').
 //! ```
 //!
-//! Let the deviation be at most r in every component. Then D is known to first order up to r, and the right side
-//! is bounded. If this bound is at most r, the path exists and keeps the assumption. This is Krawczyk's test (R.
-//! Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken", Computing 4, 1969) for a
-//! path. J + D is regular along it, so the arm stays in its branch.
+//! Assume that every component of the deviation is at most r. This assumption bounds D, and therefore the right side.
+//! If this bound is at most r, the path exists and keeps the assumption. This is Krawczyk's test (R. Krawczyk,
+//! "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken", Computing 4, 1969) for a path. J + D is
+//! regular along it, so the arm stays in its branch.
 //!
-//! D is bounded by its first derivatives at the nominal posture, and by a bound of its second derivatives: every
+//! D is bounded by its first derivatives at the nominal posture and by a bound of its second derivatives. Every
 //! derivative of a column is a product of unit axes and one lever arm.
 
 use super::target_box::BoxAxis;
@@ -65,6 +65,7 @@ pub struct Piece {
 }
 
 impl<'a> PosedChain<'a> {
+    /// Prepares a chain at the posture with the frames `frames`.
     pub fn new(chain: &'a Chain, task: &'a ToolTask, frames: &Frames) -> Self {
         let (mut axes, mut moved) = ([Vector3::zeros(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
         let tip = frames.tcp.translation;
@@ -107,6 +108,7 @@ impl<'a> PosedChain<'a> {
         }
     }
 
+    /// Returns whether a joint is revolute.
     pub fn turns(&self, joint: usize) -> bool {
         self.chain.links[joint].kind == JointKind::Revolute
     }
@@ -144,8 +146,8 @@ impl<'a> PosedChain<'a> {
         Some(std::array::from_fn(|r| std::array::from_fn(|c| inverse[(r, c)])))
     }
 
-    /// Converts derivatives by the displacements of the active joints to derivatives by the coordinates: entry c of
-    /// the result is the sum of `S_kc` times entry k.
+    /// Converts derivatives with respect to the displacements of the active joints to derivatives with respect to the
+    /// coordinates. Entry c of the result is the sum of `S_kc` times entry k.
     fn by_coordinates(&self, columns: &Square) -> Square {
         let n = self.task.rows;
         let mut sums = [[0.0; MAX_ROWS]; MAX_ROWS];
@@ -254,8 +256,8 @@ impl<'a> PosedChain<'a> {
         None
     }
 
-    /// Returns an upper bound of the terms of third order in the rows of the task: `D q'` without the first
-    /// derivatives of D, for displacements up to `wide` and rates up to `rates`.
+    /// Returns an upper bound of the third-order terms in the rows of the task: `D q'` without the first derivatives
+    /// of D. The displacements are at most `wide`, and the rates at most `rates`.
     fn third(&self, wide: &Rows, rates: &Rows) -> Rows {
         let n = self.task.rows;
         let turned = |by: &Rows, bits: u8| -> f64 {

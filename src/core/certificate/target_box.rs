@@ -1,9 +1,9 @@
-//! Target box: where a TCP target can be, as seen from the robot base, if equipment and base are misplaced.
+//! Target box: possible positions of a TCP target relative to the robot base, if equipment and base are misplaced.
 
 use crate::cell::{Cell, Layout, Placement, PlacementTolerance};
 use nalgebra::Vector3;
 
-/// BoxAxis of a [`TargetBox`].
+/// Axis of a [`TargetBox`]: a coordinate of the target, or the heading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoxAxis {
     /// Coordinate x, y or z of the target in the base frame.
@@ -13,7 +13,9 @@ pub enum BoxAxis {
 }
 
 impl BoxAxis {
+    /// Number of axes.
     pub const COUNT: usize = 4;
+    /// All axes of a target box.
     pub const ALL: [Self; Self::COUNT] =
         [Self::Position(0), Self::Position(1), Self::Position(2), Self::Heading];
 }
@@ -124,7 +126,7 @@ struct SecondOrder {
 impl SecondOrder {
     /// Returns a bound of the displacement (m) that the first-order terms leave out.
     ///
-    /// Several rotations in a row rotate the lever arms and the translations by at most `turned`.
+    /// Successive rotations rotate the lever arms and the translations by at most `turned`.
     fn bound(&self) -> f64 {
         self.turned * (self.turned * self.levers / 2.0 + self.slid) * 2.0
     }

@@ -78,7 +78,7 @@ pub struct ValueBound {
     totals: (f64, f64),
     /// Distance from the TCP to the point whose error counts, m.
     point: f64,
-    /// Whether the value is a nonlinear worst case, which is evaluated at corners of the linear one.
+    /// Whether the value is a nonlinear worst case, which is evaluated at the worst corners of the linear model.
     searches_corners: bool,
 }
 

@@ -18,6 +18,7 @@ pub(super) struct Heights {
 }
 
 impl Heights {
+    /// Returns the heights of a piece of equipment.
     pub fn of(equipment: &Equipment) -> Self {
         let solids = equipment.solids.iter().map(|s| extent(&s.shape)).map(|(lo, hi)| (lo.z, hi.z));
         let all = solids.chain(equipment.surface.map(|_| (0.0, 0.0)));

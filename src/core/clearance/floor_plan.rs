@@ -327,7 +327,7 @@ impl Room {
         }
     }
 
-    /// Returns this room plus that of a body with a placement tolerance; `far` is the distance of the farthest
+    /// Returns this room plus the room of a body with a placement tolerance; `far` is the distance of the farthest
     /// point from the origin of the body, m.
     fn plus(self, tolerance: &PlacementTolerance, far: f64) -> Self {
         let [x, y, z, yaw] = tolerance.0;

@@ -1,4 +1,4 @@
-//! Rectangles on the floor, and how deep two of them overlap (separating axis theorem).
+//! Rectangles on the floor, and the depth of their overlap (separating axis theorem).
 
 use crate::cell::{KeepOut, Placement, Rectangle};
 use crate::geometry::PlanePoint;

@@ -60,8 +60,8 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
 
 /// Returns the pedestal of the highest base; None if the base stands on the floor.
 ///
-/// It stands in for the pedestal of every lower base, because nothing is below the floor. Its sides keep the clearance
-/// to the arm. Floor spaces check it against equipment.
+/// It also represents the pedestal of every lower base, because nothing collides below the floor. Its sides keep the
+/// clearance to the arm. The floor plan checks it against equipment.
 fn pedestal(cell: &Cell, remember: &mut Remember<'_>) -> Option<RobotSolid> {
     let (section, height) = cell.highest_pedestal()?;
     let (centre, size) = (section.centre, section.size);

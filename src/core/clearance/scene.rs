@@ -133,7 +133,7 @@ impl Scene {
 
     /// Returns whether a part of the arm has no contact.
     ///
-    /// The arm has none if neither the part before the last joint nor the part behind it has one.
+    /// The arm has no contact if both parts, before and behind the last joint, have no contact.
     pub fn is_part_free(
         &self,
         part: ArmPart,
@@ -183,7 +183,7 @@ impl Scene {
         there.find_map(|(k, (link, capsule))| Some((k, self.first_hit(link, capsule, poses, bodies)?)))
     }
 
-    /// Returns the first contact of the robot with itself; the part `part` takes part in it.
+    /// Returns the first self-collision of the robot that involves a solid of `part`.
     fn own_hit(
         &self,
         part: ArmPart,

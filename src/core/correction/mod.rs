@@ -1,14 +1,13 @@
 //! Correction of a programme: the joint coordinates with which a robot with errors lands on a target.
 //!
-//! Let T(q) be the nominal pose of the TCP at the joint coordinates q, and E(q) its error by the nonlinear
-//! model. The correction solves `E(q) T(q) = T*` for a target T*. The pose command is then the nominal pose
-//! T(q): what a controller without calibration must be given to land on T*.
+//! Let T(q) be the nominal pose of the TCP at the joint coordinates q, and E(q) its error by the nonlinear model. The
+//! correction solves `E(q) T(q) = T*` for a target T*. The pose command is then the nominal pose T(q): with this
+//! command, a controller without calibration lands on T*.
 //!
-//! Newton's method takes the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors
-//! differs from it by the size of the errors, about 0.001, so each step reduces the rest by that factor; near a
-//! singular posture by less.
-//! Position comes before orientation: an arm with fewer than six joints keeps the position, and the
-//! orientation is the nearest one (least squares in the null space of the position).
+//! Newton's method uses the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors differs from
+//! it by the size of the errors, about 0.001. So each step reduces the remaining error by that factor, or by less
+//! near a singular posture. Position has priority over orientation: an arm with fewer than six joints attains the
+//! position with the nearest possible orientation (least squares in the null space of the position).
 
 mod step;
 
@@ -37,8 +36,7 @@ pub struct Correction {
     pub joints: JointVector,
     /// Nominal pose of the TCP at these coordinates, base frame: the pose command.
     pub command: Pose,
-    /// Rest of the error: position (m) and rotation vector (rad) from the target to the attained pose, base
-    /// frame.
+    /// Remaining error: position (m) and rotation vector (rad) from the target to the attained pose, base frame.
     pub rest: Displacement,
     pub steps: usize,
     /// Whether the method has converged with the TCP at the target.

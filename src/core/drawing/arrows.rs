@@ -38,8 +38,10 @@ pub enum Component {
 }
 
 impl Component {
+    /// All components.
     pub const ALL: [Self; 4] = [Self::X, Self::Y, Self::Z, Self::Resultant];
 
+    /// Returns the name of the component in documents.
     pub fn name(self) -> &'static str {
         match self {
             Self::X => "x",

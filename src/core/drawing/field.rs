@@ -78,6 +78,7 @@ pub struct FieldNode {
 }
 
 impl FieldNode {
+    /// Returns whether the node is usable.
     pub fn is_ok(&self) -> bool {
         self.sign.is_usable()
     }

@@ -47,7 +47,8 @@ pub struct Drawing<'a> {
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
-    /// Where the frame origin of each piece may stand, at the height of the frame; empty if no regions were computed.
+    /// Region in which the frame origin of each piece may stand, at the height of the frame; empty if no regions were
+    /// computed.
     pub regions: Vec<DrawnRegion>,
     /// Working envelope of each operation; empty if [`Detail::envelopes`] is false.
     pub envelopes: Vec<Rings>,
@@ -67,7 +68,9 @@ pub struct Detail {
 }
 
 impl Detail {
+    /// Every model and reading, envelopes, and at most 4000 nodes per error map.
     pub const FULL: Self = Self { lenses: true, envelopes: true, nodes: 4000 };
+    /// Model and reading of the cell, envelopes, and all nodes.
     pub const PLAIN: Self = Self { lenses: false, envelopes: true, nodes: usize::MAX };
 }
 

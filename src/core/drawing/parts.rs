@@ -20,6 +20,7 @@ pub enum PartKind {
 }
 
 impl PartKind {
+    /// Returns the name of the kind in documents.
     pub fn name(self) -> &'static str {
         match self {
             Self::Robot => "robot",
@@ -120,7 +121,7 @@ fn robot(cell: &Cell) -> Vec<DrawnPart> {
 }
 
 /// Returns the pedestal of a robot base at height `z` in the world: pose of its centre in the base frame, and full
-/// edges, m. None if the base stands on the floor or hangs.
+/// edges, m. It is None if the base stands on the floor or hangs.
 pub fn pedestal(cell: &Cell, z: f64) -> Option<(Pose, Vector3<f64>)> {
     let (section, height) = cell.pedestal(z)?;
     let (centre, size) = (section.centre, section.size);

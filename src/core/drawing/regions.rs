@@ -11,7 +11,8 @@ pub struct DrawnRegion {
     pub name: String,
     /// Closed lines, m.
     pub rings: Vec<Vec<Vector3<f64>>>,
-    /// Room in plan, m, and room to turn, rad, if the search moves the piece so.
+    /// Room in plan, m; `turn` is the room to turn, rad. Each is None if the search does not move the piece in this
+    /// way.
     pub room: Option<f64>,
     pub turn: Option<f64>,
 }

@@ -12,6 +12,7 @@ pub type ViewAxes = [Vector3<f64>; 3];
 /// View from above, in the direction -z; [`FRONT`] is the view from the front, in the direction +y.
 pub const ABOVE: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+/// View from the front, in the direction +y.
 pub const FRONT: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.0, -1.0, 0.0)];
 

@@ -19,7 +19,7 @@ pub struct PostureCandidate {
     pub certainty: Certainty,
 }
 
-/// What the value of a candidate is: a lower bound at little cost, one at some cost, or the value.
+/// Kind of the value of a candidate: a cheap lower bound, a sharper lower bound, or the value itself.
 ///
 /// Among equal values, a bound comes first, because the value may be anything above it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,7 +35,7 @@ pub enum ArmContact {
     Unknown,
     /// A solid before the last joint has a contact.
     BeforeLastJoint,
-    /// Only solids behind the last joint may have a contact.
+    /// The solids before the last joint have no contact; the contacts of the other solids are not known.
     OnlyBehindLastJoint,
 }
 

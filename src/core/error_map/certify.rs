@@ -27,8 +27,8 @@ struct Nominal {
 }
 
 impl OperationQuery<'_> {
-    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all
-    /// misplacements, if one is asked for and known.
+    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all misplacements,
+    /// if `demand` asks for a bound and it is known.
     ///
     /// # Errors
     /// Returns the reason if the posture is not certified. The limit of the operation is not checked.
@@ -57,8 +57,8 @@ impl OperationQuery<'_> {
         Ok(Some(value.most(&self.setup.evaluator, chain, &boxed, &mut memory.scratch.evaluator)))
     }
 
-    /// Returns why a posture that can be used in the layout as drawn is not certified; None if it is, or if no
-    /// certificate is demanded.
+    /// Returns why a posture that can be used in the layout as drawn is not certified; None if it is certified, or if
+    /// no certificate is demanded.
     pub fn uncertainty(
         &self,
         target: &Vector3<f64>,
@@ -165,8 +165,8 @@ impl OperationQuery<'_> {
     /// Returns the largest deviation of the D-H coordinates at each knot of a path, rad or m, if the path follows the
     /// target. Via postures do not follow it.
     ///
-    /// Along a straight line of the TCP, the deviation at a knot also holds half the way to the next knots. Along
-    /// any other move it changes in proportion to the way.
+    /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation halfway to the next knots.
+    /// Along any other move, the deviation is interpolated linearly.
     fn deviations(
         &self,
         nominal: &Nominal,

@@ -3,11 +3,11 @@
 use crate::cell::Cell;
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 
-/// What a certificate is about, besides the posture.
+/// Data of a certificate that do not depend on the posture.
 #[derive(Clone, Copy)]
 pub struct Demand<'a> {
     pub cell: &'a Cell,
     pub misplacements: &'a Misplacements,
-    /// Bound of the value, or the reason why there is none; None if the value is not asked for.
+    /// Bound of the value, or the reason why there is none; None if no bound is requested.
     pub value: Option<&'a Result<ValueBound, NoValueBound>>,
 }

@@ -13,7 +13,7 @@ pub struct SpinFamily {
     pub node: usize,
     /// Branch index of the first member, or of the only one.
     pub first: u64,
-    /// Known contacts of a single member, and what its bound is; None for a whole family.
+    /// Known contacts of a single member, and the kind of its bound; None for a whole family.
     pub member: Option<(ArmContact, Certainty)>,
     /// TCP target, base frame, m.
     pub target: Vector3<f64>,

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 
 /// Returns the largest number of candidates that are tried in vain before an operation counts as not certified.
 ///
-/// A certificate takes about a microsecond, which matters only for an arm that is solved as fast.
+/// A certificate takes about a microsecond, which matters only for an arm whose inverse kinematics is about as fast.
 fn most_uncertain(cost: Cost) -> usize {
     match cost {
         Cost::Low | Cost::Numeric => 16,

@@ -131,7 +131,7 @@ impl PlacedLayout<'_> {
         self.asking(operation, spots, workspace, |query, memory| query.held(held, memory))
     }
 
-    /// Checks that an operation can keep a held posture in this layout, apart from collisions and motion rules.
+    /// Checks that an operation can keep a held posture in this layout; collisions and motion rules are not checked.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -160,7 +160,7 @@ impl PlacedLayout<'_> {
         self.asking(operation, spots, workspace, |query, memory| query.keeps_free(held, memory))
     }
 
-    /// Asks one operation with the memory of a workspace.
+    /// Calls `ask` with the query of one operation and its memory in the workspace.
     fn asking<T>(
         &self,
         operation: usize,

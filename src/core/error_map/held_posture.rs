@@ -27,7 +27,7 @@ pub struct HeldPosture {
 }
 
 impl HeldPosture {
-    /// Returns this posture, to be kept at another point of the surface.
+    /// Returns this posture for another point of the surface; the posture and its heading stay the same.
     #[must_use]
     pub fn at_point(&self, at: (f64, f64)) -> Self {
         Self { at, ..*self }

@@ -16,7 +16,8 @@ impl PlacedLayout<'_> {
         Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))
     }
 
-    /// Returns the cheapest tolerances; None as in [`Self::joint_price`], or if an ascent does not find them.
+    /// Returns the cheapest tolerances; None in the cases of [`Self::joint_price`], or if an ascent does not find
+    /// them.
     pub fn nearby_price(
         &self,
         spots: &[Option<Spot>],
@@ -26,8 +27,8 @@ impl PlacedLayout<'_> {
         NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns a number between the joint price and `most`; None as in [`Self::joint_price`], or if the price exceeds
-    /// `most`. `near` is the price of a similar layout.
+    /// Returns a number between the joint price and `most`; None in the cases of [`Self::joint_price`], or if the
+    /// price exceeds `most`. `near` is the price of a similar layout.
     pub fn joint_price_within(
         &self,
         spots: &[Option<Spot>],

@@ -24,7 +24,7 @@ pub struct Mapper {
     pub(super) guard: Option<Guard>,
     /// Ranker of the nodes of each operation; None if these nodes cannot be ranked.
     pub(super) rankers: Vec<Option<Ranker>>,
-    /// Whether postures are judged only while a bound of their error can still win.
+    /// Whether the search skips postures whose lower bound exceeds the best value found.
     pub(super) ranks: bool,
     /// Spherical shell that bounds the reach of the arm in each operation; None if the shell saves no time.
     pub(super) shells: Vec<Option<Shell>>,

@@ -36,6 +36,7 @@ pub enum NodeSign {
 }
 
 impl NodeSign {
+    /// All classes of nodes.
     pub const ALL: [Self; 10] = [
         Self::Usable,
         Self::OutOfReach,

@@ -9,7 +9,7 @@ use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext};
 use crate::robot::Frames;
 use std::sync::Arc;
 
-/// Everything about one operation that does not depend on the layout.
+/// Data of one operation that do not depend on the layout.
 pub struct OperationSetup {
     /// Index of the equipment that carries the surface.
     pub equipment: usize,
@@ -19,7 +19,7 @@ pub struct OperationSetup {
     pub evaluator: ErrorEvaluator,
     /// Cost of the tolerances with which the operation keeps its limit, if the search takes it into account.
     pub pricing: Option<OperationPricing>,
-    /// Whether the value of a node is this cost instead of an error.
+    /// Whether the value of a node is the cost of [`Self::pricing`] instead of an error.
     pub is_priced: bool,
     /// Index of the operation that picks the part; None if this operation places no picked part.
     pub relative_to: Option<usize>,
@@ -65,18 +65,19 @@ pub struct ValueScratch {
 }
 
 impl OperationSetup {
-    /// Prepares the cost of the tolerances; `is_priced` states whether it is the value of a node.
+    /// Prepares the cost of the tolerances; `is_priced` states whether this cost is the value of a node.
     pub fn price(&mut self, tolerances: &Arc<TolerancePricing>, operation: &Operation, is_priced: bool) {
         self.pricing = OperationPricing::new(tolerances.clone(), operation, &self.evaluator);
         self.is_priced = is_priced && self.pricing.is_some();
     }
 
-    /// Returns the prices of the nodes, if these are their values.
+    /// Returns the pricing of the operation if the values of nodes are costs; otherwise None.
     fn prices(&self) -> Option<&OperationPricing> {
         self.pricing.as_ref().filter(|_| self.is_priced)
     }
 
-    /// Returns what the search minimizes: an error (m or rad), a share of failures, or a cost of tolerances.
+    /// Returns the figure that the search minimizes: an error (m or rad), a share of failures, or a cost of
+    /// tolerances.
     pub fn value(&self, context: &WorkContext, frames: &Frames, memory: &mut ValueScratch) -> f64 {
         match self.prices() {
             None => self.evaluator.value(context, frames, &mut memory.evaluator),
@@ -87,7 +88,8 @@ impl OperationSetup {
         }
     }
 
-    /// Returns what follows a rough bound: the value if a bound would cost as much.
+    /// Returns the kind of value that a search computes after a rough bound: a sharper bound, or the value if a bound
+    /// would cost as much.
     pub fn after_rough_bound(&self) -> Certainty {
         match self.is_priced || self.evaluator.has_sharp_worst_bound() {
             true => Certainty::Bound,
@@ -100,7 +102,7 @@ impl OperationSetup {
         self.is_priced || self.evaluator.has_worst_bounds()
     }
 
-    /// Returns a lower bound of [`Self::value`]; it is the value if none is known.
+    /// Returns a lower bound of [`Self::value`], or the value itself if no bound is known.
     pub fn bound(
         &self,
         certainty: Certainty,

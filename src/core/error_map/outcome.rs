@@ -1,4 +1,4 @@
-//! The result of one operation in one layout: its spot, or why it has none.
+//! The result of one operation in one layout: its spot, or the reason why it has none.
 
 use crate::certificate::NotCertified;
 use crate::motion::PostureRefusal;
@@ -68,7 +68,7 @@ impl Unjudged {
                 "the surface frame cannot be taught: the robot cannot touch three points that are not in line"
             }
             Unjudged::OnlyTouched => "only the points touched to teach the frame can be reached",
-            Unjudged::NoPick => "the operation it is relative to has no spot",
+            Unjudged::NoPick => "the operation that picks the part has no spot",
             Unjudged::NotALayout => "the layout does not belong to the cell",
         }
     }

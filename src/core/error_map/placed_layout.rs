@@ -100,7 +100,8 @@ impl<'a> PlacedLayout<'a> {
         Some(OperationPosture { operation, joints })
     }
 
-    /// Measures how far the robot is from everything it must not touch while it works at `joints`, m.
+    /// Returns the least distance, m, from the robot at `joints` to everything that it must not touch during an
+    /// operation.
     ///
     /// Distances above `max` count as `max`.
     pub fn distance_at_work(&self, operation: usize, joints: &JointVector, max: f64) -> f64 {

@@ -7,11 +7,11 @@ use crate::reach::{Cost, ToolAttitudes};
 /// Order in which the search for the spot of an operation judges postures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PostureOrder {
-    /// Nodes in ascending order of a lower bound of their error, as long as the bound can still win.
+    /// Nodes in ascending order of a lower bound of their error, up to the best value found.
     RankedNodes,
-    /// Spin families in ascending order of a lower bound of their error, as long as the bound can still win.
+    /// Spin families in ascending order of a lower bound of their error, up to the best value found.
     SpinFamilies,
-    /// Postures in ascending order of a lower bound of their value, as long as the bound can still win.
+    /// Postures in ascending order of a lower bound of their value, up to the best value found.
     BoundedPostures,
     /// Every posture, because no bound is known; the text is the reason.
     EveryPosture(&'static str),
@@ -31,9 +31,9 @@ impl PostureOrder {
     /// Describes the order in words, as a clause without its subject.
     pub fn in_words(&self) -> String {
         match self {
-            Self::RankedNodes => "judges only nodes whose lower bound can still win".into(),
-            Self::SpinFamilies => "judges only spin families whose lower bound can still win".into(),
-            Self::BoundedPostures => "judges only postures whose lower bound can still win".into(),
+            Self::RankedNodes => "skips nodes whose lower bound exceeds the best value found".into(),
+            Self::SpinFamilies => "skips spin families whose lower bound exceeds the best value found".into(),
+            Self::BoundedPostures => "skips postures whose lower bound exceeds the best value found".into(),
             Self::EveryPosture(why) => format!("judges every posture: {why}"),
         }
     }

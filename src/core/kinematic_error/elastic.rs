@@ -1,8 +1,9 @@
 //! Elastic and periodic errors: deflections of revolute joints, which depend on the posture.
 //!
-//! An elastic parameter turns one joint by its value times a factor of the posture, which is a lever (m), a
-//! torque (N m), or the periodic error of the joint (rad). The factor is that of the chain without errors. Other errors change it by a share of their own
-//! size, so what is left out is of second order in the errors, and every model leaves it out alike.
+//! An elastic parameter turns one joint by its value times a factor of the posture, which is a lever (m), a torque (N
+//! m), or the periodic error of the joint (rad). The factor is that of the chain without errors. Other errors change
+//! the factor to first order. The resulting change of the deflection is of second order in the errors, and every
+//! model neglects it.
 
 use crate::cell::{MAX_JOINTS, Parameter};
 use crate::robot::{Chain, Frames, Loads, PeriodicDeflection, gravity_torque, lever};

@@ -95,7 +95,7 @@ pub struct Perturbation {
     pub base: Option<FrameError>,
     pub tool: Option<FrameError>,
     pub joints: Option<JointErrors>,
-    /// Elastic errors; in a box, because millions of samples without them are moved.
+    /// Elastic errors, boxed to keep the sample small: most of the millions of samples have none.
     pub elastic: Option<Box<ElasticErrors>>,
 }
 
@@ -105,11 +105,11 @@ impl Perturbation {
         Self::of_values(chain, &errors.values())
     }
 
-    /// Prepares parameter errors in the order of [`Parameter::of_robot`]; `values` may omit the errors of the
-    /// joint frames and those after them.
+    /// Prepares parameter errors in the order of [`Parameter::of_robot`]; `values` may end before the errors of the
+    /// joint frames.
     ///
     /// The error dq is an error of an actuator coordinate. The joint coupling maps it to errors of the D-H
-    /// coordinates. The function allocates for elastic errors alone.
+    /// coordinates. The function allocates memory only for elastic errors.
     pub fn of_values(chain: &Chain, values: &[f64]) -> Self {
         let axes = chain.axes();
         let mut links = [LinkError::default(); MAX_JOINTS];
@@ -182,7 +182,7 @@ impl Perturbation {
         self.joints.as_ref().map_or(&[], |joints| &joints.frames[..self.axes])
     }
 
-    /// Returns the errors of the links, from the base on.
+    /// Returns the errors of the links, in order from the base to the tool.
     pub fn links(&self) -> &[LinkError] {
         &self.links[..self.axes]
     }

@@ -14,7 +14,9 @@ pub struct ScrewMotion {
     pub link: usize,
     /// Whether the motion is a rotation; otherwise it is a translation.
     pub turns: bool,
+    /// Unit vector along the axis of the motion.
     pub axis: Vector3<f64>,
+    /// Point on the axis of a rotation, m.
     pub through: Vector3<f64>,
     /// Index of the error source.
     pub source: usize,

@@ -18,7 +18,9 @@ pub type JointValues = [f64; MAX_JOINTS];
 #[derive(Debug, Clone)]
 pub struct Screws {
     pub kinds: Vec<JointKind>,
+    /// Unit vectors along the joint axes.
     pub axes: [Vector3<f64>; MAX_JOINTS],
+    /// Point on each joint axis, m.
     pub points: [Vector3<f64>; MAX_JOINTS],
     /// Position of the TCP, m.
     pub tip: Vector3<f64>,

@@ -39,8 +39,8 @@ impl Workcell {
     /// - travel: the joint travel (rad) of the transfers or, if they are not checked, of direct moves from
     ///   spot to spot.
     /// - footprint: area (m^2) of the convex hull of the floor spaces of robot base and equipment.
-    /// - cost: cost of the cheapest tolerances with which every operation keeps its limit at its spot; not a number if
-    ///   the search does not price tolerances.
+    /// - cost: cost of the cheapest tolerances with which every operation keeps its limit at its spot; NaN if the
+    ///   search does not price tolerances.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
         let objective = evaluation.objective.filter(|_| self.cell.misfit(layout).is_none())?;
         let worked = WorkingPostures::new(self, layout, evaluation)?;

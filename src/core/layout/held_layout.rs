@@ -1,6 +1,6 @@
 //! A layout whose operations keep their spots while robot base or equipment is placed elsewhere.
 //!
-//! Node and branch of every operation stay as they are, so that a sheet with the spots remains valid. An operation
+//! Node and branch of every operation stay as they are, so that a drawing with the spots remains valid. An operation
 //! at every node keeps no posture: each of its nodes takes its best posture.
 
 use super::certify::is_between_solids;
@@ -16,7 +16,7 @@ use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayo
 use crate::motion::Blocked;
 use crate::safe_text::shown;
 
-/// Reason why a layout with held spots does not work, or not well enough.
+/// Reason why a layout with held spots is infeasible, misses a limit or has too large an objective.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
     /// The objective exceeds the given one.
@@ -43,7 +43,7 @@ impl Ending {
         match self {
             Self::Objective => {
                 let what = if cell.unit() == Unit::Cost { "cost" } else { "error" };
-                format!("the {what} grows beyond the indifference")
+                format!("the {what} grows by more than the indifference")
             }
             Self::Limit(k) => of(k, "its error may exceed its limit".into()),
             Self::Overlap(overlap) => overlap.in_words(cell),
@@ -171,8 +171,8 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment; None if the layout does not
-    /// hold as found.
+    /// Returns the values of the operations that do not depend on a piece of equipment; None if the layout as found
+    /// is infeasible or misses a limit.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;
@@ -280,7 +280,7 @@ impl Judgement<'_, '_> {
         combined(&self.held.workcell.cell, &values)
     }
 
-    /// Returns spot and value of every operation as drawn, apart from collisions and certificates.
+    /// Returns spot and value of every operation as drawn, without checks of collisions and certificates.
     ///
     /// The value is 0, a lower bound, if the joint price needs no costs of single operations.
     fn drawn(

@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 pub struct Sightline {
     /// Instrument, world frame, m.
     pub instrument: Vector3<f64>,
-    /// Direction into which the reflector opens, interface frame, and the largest angle (rad) between it and
-    /// the line of sight; None if the reflector is visible from every side.
+    /// Direction in which the reflector opens (interface frame), and the largest angle (rad) between this direction
+    /// and the line of sight. It is None if the reflector is visible from every side.
     pub opening: Option<(Vector3<f64>, f64)>,
 }
 
@@ -26,7 +26,7 @@ pub struct MeasurablePoses {
     pub hidden: usize,
 }
 
-/// Largest number of postures that are tried for each one that is wanted.
+/// Largest number of postures that are tried for each requested posture.
 const MAX_TRIES: usize = 100;
 
 impl Workcell {

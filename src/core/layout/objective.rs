@@ -64,9 +64,9 @@ impl Workcell {
     ///
     /// An infinite value counts as [`UNKNOWN_EXCESS`] above the limit.
     ///
-    /// A share of failures is not compared with the limit, because it already counts the arms that exceed the
-    /// limit. If the search prices tolerances, the limit bounds these, and a penalty applies only if the tightest
-    /// ones exceed it.
+    /// A share of failures is not compared with the limit, because it already counts the arms that exceed the limit.
+    /// If the search prices tolerances, the limit constrains the tolerances. A penalty then applies only if even the
+    /// tightest tolerances exceed the limit.
     pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
         if self.cell.unit() == Unit::Cost {
             let excess = objective / self.mapper.most_cost() - 1.0;

@@ -51,6 +51,7 @@ pub struct Refined {
     pub position: Vector3<f64>,
     pub branch: u64,
     pub joints: JointVector,
+    /// Value of the operation at the refined spot.
     pub value: f64,
     /// Upper bound of the value over all misplacements inside the placement tolerances; None if the layout need
     /// not withstand misplacements, or if no bound is known.

@@ -1,4 +1,4 @@
-//! Tolerance analysis of a layout: what misplaced equipment does to every operation.
+//! Tolerance analysis of a layout: the effect of misplaced equipment on every operation.
 //!
 //! The point on the surface and the branch of the posture stay the same. Several bodies move inside their
 //! placement tolerances: the robot base, the equipment on which the point lies, and the equipment that
@@ -14,12 +14,12 @@
 //!   if the posture cannot be used there, or if floor spaces overlap. The corners of the box of every other
 //!   body are checked, too, because this body may get in the way.
 //! - Gradient: central differences.
-//! - Largest allowed misplacement: three separate sizes. They are a multiple of the tolerance box, a
-//!   displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces overlap,
-//!   the posture is usable and the value is within its limit. A multiple of the box is checked at the corners
-//!   and the middles of all edges and faces. A displacement is checked in 16 directions, and a yaw in both
-//!   directions. Each size grows by the factor [`STRIDE`] until a check fails, then bisection follows. A
-//!   failure that occurs only between two checked sizes is missed.
+//! - Largest allowed misplacement: three separate sizes, namely a multiple of the tolerance box, a displacement in
+//!   plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces overlap, the posture is usable
+//!   and the value is within its limit. A multiple of the box is checked at the corners and the middles of all edges
+//!   and faces. A displacement is checked in 16 directions, and a yaw in both directions. Each size grows by the
+//!   factor [`STRIDE`] until a check fails, then bisection follows. A failure that occurs only between two checked
+//!   sizes is missed.
 
 use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -127,7 +127,7 @@ impl Robustness {
     }
 }
 
-/// Question about a held posture, answered by a value or a reason.
+/// Query of a held posture, which returns a value or the status that prevents it.
 type AskHeld = fn(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>;
 
 /// One operation with the postures that it keeps while bodies are misplaced.
@@ -262,7 +262,7 @@ impl HeldOperation<'_> {
         self.asked(moves, memory, |probe, held| probe.holding(held))
     }
 
-    /// Asks about every held posture at a misplacement. Returns the answers combined.
+    /// Calls `ask` for every held posture at a misplacement, and returns the combined result.
     ///
     /// # Errors
     /// Returns the status if floor spaces overlap or the posture cannot be used there.

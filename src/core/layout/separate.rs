@@ -51,7 +51,7 @@ impl FreeCoordinate {
     }
 }
 
-/// Finds a layout without overlaps as near to `layout` as a few convex programs can bring it.
+/// Finds a layout without overlaps near `layout`, by a few convex programs.
 ///
 /// Returns None if these programs find no such layout, or if `layout` does not belong to the cell. A layout
 /// without overlaps is returned unchanged.

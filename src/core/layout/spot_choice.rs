@@ -25,7 +25,7 @@ const MAX_NODES: usize = 16;
 /// The penalty of an operation without any spot is larger.
 const LOST_PENALTY: f64 = 0.1;
 
-/// Penalty of an operation that a corner of the placement tolerances ends, m.
+/// Penalty of an operation whose posture is lost at a corner of the placement tolerances, m.
 const CORNER_PENALTY: f64 = LOST_PENALTY * 0.2;
 
 /// One operation whose spot is to be chosen in a placed layout.
@@ -157,6 +157,7 @@ pub struct Judge<'a, 'm> {
 }
 
 impl<'a, 'm> Judge<'a, 'm> {
+    /// Prepares the bounds of an operation's values under a demand.
     pub fn new(query: &'a SpotQuery<'a>, demand: Demand<'a>, memory: &'m mut MapperWorkspace) -> Self {
         let demand = Demand { value: Some(&query.workcell.value_bounds[query.operation]), ..demand };
         Self { query, demand, memory }

@@ -110,7 +110,7 @@ impl Workcell {
 
     /// Returns whether a layout must work at every misplacement inside the placement tolerances.
     ///
-    /// It need not if the cell asks for an ideal layout, or if no body has a tolerance.
+    /// This is not required if the cell asks for an ideal layout, or if no body has a tolerance.
     pub fn certifies(&self) -> bool {
         self.certifies
     }

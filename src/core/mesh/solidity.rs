@@ -16,6 +16,7 @@ pub enum Solidity {
 }
 
 impl Solidity {
+    /// Returns what is wrong with the surface and the consequence, in words; None for a solid.
     pub fn warning(self) -> Option<(String, &'static str)> {
         match self {
             Self::Solid => None,

@@ -8,9 +8,12 @@ pub const MAX_TRIANGLES: usize = 200_000;
 /// Upper limit of the absolute value of each vertex coordinate, m, far larger than any workcell.
 const MAX_COORDINATE: f64 = 1e4;
 
+/// Message for a vertex that is not finite or too far away.
 pub const BEYOND: &str = "a vertex is not finite, or too far away for a workcell; is the unit right?";
 
+/// Vertices of a mesh, m.
 pub type Vertices = Vec<Vector3<f64>>;
+/// Triangles of a mesh, each as the indices of its three vertices.
 pub type Triangles = Vec<[u32; 3]>;
 
 /// Fault of a mesh file: its line (from 0) if known, and what is wrong.
@@ -21,6 +24,7 @@ pub fn is_beyond(coordinate: f64) -> bool {
     coordinate.is_nan() || coordinate.abs() >= MAX_COORDINATE
 }
 
+/// Returns the message for a mesh with too many triangles.
 pub fn too_many() -> String {
     format!("more than {MAX_TRIANGLES} triangles: simplify the mesh, then collision checks are much faster")
 }

@@ -35,8 +35,9 @@ pub struct PathSlack<'a> {
     /// Motion of each piece of equipment relative to the robot base, m; None for the floor. Without this
     /// function, the equipment does not move.
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
-    /// Decrease of the distance of a robot solid (an index into [`Scene::bounding_spheres`]) from a piece of
-    /// equipment, m, if it is less than the deviations of both allow.
+    /// Upper bound, m, of the decrease of the distance between a robot solid (an index into
+    /// [`Scene::bounding_spheres`]) and a piece of equipment. The function returns None if the bound is not less than
+    /// the sum of both deviations.
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 

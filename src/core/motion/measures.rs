@@ -12,7 +12,7 @@ pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 /// Least diagonal entry of the Cholesky factor of `J^T J` at which the normal equations keep half of the digits.
 const WELL_CONDITIONED: f64 = 1e-4;
 
-/// Measures of a posture that a search may maximize besides minimizing the error.
+/// Measures of a posture that a search may maximize while it minimizes the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
     /// Least distance of a joint from its limit, as a share of half its range.
@@ -86,8 +86,8 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
 /// Returns the joint displacements of least norm that come nearest to a motion of the TCP; the motion is scaled like the
 /// Jacobian.
 ///
-/// Normal equations take a fifth of the time of a singular value decomposition, which solves the nearly singular
-/// postures alone. Singular values below `rank_tolerance` count as 0.
+/// The function solves the normal equations, which takes a fifth of the time of a singular value decomposition. Only
+/// nearly singular postures are solved by that decomposition. Singular values below `rank_tolerance` count as 0.
 pub(super) fn joint_displacements(
     chain: &Chain,
     frames: &Frames,

@@ -46,7 +46,7 @@ pub struct Transfer {
     pub travel: f64,
     /// Joint vector of the next operation at its spot.
     ///
-    /// Joint angles may be changed by whole turns, so that they are nearest to those of the operation before.
+    /// Joint angles may be changed by whole turns, so that they are nearest to the angles at the previous operation.
     /// At the end of a cycle they are the angles with which the cycle started.
     pub arrival: JointVector,
 }
@@ -207,7 +207,7 @@ fn travel(chain: &Chain, path: &[JointVector], reach: f64) -> f64 {
 
 /// Returns the [`Transfer::travel`] of direct moves from posture to posture.
 ///
-/// Joint angles are first changed by whole turns to come nearest to the posture before.
+/// Joint angles are first changed by whole turns to come nearest to the previous posture.
 pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     let mut path: Vec<JointVector> = Vec::with_capacity(stops.len());
     for stop in stops {

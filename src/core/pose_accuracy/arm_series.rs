@@ -15,13 +15,13 @@ const ROBOTS: usize = 2048;
 /// Predicted pose accuracy of a series of robots, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseAccuracy {
-    /// Median over the robots of the mean over the five poses.
+    /// Median over the robots of the mean pose accuracy of the five poses.
     pub median: f64,
-    /// 5 % quantile over the robots.
+    /// 5 % quantile, over the robots, of the mean pose accuracy.
     pub best: f64,
-    /// 95 % quantile over the robots.
+    /// 95 % quantile, over the robots, of the mean pose accuracy.
     pub worst: f64,
-    /// Median over the robots of the largest of the five poses.
+    /// Median over the robots of the largest pose accuracy of the five poses.
     pub largest_pose: f64,
     /// Median over the robots at each pose.
     pub poses: [f64; 5],
@@ -42,7 +42,7 @@ impl<'a> PoseAccuracyTest<'a> {
         Self { chain, frames, fit: fitted.then(|| BaseFit::new(chain)) }
     }
 
-    /// Returns the distance (m) of the attained from the command position at each pose, for one robot.
+    /// Returns the distance (m) of the attained position from the command position at each pose, for one robot.
     pub fn distances(&self, errors: &Perturbation) -> [f64; 5] {
         let at = self.frames.each_ref().map(|frames| frames.tcp.translation);
         let removed = self.fit.as_ref().map_or([Vector3::zeros(); 5], |fit| fit.displacements(errors, &at));
@@ -53,8 +53,8 @@ impl<'a> PoseAccuracyTest<'a> {
 
     /// Returns the pose accuracy of the series whose parameters have the given spreads.
     ///
-    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call tests the same random
-    /// numbers, so the accuracy is a smooth function of the spreads.
+    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same random numbers,
+    /// so the accuracy is a smooth function of the spreads.
     pub fn accuracy(&self, spreads: &[Spread]) -> PoseAccuracy {
         let mut at: Vec<(f64, f64)> = richtmyer_steps().take(spreads.len()).map(|step| (0.5, step)).collect();
         let (mut means, mut largest) = (Vec::with_capacity(ROBOTS), Vec::with_capacity(ROBOTS));

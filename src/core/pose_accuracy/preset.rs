@@ -5,7 +5,7 @@ use crate::kinematic_error::{ParameterSet, identifiable};
 use crate::robot::Chain;
 use crate::units::{m_from_mm, rad_from_deg};
 
-/// Tolerances of a class of arms: one half width for every kind of parameter, three standard deviations.
+/// Tolerances of a class of arms: one half width (three standard deviations) for every kind of parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorPreset {
     pub name: &'static str,
@@ -35,7 +35,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.1,
         length_mm: 0.8,
         twist_deg: 0.08,
-        source: "the predicted AP of a UR10 is 0.9 mm, as the measured mean errors of 0.7 to 1.0 mm of one (C. Landgraf et al., A Hybrid Neural Network Approach for Increasing the Absolute Accuracy of Industrial Robots, CASE 2021); the ratios are our estimate",
+        source: "the predicted AP of a UR10 is 0.9 mm, and the measured mean errors of one were 0.7 to 1.0 mm (C. Landgraf et al., A Hybrid Neural Network Approach for Increasing the Absolute Accuracy of Industrial Robots, CASE 2021); the ratios are our estimate",
     },
     ErrorPreset {
         name: "small",
@@ -96,8 +96,8 @@ pub const PRESETS: [ErrorPreset; 7] = [
 impl ErrorPreset {
     /// Returns the spreads of a robot in the order of [`Parameter::of_robot`].
     ///
-    /// Only parameters that a calibration could tell apart have one. Between parallel axes, the fifth
-    /// parameter takes the place of the axial offset.
+    /// Only parameters that a calibration can distinguish have a spread. Between parallel axes, the fifth parameter
+    /// takes the place of the axial offset.
     pub fn spreads(&self, robot: &Robot, chain: &Chain) -> Vec<Spread> {
         let known = identifiable(chain, ParameterSet::FiveParameter);
         let last = robot.axes().saturating_sub(1);

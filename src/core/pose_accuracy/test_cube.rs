@@ -44,8 +44,8 @@ impl TestCube {
     /// Returns the largest cube in the working space of the robot; None if no cube fits.
     ///
     /// The corners of the cube and the five poses are reachable within the joint limits with the tool in one
-    /// orientation, and the cube is beside the robot base. Among the places for a cube of this size, the one
-    /// nearest to their mean is taken. A cube above the base plane comes before any that extends below.
+    /// orientation, and the cube is beside the robot base. Among the possible centres of a cube of this size, the one
+    /// nearest to their mean is chosen. A cube above the base plane is preferred to any cube that extends below it.
     pub fn largest(robot: &Robot, chain: &Chain, inverse: &Inverse) -> Option<Self> {
         let search = CubeSearch { robot, chain, inverse };
         let sizes = |above: bool, edges: &'static [f64]| edges.iter().map(move |edge| (above, *edge));
@@ -84,7 +84,7 @@ impl CubeSearch<'_> {
         None
     }
 
-    /// Returns the orientations to try: the tool down or level with one spin, or else with any spin.
+    /// Returns the orientations to try: downward, oblique and level tools, first with one spin, then with any spin.
     fn attitudes(&self) -> Vec<Attitude> {
         let elevations = match self.inverse.fixed_elevation() {
             Some(elevation) => vec![elevation],
@@ -155,7 +155,7 @@ impl CubeSearch<'_> {
         along(centre) + along((front.0 * size.0, front.1 * size.1)).abs() / 2.0
     }
 
-    /// Returns the postures at the poses; each is the branch nearest to that of the pose before.
+    /// Returns the postures at the poses; each is the branch nearest to the posture at the previous pose.
     fn postures(&self, points: &[Vector3<f64>; 5], attitudes: &ToolAttitudes) -> Option<[TestPose; 5]> {
         let mut before = self.robot.home;
         let mut poses = [TestPose { position: Vector3::zeros(), joints: before }; 5];

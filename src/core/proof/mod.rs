@@ -121,7 +121,7 @@ impl WhyNot {
             Self::Cost => "the cost of its tolerances has no bound yet",
             Self::Boxes => "no bound above 0 was found within the boxes allowed",
             Self::Mean => "a nonlinear worst case about measured means has no bound",
-            Self::Refuted => "a bound would be of its first-order figure, which the samples refute",
+            Self::Refuted => "a bound would apply to its first-order figure, which the samples refute",
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Taylor models: second-order expansions over a box of coordinates, with a bound of the remainder.
 //!
-//! Every expanded function is a sum of products of vectors fixed to links. A joint rotates a product as a
-//! whole, one factor of it, or nothing. So each mixed partial derivative of a product is again a single
-//! product, bounded by the lengths of its factors. The radius of a coordinate is half its range in the box.
-//! Let `s` be the length of a product, and `rho` the sum of the radii of the coordinates that rotate it. Then
-//! the third-order term of the product over the box is at most `s rho^3 / 6`. If a prismatic joint with the
-//! radius `r_t` lengthens a factor, `3 rho^2 r_t / 6` is added.
+//! Every expanded function is a sum of products of vectors fixed to links. A joint rotates a product as a whole, one
+//! factor of it, or nothing. So each mixed partial derivative of a product is again a single product, bounded by the
+//! lengths of its factors. The radius of a coordinate is half its range in the box. Let `s` be the length of a
+//! product, and `rho` the sum of the radii of the coordinates that rotate it. Then the third-order term of the
+//! product over the box is at most `s rho^3 / 6`. If a prismatic joint with the radius `r_t` lengthens a factor, `3
+//! rho^2 r_t / 6` is added to this bound.
 
 use super::coordinates::{Coordinates, JointMatrix};
 use crate::cell::{JointKind, MAX_JOINTS};

@@ -12,12 +12,13 @@
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
 //!
-//! Elastic errors have no weight, because their size changes with the posture. The other errors alone give a
-//! lower bound: a farthest corner and a centred distribution only grow with further independent sources. For
-//! correlated sources, the other errors count as far as they do not depend on the elastic ones.
+//! Elastic errors have no weight, because their size changes with the posture. The other errors alone give a lower
+//! bound: a farthest corner and a centred distribution only grow with further independent sources. If sources are
+//! correlated, only the part of the other errors that is independent of the elastic errors counts.
 //!
-//! Means of measured errors do not count either: the farthest corner about a mean is at least as far as that
-//! about 0, because the mean has the same or the opposite direction, and a mean enlarges each statistic.
+//! Means of measured errors are ignored, too, and the bound stays valid. The farthest corner about a mean is at least
+//! as far as the farthest corner about 0, because one of two opposite corners lies on the side of the mean. A mean
+//! also enlarges each statistic.
 //!
 //! For the mean of |e| this bound is the tangent of a convex function of the effects. Percentiles have a
 //! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the

@@ -16,8 +16,10 @@ pub enum ViewDirection {
 }
 
 impl ViewDirection {
+    /// All directions of view.
     pub const ALL: [Self; 4] = [Self::Iso, Self::Top, Self::Front, Self::Side];
 
+    /// Returns the name of the view on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Iso => "iso",
@@ -113,6 +115,7 @@ impl Camera {
         camera
     }
 
+    /// Returns the projection of a point (world frame, m).
     pub fn seen(&self, p: &Vector3<f64>) -> ScreenPoint {
         let from = p - self.centre;
         let (x, y, z) = (from.dot(&self.right), from.dot(&self.up), from.dot(&self.back));

@@ -22,6 +22,7 @@ pub struct DepthBuffer<T> {
 }
 
 impl<T: Copy> DepthBuffer<T> {
+    /// Returns an empty buffer whose samples all have the painted value `value`.
     pub fn new(width: usize, height: usize, value: T) -> Self {
         Self { width, height, near: vec![f32::MIN; width * height], value: vec![value; width * height] }
     }

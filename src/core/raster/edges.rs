@@ -20,6 +20,7 @@ struct FeatureEdge {
 /// which nearly every edge is sharp.
 const MAX_SHARP_EDGES: usize = 400;
 
+/// Returns the feature edges of a body for a camera, as segments in the frame of its mesh, m.
 pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
     let mesh = &body.mesh;
     let places = places(&mesh.positions);

@@ -20,6 +20,7 @@ pub struct PlacedLabel {
     high: Vector2<f64>,
 }
 
+/// Draws the labels and their leader lines into a picture of pixels.
 pub fn write(sheet: &mut PixelImage, stage: &FittedScene, shot: &Shot) {
     let (unit, palette) = (shot.capital(), &stage.palette);
     let all = placed(stage, shot);

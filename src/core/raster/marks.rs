@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 /// Number of corners of the ring round a spot.
 const RING_CORNERS: usize = 48;
 
+/// Adds the error maps of a drawing to the scene.
 pub fn add(
     scene: &mut RasterScene,
     drawing: &Drawing<'_>,

@@ -24,6 +24,7 @@ pub struct Palette {
 }
 
 impl Palette {
+    /// Returns the palette for a dark or a light background.
     pub fn of(is_dark: bool) -> Self {
         let [paper, floor, grid, text, faint, ring, warning, alarm, spot, envelope] = if is_dark {
             [
@@ -74,6 +75,7 @@ impl Palette {
     }
 }
 
+/// Returns the colour of a code 0xRRGGBB.
 pub fn rgb(code: u32) -> Colour {
     [16, 8, 0].map(|shift| (code >> shift & 0xff) as f32 / 255.0)
 }
@@ -88,10 +90,12 @@ pub fn mixed(a: Colour, b: Colour, share: f32) -> Colour {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share)
 }
 
+/// Returns the components of a colour as bytes.
 pub fn bytes(colour: Colour) -> [u8; 3] {
     colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
 }
 
+/// Returns a colour in hexadecimal notation, such as `#0072b2`.
 pub fn hex(colour: Colour) -> String {
     let [r, g, b] = bytes(colour);
     format!("#{r:02x}{g:02x}{b:02x}")
@@ -104,6 +108,7 @@ pub struct Light {
 }
 
 impl Light {
+    /// Returns the lighting of a scene that a camera shows.
     pub fn of(camera: &Camera) -> Self {
         let towards =
             |r: f64, u: f64, b: f64| (camera.right * r + camera.up * u + camera.back * b).normalize();
@@ -118,6 +123,7 @@ impl Light {
     }
 }
 
+/// Returns a colour multiplied by a brightness, with components of at most 1.
 pub fn lit(colour: Colour, brightness: f32) -> Colour {
     colour.map(|c| (c * brightness).min(1.0))
 }

@@ -67,6 +67,7 @@ pub struct ErrorScale {
 }
 
 impl ErrorScale {
+    /// Returns the colour scale of the error maps that a picture shows.
     pub fn of(drawing: &Drawing<'_>, shot: &Shot) -> Self {
         let shown = || drawing.fields.iter().filter(|f| shot.operation.is_none_or(|o| o == f.operation));
         let (mut senses, mut unit) = (Vec::new(), Unit::Length);

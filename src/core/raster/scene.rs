@@ -38,6 +38,7 @@ impl SceneBody {
         }
     }
 
+    /// Returns the colour of the body for a tone of [`Self::tones`].
     pub fn toned(&self, tone: f32) -> Colour {
         if self.is_lit { lit(self.colour, tone) } else { mixed(self.dark, self.colour, tone) }
     }
@@ -91,6 +92,7 @@ pub struct NodeMark {
     pub title: String,
 }
 
+/// Scene of a picture, world frame, m.
 pub struct RasterScene {
     pub bodies: Vec<SceneBody>,
     pub lines: Vec<SceneLine>,
@@ -186,6 +188,7 @@ impl RasterScene {
 }
 
 impl SceneBody {
+    /// Returns a lit body of one colour.
     pub fn solid(mesh: Mesh, colour: Colour, opacity: f32) -> Self {
         Self {
             mesh,

@@ -31,6 +31,7 @@ pub enum LegendSign {
 }
 
 impl LegendSign {
+    /// Returns the text of the symbol in the legend.
     pub fn label(self) -> &'static str {
         match self {
             Self::Spot => "best spot",
@@ -52,6 +53,7 @@ pub struct LegendTexts {
 }
 
 impl LegendTexts {
+    /// Returns the texts of the title and the legend of a picture.
     pub fn of(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Self {
         let (cell, lens) = (drawing.cell, drawing.lenses[shot.take]);
         let is_map = shot.show != Show::Nothing;
@@ -235,6 +237,7 @@ fn arc(at: Vector2<f64>, radius: f64, from: f64, to: f64) -> Vec<Vector2<f64>> {
     (0..=24).map(|k| at + Vector2::new(angle(k).cos(), angle(k).sin()) * radius).collect()
 }
 
+/// Draws the items into a picture of pixels.
 pub fn write(sheet: &mut PixelImage, items: &[LegendItem]) {
     for item in items {
         match item {

@@ -42,11 +42,11 @@ pub struct AttitudeSet {
     /// Azimuth, rad, from which the spin angles of a vertical tool are measured.
     pub(super) zero: f64,
     pub(super) spins: Vec<f64>,
-    /// Cosine and sine of each spin less the first one.
+    /// Cosine and sine of the angle from the first spin to each spin.
     pub(super) spin_rotations: Vec<(f64, f64)>,
     /// Required azimuth, rad; None for a free or radial azimuth and for a vertical tool.
     heading: Option<f64>,
-    /// For each attitude, the rotation of the last joint that leads to it from an attitude solved before.
+    /// For each attitude, the rotation of the last joint that leads to it from a previously solved attitude.
     pub(super) spin_turns: Vec<SpinTurn>,
     pub(super) tolerance: f64,
     tilts_sideways: bool,
@@ -146,7 +146,8 @@ impl AttitudeSet {
         self.elevations.len() + if self.tilts_sideways { 2 } else { 0 }
     }
 
-    /// Returns the azimuth in the base frame, rad, with which the attitudes rotate.
+    /// Returns the azimuth in the base frame, rad, from which the attitudes at a target are measured. If the azimuth
+    /// is radial, it is the direction of the target.
     pub(super) fn heading(&self, target: &Vector3<f64>) -> f64 {
         if self.radial { target.y.atan2(target.x) } else { self.zero }
     }

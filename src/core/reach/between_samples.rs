@@ -8,13 +8,13 @@ use super::held_joint::{HeldJoint, HeldSample};
 use super::redundancy::HeldTarget;
 use crate::robot::Posture;
 
-/// Number of lattice steps between the values of the held joint that the search between samples scans.
+/// Number of lattice steps between successive values of the held joint that the search between samples scans.
 const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 
 /// Number of values that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// Violation of limits (rad, m or cosine) above which no usable posture is expected one step of the scan away.
+/// Violation of limits (rad, m or cosine) above which no usable posture is expected within one step of the scan.
 const HOPELESS: f64 = 0.5;
 
 /// Number of times that the search for a reached value divides an interval.
@@ -24,7 +24,8 @@ const MAX_PARTS: usize = 128;
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {
-    /// Calls `found` like [`Self::gap`], and returns the same, but never a lower bound of a distance below `near` (m).
+    /// Calls [`Self::gap`], and replaces a lower bound of the distance that is below `near` (m) by the distance
+    /// itself.
     fn gap_near(
         &self,
         sample: &HeldSample<'_>,
@@ -42,8 +43,8 @@ impl HeldTarget<'_> {
     /// Searches values between the samples of the held joint for usable postures.
     ///
     /// A finer scan covers the whole range of the held joint. A golden-section search narrows the interval around
-    /// every value whose [`Gap`] is not larger than those of its neighbours. Returns the least gap found, and whether
-    /// it found a usable posture.
+    /// every value whose [`Gap`] is not larger than the gaps of its neighbours. Returns the least gap found, and
+    /// whether it found a usable posture.
     pub fn search_between(&self, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let flange = self.inverse.flange(self.first, self.target, self.attitudes);
         let near = self.joint.most_travel(&flange) * f64::from(SCAN_STEP);
@@ -69,7 +70,7 @@ impl HeldTarget<'_> {
 
     /// Searches the lattice values around the number `best` for one with a usable posture, towards the least [`Gap`].
     ///
-    /// `least` is the gap at `best`, and smaller than those one step of the scan away.
+    /// `least` is the gap at `best`. The gaps one step of the scan away must be larger.
     fn search_around(&self, best: u32, least: Gap, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let interval = (best.saturating_sub(SCAN_STEP), (best + SCAN_STEP).min(HeldJoint::LATTICE));
         let (best, least) = match least.reach > 0.0 {

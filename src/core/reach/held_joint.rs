@@ -15,7 +15,7 @@ pub(super) struct HeldJoint {
     /// Posture of the joints that are not held, copied as scratch memory.
     pub template: Posture,
     link: Link,
-    /// Distance of the last frame of the other joints from their last axis, along it and across, m.
+    /// Distance between the origins of the last two D-H frames of the chain without the held joint, m.
     lead: f64,
     /// Whether the held joint is the first joint of the arm; otherwise it is the last.
     first: bool,

@@ -83,7 +83,7 @@ impl Inverse {
         Branch { index, joints: *joints, posture: self.chain.posture(joints), violation: None, off: 0.0 }
     }
 
-    /// Returns the azimuth in the base frame, rad, with which the allowed attitudes rotate at a target.
+    /// Returns the azimuth in the base frame, rad, from which the allowed attitudes at a target are measured.
     pub fn heading(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         attitudes.set.heading(target)
     }

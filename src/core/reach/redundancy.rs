@@ -17,7 +17,7 @@ pub(super) struct HeldTarget<'a> {
     pub joint: &'a HeldJoint,
     pub target: &'a Vector3<f64>,
     pub attitudes: &'a ToolAttitudes,
-    /// Number of the attitude, one of those that are solved.
+    /// Number of the attitude, which must be one of [`AttitudeSet::solved`].
     pub first: usize,
 }
 

@@ -17,7 +17,8 @@ const PLANAR_BITS: u64 = 63;
 impl Inverse {
     /// Returns whether [`Self::visit_families`] finds the postures of this arm.
     ///
-    /// A planar arm that rolls a tilted tool rotates it by other angles than those between the spins.
+    /// A planar arm qualifies only if it can roll its tool and the attitude has no tolerance. If the tool is tilted
+    /// within a tolerance, the roll angles differ from the differences of the spins.
     pub fn has_spin_families(&self, attitudes: &ToolAttitudes) -> bool {
         match &self.solver {
             ChainSolver::Planar(arm) => arm.rolls() && attitudes.set.tolerance == 0.0,

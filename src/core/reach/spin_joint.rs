@@ -11,12 +11,12 @@ use nalgebra::Vector3;
 /// Largest deviation of a unit vector (no unit) or of a point (m) from the last axis that counts as rounding.
 const ON_AXIS: f64 = 1e-12;
 
-/// Last joint of an arm that rotates the tool about the tool axis, and moves the TCP nowhere.
+/// Last joint of an arm that rotates the tool about the tool axis, and leaves the TCP in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SpinJoint {
     /// Index of the joint.
     joint: usize,
-    /// Sense of its axis relative to the tool axis: 1 or -1.
+    /// Direction of the joint axis relative to the tool axis: 1 or -1.
     sense: f64,
 }
 

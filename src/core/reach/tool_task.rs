@@ -20,7 +20,7 @@ pub const MAX_ROWS: usize = 6;
 pub enum RotationRow {
     /// Component of the angular velocity along a fixed direction of the base frame.
     Along(Vector3<f64>),
-    /// Sum of the joint rates, times these coefficients: the coefficients are the same in every posture.
+    /// Sum of the joint rates multiplied by these coefficients, which are the same in every posture.
     Joints([f64; MAX_JOINTS]),
 }
 
@@ -45,8 +45,9 @@ pub struct ToolTask {
 impl Inverse {
     /// Returns the tool task of a posture with the frames `frames`; None if no square system describes it.
     ///
-    /// There is no such system in three cases: the arm has to keep a heading that its joints do not control,
-    /// the numeric solver chooses between several redundant joints, or it tilts the tool within a tolerance.
+    /// There is no such system in three cases: the arm has to keep a heading that its joints do not control, the
+    /// numeric solver chooses between several redundant joints, or the numeric solver tilts the tool within a
+    /// tolerance.
     pub fn tool_task(&self, attitudes: &ToolAttitudes, frames: &Frames) -> Option<ToolTask> {
         let (set, axes) = (&attitudes.set, self.chain.axes());
         let along = |e: Vector3<f64>| (RotationRow::Along(e), e.z);
@@ -92,7 +93,8 @@ impl Inverse {
     }
 }
 
-/// Returns the coefficients of the pitch of a planar arm: its three parallel axes count, with their signs.
+/// Returns the coefficients of the pitch rate of a planar arm: 1 or -1 for each of the three parallel axes, otherwise
+/// 0.
 fn pitch(frames: &Frames) -> [f64; MAX_JOINTS] {
     let axis = |j: usize| frames.links[j].rotation.column(2).into_owned();
     let mut row = [0.0; MAX_JOINTS];

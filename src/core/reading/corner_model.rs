@@ -10,7 +10,7 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Vector3, Vector6};
 
-/// Rounding errors of a size, as a share of the size.
+/// Bound of the rounding error of a computed size, relative to the size.
 const ROUNDING: f64 = 1e-12;
 /// Largest number of sources whose signs are tried in every combination.
 pub const MAX_FREE: usize = 8;
@@ -24,18 +24,18 @@ pub struct CornerError {
     pub components: Vector6<f64>,
 }
 
-/// Error by the model of an evaluator at every corner of the tolerance box, and bounds at the corners nearby.
+/// Error by the model of an evaluator at corners of the tolerance box, with bounds for neighbouring corners.
 pub struct CornerModel<'a> {
     evaluator: &'a ErrorEvaluator,
     context: &'a WorkContext,
     frames: &'a Frames,
     measure: SenseRows,
-    /// Prediction of flips; None if there is none for this evaluator, or if the errors are too large for it.
+    /// Prediction of sign flips; None if the evaluator has no prediction, or if the errors are too large for one.
     prediction: Option<&'a mut FlipPrediction>,
 }
 
 impl<'a> CornerModel<'a> {
-    /// Returns the model at a posture; `expansion` must be that of the posture.
+    /// Returns the model at a posture; `expansion` must hold the derivatives at this posture.
     pub fn new(
         evaluator: &'a ErrorEvaluator,
         measure: SenseRows,
@@ -95,11 +95,11 @@ impl<'a> CornerModel<'a> {
         !all_known || components.norm() + margin >= error.size
     }
 
-    /// Predicts the size of the error for every combination of the signs of some sources, in the order of
-    /// [`gray_code`], at the corner of [`Self::stand_at`].
+    /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order of
+    /// [`gray_code`]. All other signs are those at the corner of [`Self::stand_at`].
     ///
-    /// The error at that corner is `error`, and its signs are `signs`. Returns a bound of the errors of the
-    /// predicted sizes; None if there is no prediction.
+    /// The error at that corner is `error`, and its signs are `signs`. Returns an upper bound of the prediction error
+    /// of these sizes; None if there is no prediction.
     pub fn predict_combinations(
         &self,
         signs: &[f64; MAX_SOURCES],

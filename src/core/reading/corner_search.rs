@@ -42,7 +42,7 @@ type Signs = [f64; MAX_SOURCES];
 /// weak sources, or all signs of the other sources, or both may be reversed.
 ///
 /// The error is computed only at corners where it may exceed the largest one so far by the prediction of
-/// [`CornerModel::may_exceed`]. The result is that of computing all of them.
+/// [`CornerModel::may_exceed`]. The result is the same as if the error were computed at every corner.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
@@ -120,13 +120,13 @@ impl SearchCorner {
     }
 }
 
-/// State of a local search from one start after the other.
+/// State of a local search that starts from several corners in turn.
 struct CornerSearch<'a, 'm> {
     /// Linear effects of the sources at their tolerances.
     columns: &'a [Vector6<f64>],
     /// Columns parallel to each column.
     groups: [u128; MAX_SOURCES],
-    /// Largest change of the linear error by a flip that is tried.
+    /// Threshold of the change of the linear error, m or rad; only flips up to this change are tried.
     gap: f64,
     model: &'a mut CornerModel<'m>,
     /// Largest error found, and its corner.

@@ -104,7 +104,8 @@ impl ErrorSources {
         Self { list, factors, parameters, at }
     }
 
-    /// Multiplies the tolerance of a source by `factor`, with its deviation and its part in every factor.
+    /// Multiplies the tolerance of a source, its standard deviation and its entries in the random factors by
+    /// `factor`.
     pub fn scale(&mut self, source: usize, factor: f64) {
         let own = &mut self.list[source];
         own.plus_minus *= factor;
@@ -188,7 +189,7 @@ impl ErrorSources {
 }
 
 impl ErrorSource {
-    /// Returns the value of the parameter at the end of its tolerance with this sign.
+    /// Returns the value of the parameter at the upper end (`sign` = 1) or the lower end (-1) of its tolerance.
     pub fn at(&self, sign: f64) -> f64 {
         self.mean + self.plus_minus * sign
     }

@@ -27,6 +27,7 @@ pub struct ErrorEvaluator {
     pub model: Model,
     pub reading: Reading,
     pub quantity: Quantity,
+    /// Limit of the operation, m or rad; None without a limit.
     pub limit: Option<f64>,
     /// Values of the signed sample, one per source.
     pub(super) signed_values: Vec<f64>,

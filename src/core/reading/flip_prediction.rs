@@ -8,13 +8,13 @@
 //! G_i = g_i + (sum_(j<i) a_j w_j) x g_i + w_i x (sum_(j>i) a_j g_j) + a_i w_i x g_i
 //! ```
 //!
-//! and its rotation vector likewise, with `w_j / 2` in place of `g_j` in the cross products of different motions
-//! and none of equal ones. One pass from the base to the tool and back gives every `G_i`. The prediction leaves
-//! out products of three and more errors. Let A be the sum of the sizes of all rotations and D that of all
-//! displacements, each at its largest. The products that contain `d_i` are at most
-//! `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)` in third order, and less than twice this in all orders while A is
-//! small. A point at a distance r from the TCP adds `|d_i| |w_i| A^2 r`, because the second-order model truncates the
-//! rotation alone.
+//! The rotation vector changes likewise. For it, `w_j / 2` replaces `g_j` in the cross products of different motions,
+//! and there are no cross products of equal motions. One pass from the base to the tool and back gives every `G_i`.
+//! The prediction leaves out products of three and more errors. Let A be the largest sum of the sizes of all
+//! rotations, and D the largest sum of the sizes of all displacements. The products that contain `d_i` are at most
+//! `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)` in third order, and less than twice this in all orders while A is small. A
+//! point at a distance r from the TCP adds `|d_i| |w_i| A^2 r`, because the second-order model truncates the rotation
+//! alone.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use super::sense_rows::SenseRows;
@@ -23,10 +23,11 @@ use crate::kinematic_error::{Expansion, MotionTerm};
 use crate::pose::{Displacement, Pose};
 use nalgebra::{Vector3, Vector6};
 
-/// Largest sum of all rotations, rad, for which products of four and more errors are less than those of three.
+/// Largest sum of all rotations, rad, for which products of four and more errors are smaller than products of three
+/// errors.
 const MAX_ROTATION: f64 = 0.25;
 
-/// What a small motion belongs to.
+/// Part of the cell to which a small motion belongs.
 #[derive(Debug, Clone, Copy)]
 enum Owner {
     /// Motion of the robot with this index among those of [`Expansion::term`].
@@ -59,8 +60,9 @@ impl CornerMotion {
 /// Change of the error along the rows of a sense if the signs of one source are reversed.
 #[derive(Debug, Clone, Copy)]
 pub struct PredictedFlip {
+    /// Predicted change of the error along the rows, m or rad.
     pub change: Vector6<f64>,
-    /// Bound of the size of what `change` leaves out.
+    /// Bound of the size of the terms that `change` neglects.
     pub margin: f64,
     /// Sums of the absolute rotations and displacements that the flip causes.
     pub rotation: f64,
@@ -94,7 +96,7 @@ pub struct FlipPrediction {
 }
 
 impl FlipPrediction {
-    /// Returns a predictor for the sources of an operation on `equipment`; `expansion` is of the same sources.
+    /// Returns a predictor for the sources of an operation on `equipment`; `expansion` must be of the same sources.
     pub fn new(sources: &ErrorSources, expansion: &Expansion, equipment: usize) -> Self {
         let of_robot = |k: usize| sources.robot_index(k).into_iter().flat_map(|p| expansion.motions(p));
         let of_work = |k: usize| match sources.list[k].parameter {
@@ -230,7 +232,8 @@ impl FlipPrediction {
         self.flips[..self.sources.len()].get(k)
     }
 
-    /// Returns what a flip adds together with earlier flips, beyond the sum of the single changes, at most.
+    /// Returns an upper bound of the interaction of a flip with earlier flips: the joint change beyond the sum of the
+    /// single changes.
     ///
     /// The earlier flips have the given sums of rotations and of displacements.
     pub fn product_bound(&self, (rotation, displacement): (f64, f64), flip: &PredictedFlip) -> f64 {
@@ -238,7 +241,8 @@ impl FlipPrediction {
         self.weights[0] * of_position + self.weights[1] * rotation * flip.rotation / 2.0
     }
 
-    /// Returns what flips of the sources `k` and `l` together add to the sum of the two single changes.
+    /// Returns the interaction of flips of the sources `k` and `l`: the joint change beyond the sum of the two single
+    /// changes.
     pub fn product_of(
         &self,
         sources: &ErrorSources,

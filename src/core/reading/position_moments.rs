@@ -13,6 +13,7 @@ pub struct ErrorMoments {
 }
 
 impl ErrorMoments {
+    /// Moments of an error that is always 0.
     pub const NONE: Self = Self {
         mean: Vector3::new(0.0, 0.0, 0.0),
         product: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),

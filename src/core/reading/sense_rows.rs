@@ -68,7 +68,7 @@ impl SenseRows {
         &self.arm
     }
 
-    /// Returns the Frobenius norm of the rows that measure the position, and that of the other rows.
+    /// Returns the Frobenius norm of the rows that measure the position, and the norm of the other rows.
     pub fn weights(&self) -> [f64; 2] {
         [false, true].map(|turns| {
             let rows = self.rows[..self.count].iter().filter(|row| row.0 == turns);

@@ -4,11 +4,11 @@
 //! rotate with it: those of the last link after the joint, and those of the tool. All other effects stay the same.
 //!
 //! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before it move the
-//!   displaced TCP rigidly. So two rotations differ by at most 2 r.
+//!   displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
 //! - Worst case: the tolerances before the joint alone have a worst case that is at most as large.
 //! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the entries
-//!   of the covariance are trigonometric polynomials of degree 2. Without its mean an error is at most as large in
-//!   every figure (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176), which [`CentredBound`] uses.
+//!   of the covariance are trigonometric polynomials of degree 2. If the mean of an error is set to 0, no figure
+//!   increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176), which [`CentredBound`] uses.
 
 use super::norm::{CentredBound, CovarianceEntries};
 use super::{Effects, ErrorSources, SenseRows};
@@ -32,7 +32,7 @@ pub(super) enum SpinBound {
 /// Bound of the figure of normal parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NormalBound {
-    /// Whether the effect of each independent random factor stays the same.
+    /// For each independent random factor, whether a rotation of the tool leaves its effect unchanged.
     stays: Vec<bool>,
     figure: CentredBound,
 }
@@ -74,7 +74,7 @@ impl SpinBound {
 impl NormalBound {
     /// Returns a lower bound of the figure over rotations of the tool about `axis` (base frame).
     ///
-    /// `effects` are those before the rotation; `spins` holds cosine and sine of each angle.
+    /// `effects` are the effects before the rotation; `spins` holds cosine and sine of each angle.
     pub fn least(
         &self,
         effects: &Effects,
@@ -93,7 +93,7 @@ impl NormalBound {
 }
 
 impl SpinCovariance {
-    /// Adds a random effect that stays the same.
+    /// Adds a random effect that does not rotate with the tool.
     fn add(&mut self, effect: &[f64; 3]) {
         add_product(&mut self.terms[0], effect, effect);
     }
@@ -128,7 +128,7 @@ impl SpinCovariance {
     }
 }
 
-/// Adds the symmetric part of a product of two vectors, once per call.
+/// Adds the symmetric part of the outer product of two vectors to `sum`.
 fn add_product(sum: &mut CovarianceEntries, a: &[f64; 3], b: &[f64; 3]) {
     for (entry, (i, j)) in sum.iter_mut().zip([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]) {
         *entry += a[i] * b[j];

@@ -6,8 +6,8 @@
 //! average is exact. The exception is an actuator that drives later joints through the coupling. The mean
 //! over its range is computed by a Gauss-Legendre rule with a relative error below 1e-4.
 //!
-//! Elastic deflections depend on all joints at once. Their share of the error is averaged over the postures of
-//! a Halton sequence, and the rest as above.
+//! Elastic deflections depend on all joints at once. Their share of the error is averaged over the postures of a
+//! Halton sequence, and the rest as described above.
 
 use super::position_moments::{ErrorMoments, Harmonics, PositionMoments};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Model};

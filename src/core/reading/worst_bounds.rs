@@ -1,9 +1,9 @@
 //! Lower bounds of the worst case at a posture, which cost much less than the worst case.
 //!
 //! The linear error at any corner of the tolerance box is at most the linear worst case, and a source that is left
-//! out only reduces it. At the worst corner of the linear model, another model differs by products of two and more
-//! errors, which are bounded by the sums of all rotations and displacements. The local search for its worst case
-//! starts at this corner and at the opposite one, so it never ends below the errors there.
+//! out only reduces it. At the worst corner of the linear model, the errors by two models differ by products of two
+//! and more parameter errors. The sums of all rotations and displacements bound these products. The local search for
+//! its worst case starts at this corner and at the opposite one, so it never ends below the errors there.
 
 use super::corner_model::CornerModel;
 use super::spin_bound::is_behind;
@@ -57,8 +57,8 @@ impl ErrorEvaluator {
         (bad_corner(&columns[..n]) * (1.0 - ROUNDING) - products).max(0.0)
     }
 
-    /// Returns a lower bound of the worst case by a nonlinear model at a posture: the larger one of the errors at the
-    /// worst corner of the linear model and at the opposite one.
+    /// Returns a lower bound of the worst case by a nonlinear model at a posture. It is the larger of the errors at
+    /// the worst corner of the linear model and at the opposite corner.
     pub fn corner_worst(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
         self.prepare_effects(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);
@@ -85,7 +85,8 @@ impl ErrorEvaluator {
     }
 }
 
-/// Returns the length of a sum of all columns with signs that make it long: at most that of the farthest vertex.
+/// Returns the length of a sum of all columns with signs that make it long. It is at most the length of the farthest
+/// vertex.
 fn bad_corner(columns: &[Vector6<f64>]) -> f64 {
     let mut longest = 0.0;
     let mut along = columns.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied();

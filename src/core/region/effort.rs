@@ -1,4 +1,4 @@
-//! How finely regions are resolved: the dearer a judgement, the coarser the lattice.
+//! Resolution of regions: the more expensive a judgement, the coarser the lattice.
 
 use crate::layout::Workcell;
 use crate::reach::Cost;
@@ -23,7 +23,7 @@ pub struct RegionEffort {
 }
 
 impl RegionEffort {
-    /// A judgement takes microseconds.
+    /// Resolution if a judgement takes microseconds.
     const LOW: Self = Self {
         fine_mm: 5.0,
         divisions: 150.0,
@@ -33,7 +33,7 @@ impl RegionEffort {
         evaluations: 5000,
         compared: 32,
     };
-    /// A judgement checks paths or all nodes, and takes milliseconds.
+    /// Resolution if a judgement checks paths or all nodes, and takes milliseconds.
     const PATHS: Self = Self {
         fine_mm: 20.0,
         divisions: 40.0,
@@ -43,7 +43,7 @@ impl RegionEffort {
         evaluations: 150,
         compared: 4,
     };
-    /// The inverse kinematics is numeric.
+    /// Resolution if the inverse kinematics is numeric.
     const NUMERIC: Self = Self { fine_mm: 40.0, divisions: 24.0, evaluations: 60, ..Self::PATHS };
 
     /// Returns whether a judgement takes milliseconds.

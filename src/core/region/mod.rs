@@ -1,4 +1,4 @@
-//! Regions: where each piece of a found layout may stand instead, and what ends its room.
+//! Regions: alternative placements of each piece of a found layout, and the limits of its room.
 //!
 //! Every operation keeps its spot on its equipment and its branch ([`HeldLayout`]). A placement belongs to the
 //! region of a piece if everything still holds there, within the placement tolerances, and if the objective grows
@@ -9,10 +9,10 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `effort` | how finely a region is resolved |
+//! | `effort` | resolution of a region |
 //! | `outline` | outline of a region in plan |
 //! | `piece` | region of one piece |
-//! | `standing` | where a piece may stand while someone moves it |
+//! | `standing` | placements of a piece that a user moves by hand |
 //! | `whole_cell` | rotation of all pieces about the base axis |
 
 mod effort;
@@ -30,7 +30,7 @@ use crate::cell::{Cell, Coordinate, Layout};
 use crate::geometry::PlanePoint;
 use crate::layout::{Ending, HeldLayout, HeldMemory, Workcell};
 
-/// MovableBody that the search places.
+/// Body that the search places: the robot base or a piece of equipment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MovableBody {
     Base,
@@ -48,7 +48,7 @@ impl MovableBody {
     }
 }
 
-/// What ends the room of a piece.
+/// Reason that limits the room of a piece.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoomEnd {
     /// The range of a search variable.
@@ -69,23 +69,27 @@ impl RoomEnd {
     }
 }
 
-/// Where one piece may stand, in the world frame, m and rad.
+/// Region of one piece: the placements at which everything still holds, world frame, m and rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     pub body: MovableBody,
-    /// Closed rings in plan; a point is inside if it lies in an odd number of them. A line of two points if the
-    /// search moves the piece along one axis; empty if it moves the piece along neither.
+    /// Closed rings in plan; a point is inside if it lies in an odd number of them. If the search moves the piece
+    /// along one axis, the ring is a line of two points. The list is empty if the search moves the piece along
+    /// neither axis.
     pub rings: Vec<Vec<PlanePoint>>,
+    /// Range of z, m.
     pub z: (f64, f64),
+    /// Range of the yaw, rad.
     pub yaw: (f64, f64),
-    /// Largest distance by which the piece may be displaced in every direction in plan in which the search may move
-    /// it; None if there is none.
+    /// Largest distance, m, by which the piece may be displaced in every direction in plan in which the search may
+    /// move it. It is None if the search does not move the piece in plan.
     pub room: Option<f64>,
-    /// Largest angle by which the piece may be turned either way; None if the search does not turn it.
+    /// Largest angle, rad, by which the piece may be turned in both directions; None if the search does not turn the
+    /// piece.
     pub turn: Option<f64>,
-    /// What ends [`Self::room`], or [`Self::turn`] if there is no room in plan.
+    /// Reason that limits [`Self::room`], or [`Self::turn`] if the search does not move the piece in plan.
     pub ended: RoomEnd,
-    /// Width of the rim along the outline in which the region is not resolved.
+    /// Width of the rim along the outline in which the region is not resolved, m.
     pub rim: f64,
 }
 

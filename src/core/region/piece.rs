@@ -18,11 +18,11 @@ const MAX_STEPS: f64 = 10_000.0;
 const BISECTIONS: usize = 8;
 /// Relative accuracy of an estimate of the room.
 const ESTIMATE_SHARE: f64 = 0.02;
-/// Least room that is looked for, and least distance beyond the room at which its end is looked for, m.
+/// Least room that is sought, and least distance beyond the room at which the limiting reason is sought, m.
 const OVERSHOOT: f64 = 1e-4;
 /// Factor by which the room is reduced until all directions hold.
 const SHRINK: f64 = 0.98;
-/// Distance beyond the room at which its end is looked for, as a factor.
+/// Factor of the room that gives the distance at which the limiting reason is sought.
 const BEYOND: f64 = 1.02;
 
 /// Returns the bodies that the search places or, if it places none, those with a placement tolerance.
@@ -31,7 +31,8 @@ pub fn movable(cell: &Cell) -> Vec<MovableBody> {
     bodies.filter(|body| (0..4).any(|axis| domain(cell, *body, axis).is_some())).collect()
 }
 
-/// Returns the interval in which a coordinate of a body may lie, and what ends it; None if it is fixed.
+/// Returns the interval in which a coordinate of a body may lie, and the reason that limits the interval; None if the
+/// coordinate is fixed.
 fn domain(cell: &Cell, body: MovableBody, axis: usize) -> Option<((f64, f64), RoomEnd)> {
     let (coordinates, tolerance) = match body {
         MovableBody::Base => (&cell.base, &cell.base_tolerance),
@@ -61,6 +62,7 @@ pub struct MovablePiece<'a> {
 }
 
 impl<'a> MovablePiece<'a> {
+    /// Prepares a body of a layout; in its region, the objective is at most `most`.
     pub fn new(held: &'a HeldLayout<'a>, most: f64, body: MovableBody) -> Self {
         let cell = &held.workcell().cell;
         let own = match body {
@@ -227,7 +229,8 @@ impl<'a> MovablePiece<'a> {
 }
 
 impl MovablePiece<'_> {
-    /// Estimates the room: the largest radius, up to the widest of `scale`, at which all of some directions hold.
+    /// Estimates the room: the largest radius, up to the widest of `scale`, at which the placements in all tried
+    /// directions hold.
     ///
     /// Only the ends of the directions are judged, so the estimate may exceed the room.
     pub fn estimated_room(&self, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {
@@ -316,7 +319,7 @@ impl Interval {
         Self { low: side(range.0), high: side(range.1) }
     }
 
-    /// Returns the distance from `at` to the nearer end, and what ends it there.
+    /// Returns the distance from `at` to the nearer end, and the reason for that end.
     pub fn nearest(&self, at: f64) -> (f64, RoomEnd) {
         let off = |end: &(f64, RoomEnd)| (end.0 - at).abs();
         let nearer = if off(&self.low) <= off(&self.high) { &self.low } else { &self.high };

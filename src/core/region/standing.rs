@@ -1,4 +1,4 @@
-//! Where a piece may stand while someone moves it: every placement at which the layout is usable.
+//! Placements of a piece that a user moves by hand: every placement at which the layout is usable.
 //!
 //! In contrast to a region, spots and branches are chosen anew at each placement, and the objective does not count.
 
@@ -11,7 +11,8 @@ use crate::units::m_from_mm;
 
 /// Largest displacement that is examined for a piece that the search does not place, mm.
 const WINDOW_MM: f64 = 1000.0;
-/// Number of spacings of the lattice along the longer side of the domain, and how many times more when refined.
+/// Number of spacings of the lattice along the longer side of the domain. [`REFINED`] multiplies this number for a
+/// refined outline.
 const DIVISIONS: f64 = 40.0;
 const DIVISIONS_OF_DEAR: f64 = 12.0;
 const REFINED: i32 = 4;
@@ -25,8 +26,8 @@ struct MovedPiece<'a> {
     own: PlanePoint,
 }
 
-/// Returns where the frame origin of a piece of equipment may stand, world frame, m: closed rings, and a point is inside
-/// if it lies in an odd number of them.
+/// Returns the region in which the frame origin of a piece of equipment may stand, world frame, m. The region is
+/// given by closed rings; a point is inside if it lies in an odd number of them.
 ///
 /// Height and yaw stay as they are. With `is_refined`, the outline is finer and takes longer.
 pub fn standing(

@@ -1,7 +1,8 @@
 //! Rotation of all pieces together about the base axis.
 //!
-//! The error of a robot that stands level is the same all round its first axis. So a layout that is turned as a whole
-//! about this axis keeps its errors, until a joint limit, an obstacle or the range of the search ends the rotation.
+//! The error of a robot with a level base does not change with a rotation about its first axis. So a layout that is
+//! turned as a whole about this axis keeps its errors, until a joint limit, an obstacle or the range of the search
+//! ends the rotation.
 
 use super::piece::Interval;
 use super::{RegionEffort, RoomEnd};
@@ -18,7 +19,7 @@ const ROUNDING: f64 = 1e-9;
 pub struct WholeTurn {
     pub least: f64,
     pub most: f64,
-    /// What ends the nearer side.
+    /// Reason that limits the rotation on the nearer side.
     pub ended: RoomEnd,
 }
 

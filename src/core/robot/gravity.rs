@@ -13,8 +13,9 @@ pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Returns the horizontal lever of a link about the axis of a joint, m: `z . (l x g)`.
 ///
-/// Here z is the joint axis, l the vector from the frame before the link to the frame after it, and g the
-/// unit vector of gravity. A unit weight at the end of the link, for a lever from its start, gives this torque.
+/// Here z is the joint axis, l the vector from the frame before the link to the frame after it, and g the unit vector
+/// of gravity. The lever is the torque about the joint axis of a unit weight at the end of the link, minus the torque
+/// of a unit weight at its start.
 pub fn lever(frames: &Frames, joint: usize, link: usize) -> f64 {
     let along = frames.links[link + 1].translation - frames.links[link].translation;
     about_axis(frames, joint, &along)

@@ -20,8 +20,8 @@ impl PeriodicDeflection {
         Self { joint: error.joint, zero: (theta.cos(), theta.sin()), terms }
     }
 
-    /// Returns the error of the joint, rad, at the posture with these D-H frames: the mount, then the frame after every
-    /// link.
+    /// Returns the error of the joint, rad, at a posture. The argument `frames` holds the mount, then the D-H frame
+    /// after every link.
     pub fn at(&self, frames: &[Pose]) -> f64 {
         let (before, after) = (&frames[self.joint].rotation, &frames[self.joint + 1].rotation);
         // The x axis after a Denavit-Hartenberg row is that before it, rotated by theta.

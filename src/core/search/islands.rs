@@ -88,8 +88,8 @@ pub fn best_island(islands: &[Island]) -> Option<usize> {
 /// lower bound of the objective, m or rad. Returns None if there is no island.
 ///
 /// The best layout and the end of the search are those of the best island ([`best_island`]). Evaluations are added,
-/// and the trace is that of the islands one after the other. Pareto fronts become the front of all their members,
-/// and shortlists the best of their layouts that differ.
+/// and the trace is that of islands searched one after the other. Pareto fronts are merged into the front of all
+/// their members. Shortlists are merged into the best layouts that differ from each other.
 pub fn merged(workcell: &Workcell, islands: &[Island], bound: Option<f64>) -> Option<SearchRecord> {
     let best = &islands[best_island(islands)?];
     let settings = &workcell.cell.search;

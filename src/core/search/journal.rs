@@ -36,7 +36,7 @@ pub struct Checkpoint {
     explored: Vec<Answer>,
     /// Results of the evaluations in the polish and local search that followed the current run.
     polished: Vec<Answer>,
-    /// Hash of the evaluated points in each phase: exploration; polish with local search.
+    /// Hash of the evaluated points in each of two phases: exploration, and polish with local search.
     asked: [u64; 2],
 }
 

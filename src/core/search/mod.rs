@@ -14,7 +14,7 @@
 //! front or shortlist. Polish and local search together use a quarter of the budget.
 //!
 //! At the end, a search for one layout takes the layout with the most room among those with nearly the least
-//! objective. It evaluates at most a fifth as many layouts again.
+//! objective. This phase evaluates further layouts, at most a quarter of the budget.
 //!
 //! Searches that differ only in their seeds ([`Island`]) are merged into one result.
 
@@ -69,7 +69,7 @@ pub struct SearchRecord {
     pub start: EvaluatedLayout,
     /// Best feasible layout; if none was found, the layout that comes nearest to being feasible.
     ///
-    /// Among the layouts with nearly the least objective, it is one with much room.
+    /// Among the layouts with nearly the least objective, it is one whose pieces have much room.
     pub best: EvaluatedLayout,
     /// Least objective found (m, rad or a share); None if no layout is feasible and keeps every limit.
     pub least: Option<f64>,

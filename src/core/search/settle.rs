@@ -30,13 +30,13 @@ const SHARE: f64 = 0.25;
 const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 /// Largest number of generations of a run.
 const GENERATIONS: u64 = 70;
-/// First step of the polls, as a share of the search range, and the number of polled steps; each is half the one
-/// before.
+/// First step of the polls, as a share of the search range, and the number of polled steps; each step is half the
+/// previous one.
 const POLL: f64 = 1.0 / 256.0;
 const POLLS: i32 = 4;
 /// Largest room that counts, m.
 const WIDEST: f64 = 0.25;
-/// Room that is looked for first, m; the room of the best layout so far decides later.
+/// Least limit of the rooms that count, m. The limit grows with the largest room found so far, up to [`WIDEST`].
 const FIRST_WIDEST: f64 = 0.02;
 /// Share of the most room below which a room is not estimated accurately.
 const POOR: f64 = 0.3;
@@ -69,7 +69,7 @@ struct RoomState {
 /// Returns the layout of a search that has the most room among those with nearly the least objective.
 ///
 /// `best` is the point with the least objective, `least`. `bound` limits the objective, too, if it is given. The
-/// result is None if there is nothing to choose, or if the observer stops the search.
+/// result is None if the room has no meaning for this search, or if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

@@ -16,13 +16,14 @@ pub struct ComparedPose {
     pub nominal: Vector3<f64>,
     /// Measured minus nominal position.
     pub measured: Vector3<f64>,
-    /// Predicted mean of the measured error, without the part that the fit of base and reflectors takes up.
+    /// Predicted mean of the measured error, without the part that the fit of base and reflectors absorbs.
     pub predicted: Vector3<f64>,
     /// Predicted size of the error: size of the mean, or its root mean square if deviations count.
     pub size: f64,
     /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are predicted.
     ///
-    /// The deviations are constant: those of one arm. The fit of base and reflectors takes up a part of them.
+    /// The deviations are constant over all poses, because they belong to one arm. The fit of base and reflectors
+    /// absorbs a part of them.
     pub is_inside: Option<bool>,
     /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose; None
     /// unless the errors are measured.

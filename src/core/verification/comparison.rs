@@ -12,7 +12,7 @@ use crate::calibration::{
 use crate::robot::Frames;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-/// Standard deviation of a position per axis, m, that no instrument betters.
+/// Least standard deviation of a measured position per axis, m; no instrument is more accurate.
 const FINEST: f64 = 1e-6;
 
 /// Measured errors of one session beside the predicted ones.

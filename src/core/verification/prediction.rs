@@ -6,7 +6,7 @@ use crate::reading::{Effects, ErrorSources};
 use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 
-/// Errors of the robot of a cell under its question: a mean, and random deviations from it.
+/// Errors of the robot of a cell, as the cell interprets them: a mean, and random deviations from it.
 ///
 /// A signed sample is a mean without deviations. Tolerances are deviations about 0, read statistically. Measured
 /// errors have both.

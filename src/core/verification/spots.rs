@@ -38,9 +38,9 @@ pub struct SpotRanking {
 impl SpotRanking {
     /// Groups the poses into spots whose positions differ by at most `distance` (m) along every axis.
     ///
-    /// The command position of a pose is that of its reflector, or that of the TCP of the cell (`tcp`, base frame,
-    /// m): the one that gives fewer spots. A programme commands the TCP, which is seldom the reflector. Returns
-    /// None without poses.
+    /// The command position of a pose is the position of its reflector, or of the TCP of the cell (`tcp`, base frame,
+    /// m). Of the two, the one that gives fewer spots is used. A programme commands the TCP, which is seldom the
+    /// reflector. Returns None without poses.
     pub fn new(poses: &[ComparedPose], tcp: &[Vector3<f64>], distance: f64) -> Option<Self> {
         let of_reflector: Vec<[f64; 3]> = poses.iter().map(|pose| pose.nominal.into()).collect();
         let of_tcp: Vec<[f64; 3]> = tcp.iter().map(|p| (*p).into()).collect();

@@ -1,4 +1,4 @@
-//! How the numbers of a file of measured positions are read.
+//! Interpretation of the numbers in a file of measured positions.
 
 use super::joint_map::JointMap;
 use crate::calibration::raw::RawMeasurement;
@@ -7,14 +7,14 @@ use crate::pose::Pose;
 use crate::robot::Chain;
 use crate::units::{INCH, MILLIMETRE};
 
-/// How the numbers of a file of measured positions are read.
+/// Interpretation of the numbers in a file of measured positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DataReading {
     /// Whether joint angles are in degrees, not rad.
     pub degrees: bool,
     /// Unit of lengths, m: 0.001, 1 or 0.0254.
     pub unit: f64,
-    /// How the joint columns become actuator coordinates.
+    /// Map from the joint columns to actuator coordinates.
     pub joints: JointMap,
     /// Whether the frame of the positions is left-handed: two columns are swapped, or one has the wrong sign.
     pub mirrored: bool,
@@ -55,13 +55,13 @@ impl DataReading {
         self.joints == JointMap::PLAIN && !self.mirrored
     }
 
-    /// Returns how much a hypothesis assumes.
+    /// Returns the complexity of a hypothesis: a weighted number of its assumptions.
     pub(super) fn complexity(&self) -> usize {
         self.joints.complexity() + 2 * usize::from(self.mirrored)
     }
 }
 
-/// Returns the name of a unit of length; "m" for a length that is none of [`LENGTH_UNITS`].
+/// Returns the name of a unit of length; "m" for a length that is not in [`LENGTH_UNITS`].
 pub fn unit_name(unit: f64) -> &'static str {
     LENGTH_UNITS.iter().find(|(_, length)| *length == unit).map_or("m", |(name, _)| name)
 }

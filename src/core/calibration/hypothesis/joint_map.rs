@@ -43,7 +43,7 @@ impl JointMap {
         couplings: [None; MAX_COUPLINGS],
     };
 
-    /// Returns the actuator coordinates, rad or m, of joint columns; `unit` (m) is that of lengths.
+    /// Returns the actuator coordinates, rad or m, of joint columns; `unit` (m) is the unit of lengths.
     pub fn applied(&self, chain: &Chain, raw: &JointVector, degrees: bool, unit: f64) -> JointVector {
         let mut values = [0.0; MAX_JOINTS];
         for (i, link) in chain.links.iter().enumerate() {
@@ -61,7 +61,7 @@ impl JointMap {
         joints
     }
 
-    /// Returns how much the map assumes.
+    /// Returns the complexity of the map: a weighted number of its assumptions.
     pub fn complexity(&self) -> usize {
         let flips = self.signs.iter().filter(|s| **s < 0.0).count();
         let offsets = self.offsets.iter().filter(|o| **o != 0.0).count();
@@ -78,8 +78,8 @@ impl JointMap {
         self
     }
 
-    /// Returns the plain map with every order of columns that is tried: two columns swapped, all shifted by
-    /// one, or all reversed.
+    /// Returns the plain map in every column order that is tried: two columns swapped, all shifted by one, or all
+    /// reversed.
     pub fn orders(axes: usize) -> Vec<Self> {
         let with = |column: &dyn Fn(usize) -> usize| {
             let mut map = Self::PLAIN;
@@ -103,7 +103,7 @@ impl JointMap {
 
     /// Returns the plain map with one or two of the inner revolute joints turned by a multiple of 90 degrees.
     ///
-    /// Turns of the first and the last joint are part of base and reflector.
+    /// Turns of the first and the last joint are equivalent to other poses of base and reflector.
     pub fn turns(chain: &Chain) -> Vec<Self> {
         let inner = 1..chain.axes().saturating_sub(1);
         let inner: Vec<usize> = inner.filter(|&i| chain.links[i].kind == JointKind::Revolute).collect();
@@ -128,8 +128,8 @@ impl JointMap {
 
     /// Returns the plain map with every set of couplings that is tried.
     ///
-    /// Joint 3 may be given against the floor instead of link 2, and the joints of a wrist, or the last joint
-    /// of a palletizer, may drive each other.
+    /// Joint 3 may be measured from the horizontal instead of link 2, and the joints of a wrist, or the last joint of
+    /// a palletizer, may drive each other.
     pub fn couplings(axes: usize) -> Vec<Self> {
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         if axes >= 3 {
@@ -155,7 +155,7 @@ impl JointMap {
         (1..sets).map(set).collect()
     }
 
-    /// Returns this map with what `other` assumes besides.
+    /// Returns this map with the assumptions of `other` added.
     pub fn with(&self, other: &Self) -> Self {
         let mut map = *self;
         for i in 0..MAX_JOINTS {

@@ -1,8 +1,8 @@
 //! Hypotheses about measured data, compared by how well they fit the nominal robot.
 //!
-//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the
-//! joints, and whether the position is mirrored. The plain reading is kept unless another one fits clearly
-//! better. The convention of orientations is found after that of the positions.
+//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the joints, and
+//! whether the position is mirrored. The plain reading is kept unless another one fits clearly better. The convention
+//! of the orientations is found after the reading of the positions.
 
 mod data_reading;
 mod joint_map;
@@ -40,7 +40,7 @@ const AS_GOOD: f64 = 1.05;
 /// Least number of rows with which hypotheses other than units are compared.
 const LEAST_ROWS: usize = 8;
 
-/// Number of rows of which one is left out as the worst.
+/// Number of rows of which one, the worst, is left out.
 const WORST: usize = 10;
 
 /// Number of hypotheses whose linear score is followed by a fit of base and reflectors.
@@ -49,9 +49,8 @@ const FITTED: usize = 40;
 /// Returns the reading that explains the raw numbers: units, and columns, signs, zeros and coupling of the
 /// joints.
 ///
-/// Other joint maps than that of the file are tried if the plain one leaves more than 0.1 % of the reach (m);
-/// one is taken if it reduces the distance to less than a third. Returns None if the positions do not
-/// determine base and reflector.
+/// Other joint maps are tried if the plain map leaves a distance above 0.1 % of `reach` (m). Another map is chosen if
+/// it reduces this distance to less than a third. Returns None if the positions do not determine base and reflector.
 pub fn explain(chain: &Chain, raw: &[RawMeasurement], reach: f64) -> Option<DataReading> {
     let some: Vec<_> = spread_out(raw.len(), ROWS).into_iter().map(|k| raw[k]).collect();
     let plain = fitted(chain, &some, reach, &[(true, JointMap::PLAIN), (false, JointMap::PLAIN)], &[false]);

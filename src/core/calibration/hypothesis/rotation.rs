@@ -7,7 +7,7 @@ use crate::robot::Chain;
 use crate::units::rad_from_deg;
 use nalgebra::{Matrix3, Vector3};
 
-/// How the orientations of a file are read.
+/// Interpretation of the orientations in a file of measured positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RotationReading {
     pub convention: RotationConvention,
@@ -27,7 +27,7 @@ const ROWS: usize = 80;
 const LEAST: usize = 4;
 
 impl RotationReading {
-    /// Returns the measured orientation in the frame of the instrument; None if its numbers are no rotation.
+    /// Returns the measured orientation in the frame of the instrument; None if its numbers are not a rotation.
     pub fn applied(&self, raw: &RawRotation) -> Option<Matrix3<f64>> {
         self.convention.matrix(raw, if self.degrees { rad_from_deg(1.0) } else { 1.0 })
     }
@@ -38,7 +38,7 @@ impl RotationReading {
     }
 }
 
-/// Returns the convention that explains the orientations best; `reading` is that of joints and positions.
+/// Returns the convention that explains the orientations best; `reading` is the reading of joints and positions.
 ///
 /// Returns None if there are fewer than four orientations, or if the positions are mirrored.
 pub fn explain_rotations(
@@ -72,7 +72,8 @@ pub fn explain_rotations(
 
 /// Returns the root mean square angle, rad, of `measured = B nominal F` with the best constant B and F.
 ///
-/// Relative rotations have `M_1' M_i = F' (N_1' N_i) F`, so F turns the axes of one onto those of the other.
+/// Relative rotations have `M_1' M_i = F' (N_1' N_i) F`, so F turns the axes of the measured rotations onto those of
+/// the nominal rotations.
 fn distance(nominal: &[Matrix3<f64>], measured: &[Matrix3<f64>]) -> Option<f64> {
     let axes = |of: &[Matrix3<f64>]| -> Vec<Vector3<f64>> {
         of.windows(2).map(|pair| doubled_axis(&(pair[0].transpose() * pair[1]))).collect()
@@ -85,7 +86,7 @@ fn distance(nominal: &[Matrix3<f64>], measured: &[Matrix3<f64>]) -> Option<f64> 
     Some((squares / bases.len() as f64).sqrt()).filter(|rms| rms.is_finite())
 }
 
-/// Returns the angle of a rotation, rad; it is exact also near 0.
+/// Returns the angle of a rotation, rad; it is accurate even near 0.
 fn angle(r: &Matrix3<f64>) -> f64 {
     doubled_axis(r).norm().atan2(r.trace() - 1.0)
 }

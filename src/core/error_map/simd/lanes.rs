@@ -26,6 +26,7 @@ pub struct Mask<S: Simd> {
 pub type CosSin<S> = (Lanes<S>, Lanes<S>);
 
 impl<S: Simd> Lanes<S> {
+    /// Wraps one SIMD vector.
     #[inline(always)]
     pub fn new(simd: S, of: S::f64s) -> Self {
         Self { simd, of }
@@ -37,6 +38,7 @@ impl<S: Simd> Lanes<S> {
         Self { simd, of: simd.splat_f64s(value) }
     }
 
+    /// Returns the SIMD vector.
     #[inline(always)]
     pub fn get(self) -> S::f64s {
         self.of
@@ -48,21 +50,25 @@ impl<S: Simd> Lanes<S> {
         Self::all(self.simd, value)
     }
 
+    /// Returns the square root in every lane.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         Self { of: self.simd.sqrt_f64s(self.of), ..self }
     }
 
+    /// Returns the reciprocal in every lane.
     #[inline(always)]
     pub fn reciprocal(self) -> Self {
         Self { of: self.simd.div_f64s(self.simd.splat_f64s(1.0), self.of), ..self }
     }
 
+    /// Returns in every lane the larger of its number and `other`.
     #[inline(always)]
     pub fn max(self, other: f64) -> Self {
         Self { of: self.simd.max_f64s(self.of, self.simd.splat_f64s(other)), ..self }
     }
 
+    /// Returns every number limited to the range from `low` to `high`.
     #[inline(always)]
     pub fn clamp(self, low: f64, high: f64) -> Self {
         let up = self.simd.max_f64s(self.of, self.simd.splat_f64s(low));

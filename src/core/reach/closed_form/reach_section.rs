@@ -1,8 +1,8 @@
-//! Table of how far targets are from the points that three revolute joints reach.
+//! Table of lower bounds of the distance from targets to the points that three revolute joints reach.
 //!
 //! Joint 1 rotates the reachable points about its axis. So a target is described by its radius and its height, and
 //! the reachable points by their cross-section in this half-plane. A square lattice of cells covers the
-//! cross-section. Each cell knows the nearest cell that contains a sampled point, by an exact distance transform
+//! cross-section. An exact distance transform gives, for each cell, the nearest cell that contains a sampled point
 //! (Felzenszwalb and Huttenlocher 2012).
 
 use super::three_joint_point::{ThreeJointPoint, ThreeJointState};
@@ -129,7 +129,7 @@ fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize
     nearest
 }
 
-/// Distance transform along one line of cells: the lower envelope of the parabolas over the cells.
+/// Computes the distance transform along one line of cells: the lower envelope of the parabolas over the cells.
 ///
 /// `square` holds squared distances in cells, `nearest` the cells to which they lead. `cell` returns the number of the
 /// cell at a place of the line.

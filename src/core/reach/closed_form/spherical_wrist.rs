@@ -81,10 +81,10 @@ impl SphericalWrist {
     /// Bit 0 of the branch index is set if the wrist is flipped. For an anthropomorphic arm, bit 1 tells the
     /// two elbow solutions apart, and bit 2 is set if the arm leans back over its base.
     ///
-    /// For other arms, bit 1 tells the two solutions for joint 2 apart. Bit 2 is set if the polynomial of
-    /// Pieper's equation increases at the solution for joint 3. Bit 3 is set for the second of two roots of
-    /// this equation that have the same bit 2. These two are in ascending order of theta_3 from -180 degrees,
-    /// or of r_3 if joint 3 is prismatic.
+    /// For other arms, bit 1 tells the two solutions for joint 2 apart. Bit 2 is set if the polynomial of Pieper's
+    /// equation increases at the solution for joint 3. If two roots of this equation have the same bit 2, bit 3 is
+    /// set for the second of the two. The order is ascending in theta_3 from -180 degrees, or in r_3 if joint 3 is
+    /// prismatic.
     ///
     /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
     /// No better numbering exists for a cuspidal arm, which can change posture without passing a singularity.

@@ -147,7 +147,7 @@ impl ThreeJointPoint {
     /// joints.
     ///
     /// The Hessian matrix of half the squared distance includes the curvature of the point's path. Far from the
-    /// reach, the method therefore takes few steps, unlike a method that knows the Jacobian alone.
+    /// reach, the method therefore takes few steps, unlike a method that uses only the Jacobian.
     pub fn approached(&self, p: &Vector3<f64>, mut joints: ThreeJointState) -> (f64, ThreeJointState) {
         const MAX_STEPS: usize = 100;
         const LEAST_DAMPING: f64 = 1e-14;
@@ -184,8 +184,8 @@ impl ThreeJointPoint {
 
     /// Returns the Hessian matrix of half the squared distance from the point to a target, m^2.
     ///
-    /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m. The
-    /// derivative of column i by joint j is `z_j x moves_i` for a revolute joint j <= i, and 0 for a prismatic one.
+    /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m. The derivative
+    /// of column i with respect to joint j is `z_j x moves_i` for a revolute joint j <= i, and 0 for a prismatic one.
     fn hessian(&self, joints: &ThreeJointState, moves: &Matrix3<f64>, off: &Vector3<f64>) -> Matrix3<f64> {
         let mut hessian = moves.tr_mul(moves);
         let mut axis = Vector3::z();

@@ -1,4 +1,4 @@
-//! How far single parameters dominate an error.
+//! Dominance of single parameters in an error, measured by their shares in its variance.
 
 use super::jacobi::covariance;
 use nalgebra::Vector6;

@@ -94,7 +94,7 @@ fn take_dominating(
     own
 }
 
-/// Returns how much the distribution of a parameter influences that of the norm, from 0 to 1.
+/// Returns the influence of the distribution of a parameter on the distribution of the norm, from 0 to 1.
 ///
 /// `share` is the share of the parameter in the variance of the error. `alone` is its share in the variance
 /// along its own effect.
