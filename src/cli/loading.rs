@@ -38,7 +38,7 @@ pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -
     Ok(loaded)
 }
 
-/// Returns the warnings that are not of the import of a URDF, which `check` lists.
+/// Returns the warnings other than those of the import of a URDF, which `check` lists.
 pub fn without_import(warnings: &[Fault]) -> Vec<Fault> {
     warnings.iter().filter(|fault| fault.kind != FaultKind::Import).cloned().collect()
 }

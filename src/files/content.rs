@@ -64,7 +64,8 @@ impl FileContent {
         }
     }
 
-    /// Returns whether the content is that of a mesh, a drawing or an XML file, none of which is a damaged other one.
+    /// Returns whether the content is that of a mesh, a drawing or an XML file, which cannot be a damaged
+    /// file of another kind.
     pub fn is_shape(self) -> bool {
         !matches!(self, Self::Json | Self::Yaml | Self::DataTable | Self::Binary)
     }

@@ -19,7 +19,8 @@ pub struct MeasuredFlags {
     /// can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column, requires = "measured")]
     pub column: Vec<(String, String)>,
-    /// Poses whose commanded positions differ by at most this length along every axis are one spot [default: 1]
+    /// Treat poses as one spot if their commanded positions differ by at most this length along every axis
+    /// [default: 1]
     #[arg(long, value_name = "MM", value_parser = positive, requires = "measured")]
     pub spot: Option<f64>,
 }

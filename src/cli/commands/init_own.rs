@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 const CELL: &str = "cell.toml";
 
-/// Share of usable nodes from which a place of the table is good.
+/// Least share of usable nodes with which a placement of the table is good.
 const GOOD: f64 = 0.95;
 
 /// Elevations of the tool axis that are tried, degrees, each with heights of the TCP above the table, mm.
@@ -31,7 +31,7 @@ const MAX_DEPTH: usize = 4;
 /// Largest number of robots of a package that are listed.
 const MAX_LISTED: usize = 30;
 
-/// Returns whether the argument of `init` is a path, and no name of a first cell.
+/// Returns whether the argument of `init` is a path and not the name of a first cell.
 pub fn is_path(name: &str) -> bool {
     let path = Path::new(name);
     path.exists() || path.extension().is_some() || path.components().count() > 1

@@ -113,7 +113,7 @@ fn taken(path: &Path) -> Result<(String, Vec<u8>), MeshRefusal> {
         return Err(missing());
     }
     if !["stl", "obj"].contains(&ending.as_str()) {
-        return Err(("it is no STL or OBJ file".into(), "export it as STL".into()));
+        return Err(("it is not an STL or OBJ file".into(), "export it as STL".into()));
     }
     let bytes = loading::file_bytes(path).map_err(|why| (why, "check the file".to_string()))?;
     if let Some(content) =

@@ -193,7 +193,7 @@ struct Guesses {
 }
 
 impl Guesses {
-    /// Guesses for a first reading, which gives the kinematics alone.
+    /// Placeholder guesses for a first pass, which reads only the kinematics.
     fn none() -> Self {
         let errors = "[errors.none]\nkind = \"signed\"\nsource = \"none\"\njoints = []\n".to_string();
         Self { errors, footprint_mm: 100.0 }

@@ -57,7 +57,7 @@ impl PositionGroup {
     }
 }
 
-/// Words of a vector that is no position.
+/// Words of a vector that is not a position.
 const NO_POSITION: [&str; 18] = [
     "rot",
     "rotation",

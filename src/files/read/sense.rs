@@ -17,7 +17,7 @@ pub fn read_all(t: &mut Table) -> Vec<Sense> {
     t.named(&cell::SENSE, |name, t| {
         if PLAIN.contains(&name) || name.contains('@') {
             let message = format!("`{}` cannot be the name of a sense", shown(name));
-            t.error(t.at, message, format!("choose one without @ that is none of {}", listed(PLAIN)));
+            t.error(t.at, message, format!("choose a name without @ that is not one of {}", listed(PLAIN)));
         }
         read(name, t)
     })

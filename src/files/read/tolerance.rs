@@ -62,7 +62,7 @@ pub fn read_measured(
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     if let Some(node) = t.get(&error_set::COST) {
-        let message = "measured errors have no `cost`: they are known, and nobody orders them";
+        let message = "measured errors have no `cost`: they are known, so no tolerance can be ordered";
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     let sigmas = t.number(&error_set::SIGMAS);

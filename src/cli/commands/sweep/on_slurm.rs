@@ -20,10 +20,10 @@ const RETRIES: usize = 3;
 /// Time that a task should take, s. The scheduling of a task costs about one second.
 const TASK_SECONDS: f64 = 60.0;
 
-/// Time between two looks at the files.
+/// Time between two checks of the files.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// Time between two questions to Slurm.
+/// Time between two queries to Slurm.
 const ASK: Duration = Duration::from_secs(3);
 
 /// Writes script and list of the first job, and shows the script.
