@@ -90,8 +90,8 @@
 //!   keep their order. Any number of threads gives the same bytes.
 //! - The optimizer only proposes layouts; `evaluate` alone decides which layout is better.
 //!
-//! CONTRIBUTING.md has a glossary and our rules for texts. It also says how to add a robot, an error source,
-//! a sense, a family of inverse kinematics or an exporter.
+//! CONTRIBUTING.md has our rules for texts, and docs/src/glossary.md explains our words. CONTRIBUTING.md
+//! also says how to add a robot, an error source, a sense, a family of inverse kinematics or an exporter.
 //!
 //! # Example
 //!

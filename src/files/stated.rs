@@ -152,7 +152,7 @@ struct FaultList<'f> {
 }
 
 impl<'f> FaultList<'f> {
-    /// Returns an empty list; the error says that a text is too long for a calibration.
+    /// Returns an empty list. Fails with a fault if the text is too long for a calibration.
     fn new(file: &'f str, text: &str) -> Result<Self, Vec<Fault>> {
         if text.lines().count() > MAX_LINES {
             let message = format!("the file has more than {MAX_LINES} lines");

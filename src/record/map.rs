@@ -32,7 +32,7 @@ pub struct MapDocument<'a> {
     pub joints: Vec<JointEntry>,
     /// Whether the layout can be used: nothing overlaps, every operation has a spot and no motion is blocked.
     pub feasible: bool,
-    /// Objective, if it is a length.
+    /// Objective if it is a length; null otherwise.
     pub objective_mm: Option<f64>,
     /// Objective in `unit`.
     pub objective: Option<f64>,

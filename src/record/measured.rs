@@ -26,7 +26,7 @@ pub struct ComparedFile {
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
-    /// The random errors are constant: the fit of base and reflectors takes up a part of them.
+    /// The random errors are constant: the fit of base and reflectors absorbs a part of them.
     pub coverage_95: Option<f64>,
     /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
     /// misfit of a calibration does. Null unless the errors are measured.
@@ -53,7 +53,7 @@ pub struct ComparedPosition {
     pub nominal_mm: [f64; 3],
     /// Measured minus nominal position.
     pub measured_mm: [f64; 3],
-    /// Predicted error without the part that the fit of base and reflectors takes up.
+    /// Predicted error without the part that the fit of base and reflectors absorbs.
     pub predicted_mm: [f64; 3],
     /// Predicted size of the error.
     pub predicted_size_mm: f64,

@@ -134,7 +134,7 @@ pub struct VerdictPlacement {
     pub room_mm: Option<f64>,
     /// Largest angle by which the piece may be turned either way; null if it is not known.
     pub room_deg: Option<f64>,
-    /// What ends the room; null if the room is not known.
+    /// What limits the room; null if the room is not known.
     pub ends_with: Option<String>,
 }
 

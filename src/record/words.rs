@@ -78,7 +78,8 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
         ));
         if cell.errors_compensate() {
             said.push(format!(
-                "the errors of {} compensate each other in one calibrated arm: as tolerances they are longer than the arm, so worst case and statistics describe no arm",
+                "the errors of {} compensate each other in one calibrated arm; read as tolerances, they \
+                exceed the length of the arm, so worst case and statistics describe no arm",
                 cell.error_set().name()
             ));
         }

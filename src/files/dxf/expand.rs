@@ -95,7 +95,7 @@ struct BlockWalk<'d> {
 }
 
 impl BlockWalk<'_> {
-    /// Adds entities. Those on layer 0 of a block lie on the layer of its insert, `inherited`.
+    /// Adds entities. Entities on layer 0 of a block lie on the layer of its insert, `inherited`.
     fn entities(&mut self, all: &[Entity], map: &PlaneMap, inherited: Option<&str>) -> Result<(), DxfFault> {
         let flip = PlaneMap { linear: Matrix2::new(-1.0, 0.0, 0.0, 1.0), offset: Vector2::zeros() };
         for entity in all {

@@ -89,7 +89,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
             t.miss_one_of(ways, "add for example of = \"xy\", or direction = [0, 0, 1]");
         } else {
             let names: Vec<_> = given.iter().map(|(key, _)| key.name).collect();
-            let message = format!("a term measures one thing, not `{}`", names.join("` and `"));
+            let message = format!("a term has only one of its keys `{}`", names.join("` and `"));
             t.error(t.at, message, "write term = [{ ... }, { ... }], with one of them in each");
         }
         return None;

@@ -156,8 +156,8 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns whether figures of a layout rest on the linearized model: by choice of the cell, or by a reading of
-/// tolerances where the two models differ by more than the guard.
+/// Returns whether figures of a layout depend on the linearized model. They do if the cell chooses it, or
+/// if a reading of tolerances uses it where the two models differ by more than the guard.
 fn rests_on_linearized(a: &Assessment<'_>) -> bool {
     let differs = || a.maps.iter().any(|map| map.off(Model::Linear, a.cell.guard).1 > 0);
     a.cell.model != Model::Nonlinear || (a.cell.reading != Reading::Signed && differs())
