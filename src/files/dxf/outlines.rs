@@ -99,8 +99,8 @@ pub fn outlines(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64, tol
     }
     for ((layer, what), (count, line)) in ignored {
         let times = if count == 1 { String::new() } else { format!(" ({count} of them)") };
-        let message = format!("layer `{}`: {} is not read as an obstacle{times}", shown(&name(&layer)), \
-        shown(&what));
+        let message =
+            format!("layer `{}`: {} is not read as an obstacle{times}", shown(&name(&layer)), shown(&what));
         all.warnings.push(DxfFault::new(line, message, CLOSED));
     }
     all.limit();

@@ -62,10 +62,7 @@ key_table! {
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");
         BEND = Key::new("bend_deg", ValueKind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
         AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Azimuth: heading of the tool axis in the surface, or of the tool's x axis if the tool is vertical; a number, a range, a list, \"radial\" (in the vertical plane through the axis of the robot base) or \"free\".").default(Literal::Word("free"));
-        SPIN = Key::new("spin_deg", super::SPIN, "Spin: right-handed turn of the reference axis about \
-        the tool axis, counted from the upward direction, or from the azimuth if the tool points down. \
-        The reference axis is the first TCP axis perpendicular to the tool axis. A number, a range, a \
-        list, or \"free\" (every 30 degrees).").default(Literal::Word("free"));
+        SPIN = Key::new("spin_deg", super::SPIN, "Spin: right-handed turn of the reference axis about the tool axis, counted from the upward direction, or from the azimuth if the tool points down. The reference axis is the first TCP axis perpendicular to the tool axis. A number, a range, a list, or \"free\" (every 30 degrees).").default(Literal::Word("free"));
         TOLERANCE = number_or_zero("tolerance_deg", NumberRange::UpTo(MAX_TOLERANCE), "Angle by which the tool axis may be tilted from the attitude.");
         SENSE = Key::new("sense", ValueKind::Either(&[ValueKind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz or rotation, with @surface or @tool in the axes of the surface or the tool, or a sense that the cell defines.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
         LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in mm.").example("0.5");

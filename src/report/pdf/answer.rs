@@ -119,7 +119,7 @@ fn placements(verdict: &VerdictDocument) -> PageTable {
         ]
     };
     let head = [
-        \"placement from the robot base\",
+        "placement from the robot base",
         "x mm",
         "y mm",
         "z mm",

@@ -28,7 +28,7 @@ pub fn answer(a: &Assessment<'_>) -> String {
 /// Returns the table of placements, seen from the robot base.
 fn placements(a: &Assessment<'_>) -> String {
     let mut table = TextTable::new(1);
-    table.row([\"placement from the robot base\", "x mm", "y mm", "z mm", "yaw deg"]);
+    table.row(["placement from the robot base", "x mm", "y mm", "z mm", "yaw deg"]);
     let base_moves = a.cell.base.iter().any(Coordinate::is_free);
     if base_moves {
         table.row(row("robot base (world)", &a.layout.base));
@@ -85,8 +85,13 @@ fn room(a: &Assessment<'_>) -> String {
         return String::new();
     }
     let mut table = TextTable::new(1);
-    table.row(["room to place at the same spots", "mm", "deg", "z mm from the base", "yaw deg from the \
-    base"]);
+    table.row([
+        "room to place at the same spots",
+        "mm",
+        "deg",
+        "z mm from the base",
+        "yaw deg from the base",
+    ]);
     let from_to = |[least, most]: [f64; 2]| match least == most {
         true => least.to_string(),
         false => format!("{least} to {most}"),

@@ -63,7 +63,7 @@ fn the_text_tells_costs_limits_and_what_to_do_next() {
         "the worst case of assembly at most 20 mm at node",
         "cost 11.000000 now",
         "uniform tightening",
-        "the cheapest saves",
+        "the cheapest set saves",
         "0.1 mm more would save",
         "by the nonlinear model",
         "may be loosened: ",
