@@ -47,7 +47,7 @@ class Types:
         return "properties" in self.definitions[name]
 
     def of(self, schema: Any) -> tuple[str, tuple[str, str] | None]:
-        """Returns the annotation of a value, and how it is read if it is no plain value."""
+        """Returns the annotation of a value, and how it is read if it is not a plain value."""
         if not isinstance(schema, dict):
             return "Any", None
         if "$ref" in schema:

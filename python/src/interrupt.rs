@@ -1,4 +1,4 @@
-//! Long work beside the interpreter: without its lock, and ended by Ctrl-C.
+//! Long work that does not hold the lock of the interpreter, and that Ctrl-C ends.
 
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,7 +28,7 @@ pub fn interruptible<T: Send>(
     let result = std::thread::scope(|scope| {
         let stop = &stop;
         let thread = scope.spawn(move || {
-            // The thread drops the channel when it ends, also by a panic.
+            // The thread drops the channel when it ends, even by a panic.
             let _done = done;
             work(stop)
         });

@@ -2,7 +2,7 @@
 
 use crate::safe_text::shown;
 
-/// Kind of a file whose content is recognised, and which is no TOML file.
+/// Kind of a file whose content is recognised, and which is not a TOML file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileContent {
     Urdf,
@@ -19,7 +19,7 @@ pub enum FileContent {
     Binary,
 }
 
-/// Number of bytes at the start of a text that are looked at.
+/// Number of bytes at the start of a text that are examined.
 const HEAD: usize = 4_000;
 
 impl FileContent {

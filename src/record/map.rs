@@ -59,7 +59,8 @@ pub struct MapDocument<'a> {
     /// Placement of every piece of equipment, without obstacles.
     pub layout: ByName<PlacementEntry>,
     pub operations: Vec<OperationMapEntry<'a>>,
-    /// Measured positions beside the predicted errors, one entry for each file. Left out without `--measured`.
+    /// Comparison of measured positions with the predicted errors, one entry for each file. Left out
+    /// without `--measured`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub measured: Vec<ComparedFile>,
 }

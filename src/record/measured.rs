@@ -1,4 +1,5 @@
-//! Measured positions beside the predicted errors of a cell, as part of the document of `map --json`.
+//! Comparison of measured positions with the predicted errors of a cell, as part of the document of `map
+//! --json`.
 
 use super::calibration::AccuracyEntry;
 use super::numbers::{joints, millimetres, nine_digits, position_mm};
@@ -10,8 +11,8 @@ use crate::verification::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// File of measured positions beside the errors that the cell predicts. Base and reflectors are fitted with the
-/// nominal arm. Vectors are in the base frame of the robot, mm.
+/// Comparison of a file of measured positions with the errors that the cell predicts. Base and reflectors
+/// are fitted with the nominal arm. Vectors are in the base frame of the robot, mm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedFile {
@@ -39,7 +40,7 @@ pub struct ComparedFile {
     pub positions: Vec<ComparedPosition>,
 }
 
-/// One measured position beside its prediction; base frame of the robot.
+/// One measured position with its prediction; base frame of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedPosition {

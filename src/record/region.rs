@@ -31,7 +31,8 @@ pub struct RegionEntry {
     /// Largest distance by which the piece may be displaced in every direction in plan; null if the search does not
     /// displace it in plan.
     pub room_mm: Option<f64>,
-    /// Largest angle by which the piece may be turned either way; null if the search does not turn it.
+    /// Largest angle by which the piece may be turned in both directions; null if the search does not turn
+    /// it.
     pub room_deg: Option<f64>,
     /// What limits the room in plan, or the room to turn if there is none in plan.
     pub ends_with: String,

@@ -25,8 +25,8 @@ pub fn reading_word(cell: &Cell) -> &'static str {
 /// Returns the name of the objective: [`value_word`], or a phrase such as "sum of the operations' worst
 /// cases".
 ///
-/// The phrase is used if a worst-case or statistical reading combines several operations. The figures of the
-/// operations may then belong to different arms. It is possible that no single arm has the combined value.
+/// The phrase is used if a worst-case or statistical reading combines several operations. The figures of
+/// the operations may then belong to different arms. No single arm need have the combined value.
 pub fn objective_word(cell: &Cell) -> String {
     let word = value_word(cell);
     let is_alone = cell.search.objective == Objective::ToleranceCost || cell.reading == Reading::Signed;

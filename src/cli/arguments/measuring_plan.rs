@@ -38,7 +38,7 @@ pub struct MeasuringPlanFlags {
     /// State the place of the reflector in the frame of the mechanical interface, mm [default: that of the TCP]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub reflector: Option<[f64; 3]>,
-    /// State the direction into which the reflector opens, in the frame of the mechanical interface [default:
+    /// State the direction in which the reflector opens, in the frame of the mechanical interface [default:
     /// it is visible from every side]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "tracker")]
     pub opening: Option<[f64; 3]>,

@@ -247,7 +247,7 @@ fn refuse_other_files(path: &Path) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns the only URDF of a folder, or its only xacro file that is no part of others. Lists several.
+/// Returns the only URDF of a folder, or its only xacro file that is not part of others. Lists several.
 fn robot_of_folder(folder: &Path, a: &InitArguments) -> Result<PathBuf, Exit> {
     let mut all = Vec::new();
     collect(folder, 0, &mut all);
@@ -291,7 +291,7 @@ fn collect(folder: &Path, depth: usize, all: &mut Vec<PathBuf>) {
             .iter()
             .any(|word| name.contains(word));
         if kind.as_ref().is_ok_and(|kind| kind.is_dir()) && depth < MAX_DEPTH {
-            // A cell that `init` has written is no robot.
+            // A cell that `init` has written is not a robot.
             if !path.join(CELL).is_file() {
                 collect(&path, depth + 1, all);
             }

@@ -22,7 +22,7 @@ const OTHER_ARM: f64 = 0.02;
 /// Angle, rad, from which a joint frame is that of another robot.
 const OTHER_TURN: f64 = 0.05;
 
-/// STL mesh that replaces every mesh of a URDF of which only the kinematics is used.
+/// STL mesh that replaces every mesh of a URDF, because only the kinematics of the URDF is used.
 const STL: &str = "solid a\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n\
                    facet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\n\
                    facet normal 1 1 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n\

@@ -90,7 +90,7 @@ pub fn import(query: ImportQuery<'_>) -> Result<ImportedRobot, Exit> {
         loaded = source.robot(&meshes, &guesses);
     }
     let loaded = loaded.map_err(refuse)?;
-    // The outline has already warned of all but the meshes.
+    // The outline has already issued all warnings except those of the meshes.
     let own = loaded.warnings.iter().filter(|own| !warnings.iter().any(|known| known.message == own.message));
     warnings.extend(own.cloned().collect::<Vec<_>>());
     let file = file_path(query.path);

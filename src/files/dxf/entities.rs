@@ -58,7 +58,7 @@ pub struct Insert {
     pub spacing: Vector2<f64>,
 }
 
-/// Entities that are no part of a floor plan, such as texts: they are ignored without a warning.
+/// Entities that are not part of a floor plan, such as texts. They are ignored without a warning.
 const ANNOTATIONS: [&str; 16] = [
     "TEXT",
     "MTEXT",

@@ -111,7 +111,7 @@ impl<'h> TableNames<'h> {
         Ok((joints, unit))
     }
 
-    /// Finds all columns besides those of the joints; these are empty if a second table holds the joints.
+    /// Finds all columns except those of the joints; these are empty if a second table holds the joints.
     ///
     /// # Errors
     ///

@@ -296,7 +296,7 @@ impl StatedLaw {
             }
             Self::Iso { nominal_mm, grades, at: cost, power } => {
                 if *unit != CostedUnit::Length {
-                    let message = format!("`{name}` is no length, so it has no grades of ISO 286");
+                    let message = format!("`{name}` is not a length, so it has no grades of ISO 286");
                     t.error(at, message, "name the lengths in parameters = [...]");
                     return None;
                 }

@@ -193,7 +193,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
         bound_in_words(found, subject)
     ));
     let row = |(n, value): &(u64, f64)| vec![n.to_string(), format!("{:.6}", rounded(*value, 6))];
-    // The first improvement and the last ones tell enough; the chart shows all.
+    // The table has only the first improvement and the last ones; the chart shows all.
     let skipped = found.trace.len().saturating_sub(MAX_IMPROVEMENTS);
     let kept = found.trace.iter().enumerate().filter(|(k, _)| *k == 0 || *k > skipped);
     let rows: Vec<_> = kept.map(|(_, improvement)| row(improvement)).collect();

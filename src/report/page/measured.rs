@@ -1,4 +1,4 @@
-//! Section that shows measured positions beside the predicted errors.
+//! Section that compares measured positions with the predicted errors.
 
 use super::content::{NOTHING, PageFigure, PageTable, Section};
 use super::subject::Subject;

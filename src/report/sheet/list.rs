@@ -1,4 +1,4 @@
-//! List of placements beside the views of a sheet: corners, frames, tolerances, spots and room.
+//! List of placements next to the views of a sheet: corners, frames, tolerances, spots and room.
 
 use super::arrangement::{Arrangement, BLOCK};
 use super::dimensions::{Mark, marks};

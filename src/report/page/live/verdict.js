@@ -63,7 +63,8 @@ function showOperations({ operations, unit }) {
   byId("operations").replaceChildren(head, ...rows);
 }
 
-/** Shows how far each piece may be displaced and turned, and what limits its room.
+/**
+ * Shows how far each piece may be displaced and turned, and what limits its room.
  * @param {RoomRecord | null} room `null` while the room is not known
  */
 function showRoom(room) {
