@@ -194,10 +194,7 @@ impl Cell {
             None => (0..cell.cell().operations.len()).collect(),
         };
         if at.is_some() && all.len() > 1 {
-            return Err(PyValueError::new_err(
-                "`at` is ambiguous: name the operation, because the cell \
-            has several",
-            ));
+            return Err(PyValueError::new_err("`at` is ambiguous: name one of the operations of the cell"));
         }
         let at = at.map_or(NodeChoice::Best, |(i, j)| NodeChoice::Node(i, j));
         let workcell = cell.prepared(py)?;

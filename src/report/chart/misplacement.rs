@@ -108,7 +108,7 @@ fn most(largest: &Largest, said: &dyn Fn(f64) -> String) -> String {
     let ended = match &largest.ended {
         None => " (the largest value tried)",
         Some(MisplacementEnd::Limit(_)) => " (then it exceeds its limit)",
-        Some(MisplacementEnd::Lost(_)) => " (then lost)",
+        Some(MisplacementEnd::Lost(_)) => " (then not feasible)",
     };
     said(largest.most) + ended
 }
