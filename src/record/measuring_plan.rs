@@ -23,7 +23,7 @@ pub struct MeasuringPlanDocument {
     pub poses: Vec<PlannedPoseEntry>,
     pub expected: ExpectedEntry,
     pub tried: TriedEntry,
-    /// Number of unknowns of the calibration, with those of base and reflector.
+    /// Number of unknowns of the calibration, including those of base and reflector.
     pub unknowns: usize,
     /// Place of the reflector in the frame of the mechanical interface.
     pub reflector_mm: [f64; 3],
