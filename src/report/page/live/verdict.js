@@ -69,7 +69,7 @@ function showOperations({ operations, unit }) {
  */
 function showRoom(room) {
   if (!room || room.regions.length === 0) {
-    byId("room").replaceChildren(room ? "No room to place: the layout is not feasible, or misses a limit." : "");
+    byId("room").replaceChildren(room ? "No room to place: the layout is infeasible or misses a limit." : "");
     return;
   }
   const cells = (/** @type {"td" | "th"} */ tag, /** @type {string[]} */ texts) =>
