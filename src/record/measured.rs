@@ -1,5 +1,5 @@
-//! Comparison of measured positions with the predicted errors of a cell, as part of the document of `map
-//! --json`.
+//! Comparison of measured positions with the predicted errors of a cell, as part of the document of
+//! `map --json`.
 
 use super::calibration::AccuracyEntry;
 use super::numbers::{joints, millimetres, nine_digits, position_mm};
