@@ -323,6 +323,6 @@ fn errors_that_compensate_each_other_are_no_tolerances() {
     assert!(!other.err.contains("compensate"), "{}", other.err);
     for (cell, has_none) in [("ur_cell", true), ("hitachi_cell", false)] {
         shop.done(&["report", &format!("cells/{cell}.toml"), "-o", "report.html"]);
-        assert_eq!(shop.text("report.html").contains("so there is no worst case"), has_none, "{cell}");
+        assert_eq!(shop.text("report.html").contains("so there are no worst case"), has_none, "{cell}");
     }
 }
