@@ -21,7 +21,7 @@ INPUTS = {"cell", "equipment", "robot", "tool"}
 # The nodes of a map are its table, so the record has none.
 LEFT_OUT = {("OperationMapEntry", "nodes")}
 
-HEAD = '''"""Records: the typed documents of the commands. Lengths are in mm and angles in degrees, where no name says otherwise.
+HEAD = '''"""Records: the typed documents of the commands. Lengths are in mm and angles in degrees, unless a name says otherwise.
 
 Made by python/make_records.py from the JSON Schemas; do not edit.
 """
@@ -47,7 +47,7 @@ class Types:
         return "properties" in self.definitions[name]
 
     def of(self, schema: Any) -> tuple[str, tuple[str, str] | None]:
-        """Returns the annotation of a value, and how it is read if it is no plain value."""
+        """Returns the annotation of a value, and how it is read if it is not a plain value."""
         if not isinstance(schema, dict):
             return "Any", None
         if "$ref" in schema:

@@ -51,7 +51,7 @@
 //! | [`motion`] | motion planning | two postures to a collision-free motion, or the first contact |
 //! | [`error_map`] | error map | surface to the spot of least error, or to the whole map |
 //! | [`layout`] | evaluation | **[`layout::evaluate`]: layout to evaluation** |
-//! | [`region`] | room for the fitter | layout to the placements at which everything still holds |
+//! | [`region`] | room for the fitter | layout to the placements at which the layout stays feasible |
 //! | [`search`] | optimization | cell to the best layout found |
 //! | [`proof`] | lower bound | cell to a lower bound that no layout beats |
 //! | [`assess`] | assessment | layout to all its figures; comparison of layouts |
@@ -90,8 +90,8 @@
 //!   keep their order. Any number of threads gives the same bytes.
 //! - The optimizer only proposes layouts; `evaluate` alone decides which layout is better.
 //!
-//! CONTRIBUTING.md has a glossary and our rules for texts. It also says how to add a robot, an error source,
-//! a sense, a family of inverse kinematics or an exporter.
+//! CONTRIBUTING.md has our rules for texts, and docs/src/glossary.md explains our words. CONTRIBUTING.md
+//! also says how to add a robot, an error source, a sense, a family of inverse kinematics or an exporter.
 //!
 //! # Example
 //!

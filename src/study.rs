@@ -212,7 +212,7 @@ impl Study {
     /// Evaluates the layout as drawn.
     ///
     /// # Errors
-    /// Fails if the robot cannot do what the cell asks. A layout that is not feasible is no error.
+    /// Fails if the robot cannot do what the cell asks. A layout that is not feasible is not an error.
     pub fn evaluate(&self) -> Result<EvaluatedStudy, StudyError> {
         let workcell = self.workcell()?;
         let assessment = Assessment::new("as drawn", &workcell, workcell.cell.start());

@@ -44,7 +44,7 @@ type Pickled =
     (PathBuf, Vec<(String, PathBuf)>, Vec<(String, Vec<u8>)>, Vec<(String, String, Option<String>)>);
 
 impl Cell {
-    /// Reads a cell with settings, without the interpreter lock, and warns of what the reader warns of.
+    /// Reads a cell with settings, without the interpreter lock, and issues the warnings of the reader.
     pub fn new(py: Python<'_>, origin: Arc<CellOrigin>, settings: Vec<Setting>) -> PyResult<Self> {
         let read = py.detach(|| read_cell_with(&origin.path, &origin.packages, &settings, &origin.files));
         let loaded = read.map_err(|found| faults::exception(py, &found))?;
@@ -194,7 +194,7 @@ impl Cell {
             None => (0..cell.cell().operations.len()).collect(),
         };
         if at.is_some() && all.len() > 1 {
-            return Err(PyValueError::new_err("`at` is ambiguous: name the operation, the cell has several"));
+            return Err(PyValueError::new_err("`at` is ambiguous: name one of the operations of the cell"));
         }
         let at = at.map_or(NodeChoice::Best, |(i, j)| NodeChoice::Node(i, j));
         let workcell = cell.prepared(py)?;

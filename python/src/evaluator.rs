@@ -1,4 +1,4 @@
-//! Layouts to costs: the seam between the evaluation of a layout and anyone's own optimiser.
+//! Evaluation of layouts for an optimiser of the user's own: layouts to costs.
 
 use crate::at_layout::at_layout;
 use crate::cell::Cell;
@@ -78,8 +78,8 @@ impl Evaluator {
         Ok(Rows { values, is_one })
     }
 
-    /// Returns the layout of one row. A point of the unit cube is rounded to the resolution of the search; values in
-    /// mm and degrees are taken as they are.
+    /// Returns the layout of one row. A point of the unit cube is rounded to the resolution of the search;
+    /// values in mm and degrees are not rounded.
     fn layout(&self, row: &[f64], units: bool) -> Layout {
         let cell = &self.workcell.cell;
         if !units {
@@ -109,7 +109,8 @@ impl Evaluator {
         if rows.len() <= dim * FEW_LAYOUTS {
             return rows.chunks(dim).map(|row| one(&mut borrow(), row)).collect();
         }
-        // Reasons cost much more than costs, so their layouts are spread one by one.
+        // Reasons take much longer to compute than costs, so layouts with reasons are distributed one by
+        // one.
         let least =
             if reasons { 1 } else { MIN_LAYOUTS.min(rows.len() / dim / rayon::current_num_threads()).max(1) };
         rows.par_chunks(dim).with_min_len(least).map_init(borrow, one).collect()

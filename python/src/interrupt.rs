@@ -1,11 +1,11 @@
-//! Long work beside the interpreter: without its lock, and ended by Ctrl-C.
+//! Long work that does not hold the lock of the interpreter, and that Ctrl-C ends.
 
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Pause between two looks for a signal.
+/// Time between two checks for a signal.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// Result of work that could be interrupted.
@@ -15,8 +15,8 @@ pub struct Worked<T> {
     pub interrupted: Option<PyErr>,
 }
 
-/// Runs `work` in another thread without the interpreter lock. A signal sets the flag that `work` gets; `tick` runs
-/// with the lock between two looks for a signal, and its exception sets the flag, too.
+/// Runs `work` in another thread without the interpreter lock. A signal sets the flag that `work` receives.
+/// `tick` runs with the lock between two checks for a signal; its exception sets the flag, too.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send,
@@ -28,7 +28,7 @@ pub fn interruptible<T: Send>(
     let result = std::thread::scope(|scope| {
         let stop = &stop;
         let thread = scope.spawn(move || {
-            // The thread drops the channel when it ends, also by a panic.
+            // The thread drops the channel when it ends, even by a panic.
             let _done = done;
             work(stop)
         });

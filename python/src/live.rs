@@ -8,7 +8,8 @@ use std::sync::Mutex;
 use sweetspot::cli::front_end::{BackgroundView, Origin, open_in_browser, remember};
 use sweetspot::layout::Workcell;
 
-/// Server of a page on this machine that edits a layout. It ends with `stop`, `with` or the process.
+/// Server of a page on this machine that edits a layout. It ends at `stop`, at the end of its `with` block,
+/// or with the process.
 #[pyclass(frozen, module = "sweetspot")]
 pub struct View {
     server: Mutex<BackgroundView>,

@@ -31,7 +31,8 @@ struct Mapped {
 }
 
 impl Map {
-    /// Maps one operation or all of them; `every_sense` adds the figures of all senses, not of the own one alone.
+    /// Maps one operation or all of them; `every_sense` adds the figures in all senses to those in the
+    /// sense of the operation.
     pub fn new(py: Python<'_>, cell: &Cell, operation: Option<usize>, every_sense: bool) -> PyResult<Self> {
         let workcell = cell.prepared(py)?;
         let mapped = all_or_nothing(py, |_| match every_sense {

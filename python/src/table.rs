@@ -45,7 +45,7 @@ pub fn column<'py>(py: Python<'py>, table: &RecordBatch, name: &str) -> PyResult
         return Ok(PyArray1::from_iter(py, flags.iter().map(|v| v == Some(true))).into_any());
     }
     let texts = column.as_dictionary_opt::<Int32Type>().and_then(|d| d.downcast_dict::<StringArray>());
-    let texts = texts.ok_or_else(|| PyValueError::new_err(format!("{name} is no column of this package")))?;
+    let texts = texts.ok_or_else(|| PyValueError::new_err(format!("{name} is not one of our columns")))?;
     let list = PyList::new(py, texts)?;
     py.import("numpy")?.call_method1("array", (list,))
 }

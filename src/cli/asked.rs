@@ -38,7 +38,7 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
 pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
     output::error(&format!(
-        "`{command}` does not take --set: the layout files it writes could not state the key"
+        "`{command}` does not take --set: the layout files that it writes cannot state the key"
     ));
     output::talk(&format!(
         "  help: write a cell file with the lines from = \"CELL.toml\" and {}, or run sweetspot sweep",

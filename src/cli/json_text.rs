@@ -26,7 +26,8 @@ pub fn line(document: &dyn Serialize) -> Result<String, Exit> {
     Ok(serde_json::to_string(document).map_err(not_json)? + "\n")
 }
 
-/// Writes a document to stdout as one line of JSON, piece by piece. A closed pipe (`| head`) is no error.
+/// Writes a document to stdout as one line of JSON, piece by piece. A closed pipe (`| head`) is not an
+/// error.
 pub fn print(document: &dyn Serialize) -> Result<(), Exit> {
     let mut out = BufWriter::new(std::io::stdout().lock());
     let written = serde_json::to_writer(&mut out, document).map_err(std::io::Error::from);

@@ -38,12 +38,12 @@ pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -
     Ok(loaded)
 }
 
-/// Returns the warnings that are not of the import of a URDF, which `check` lists.
+/// Returns the warnings other than those of the import of a URDF, which `check` lists.
 pub fn without_import(warnings: &[Fault]) -> Vec<Fault> {
     warnings.iter().filter(|fault| fault.kind != FaultKind::Import).cloned().collect()
 }
 
-/// Returns the kind of a file whose content shows that it is no TOML file.
+/// Returns the kind of a file whose content shows that it is not a TOML file.
 pub fn content(path: &Path) -> Option<FileContent> {
     let about = path.metadata().ok().filter(|about| about.is_file() && about.len() <= MAX_BYTES)?;
     let mut head = Vec::new();
@@ -72,7 +72,8 @@ pub struct FileSnapshot {
 }
 
 impl FileSnapshot {
-    /// Returns a snapshot that contains these files, which need not exist on disk. Others are read from disk.
+    /// Returns a snapshot that contains these files, which need not exist on disk. Other files are read
+    /// from disk.
     pub fn with(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
         let files = files.into_iter().map(|(name, bytes)| (name, Ok(bytes))).collect();
         Self { files: Mutex::new(files), is_closed: false }
@@ -191,7 +192,7 @@ pub fn file_bytes(real: &Path) -> Result<Vec<u8>, String> {
     std::fs::read(real).map_err(|e| reason(&e))
 }
 
-/// Reads the bytes of a data file that the user names, also a gzip file.
+/// Reads the bytes of a data file that the user names; a gzip file is decompressed.
 ///
 /// Prints a message if the file cannot be read, or is larger than an input file may be.
 pub fn read_data(path: &Path) -> Result<Vec<u8>, Exit> {

@@ -90,7 +90,7 @@ pub fn run() -> ExitCode {
         Ok(arguments) => arguments,
         Err(e) => {
             let asked = matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
-            // clap prints help to stdout and errors to stderr; a closed pipe is no error.
+            // clap prints help to stdout and errors to stderr; a closed pipe is not an error.
             let _ = e.print();
             return code(if asked { Exit::Done } else { Exit::BadInput });
         }

@@ -9,13 +9,13 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
-/// Writes data to stdout. A closed pipe (`| head`) is no error.
+/// Writes data to stdout. A closed pipe (`| head`) is not an error.
 pub fn data(text: &str) -> Result<(), Exit> {
     let mut out = std::io::stdout().lock();
     written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
-/// Reports on stderr if a write to stdout has failed. A closed pipe (`| head`) is no error.
+/// Reports on stderr if a write to stdout has failed. A closed pipe (`| head`) is not an error.
 pub fn written(result: std::io::Result<()>) -> Result<(), Exit> {
     match result {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -80,7 +80,7 @@ pub fn grouped_by_help(warnings: &[Fault]) -> Vec<Fault> {
     grouped.collect()
 }
 
-/// Returns a progress bar on stderr that counts evaluated layouts; hidden if stderr is no terminal.
+/// Returns a progress bar on stderr that counts evaluated layouts; hidden if stderr is not a terminal.
 pub fn progress_bar(length: u64) -> ProgressBar {
     let bar = ProgressBar::new(length);
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} layouts, {eta} left, best {msg}") {
@@ -90,7 +90,7 @@ pub fn progress_bar(length: u64) -> ProgressBar {
     bar
 }
 
-/// Returns a spinner on stderr for work whose length is unknown; hidden if stderr is no terminal.
+/// Returns a spinner on stderr for work whose length is unknown; hidden if stderr is not a terminal.
 pub fn spinner(message: &'static str) -> ProgressBar {
     let bar = ProgressBar::new_spinner().with_message(message);
     bar.enable_steady_tick(Duration::from_millis(100));

@@ -34,7 +34,7 @@ impl ReportSource {
     /// Assesses the layouts in the workcell of the cell that was read.
     ///
     /// # Errors
-    /// Refuses a result folder whose numbers this program does not compute.
+    /// Refuses a result folder whose numbers this program does not reproduce.
     pub fn subject(self, workcell: &Workcell) -> Result<Subject<'_>, Exit> {
         let start = Assessment::new("start", workcell, workcell.cell.start());
         let best =

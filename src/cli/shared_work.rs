@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 /// Number of owners that may die at one combination before the workers give it up.
 pub const MAX_LOSSES: u32 = 6;
 
-/// Number of leases that others wait for the files of a combination whose owner says that it is done. A network
-/// share may show them late.
+/// Number of leases that other workers wait for the files of a combination that its owner has reported as
+/// done. A network share may show them late.
 const LATE_LEASES: u32 = 3;
 
 /// Number of heartbeats in one lease, so that some may be late.
@@ -137,7 +137,7 @@ struct WatchedClaim {
     index: usize,
     number: u32,
     bytes: Option<Vec<u8>>,
-    /// Time of the last look.
+    /// Time of the last check.
     seen: Instant,
     silent: Duration,
 }
@@ -155,7 +155,7 @@ impl WatchedClaim {
         Self { index, number: 1, bytes: None, seen: Instant::now(), silent: Duration::ZERO }
     }
 
-    /// Looks at the files of the combination and then at its newest claim.
+    /// Checks the files of the combination and then its newest claim.
     fn verdict(&mut self, folder: &Path, own_lease: u16) -> ClaimVerdict {
         let is_damaged = match row(folder, self.index) {
             StoredRow::Whole(_) => return ClaimVerdict::Finished,
@@ -168,8 +168,8 @@ impl WatchedClaim {
         let claim = self.bytes.as_deref().and_then(SweepClaim::parse);
         let seconds = claim.as_ref().map_or(own_lease, |claim| claim.lease);
         let lease = Duration::from_secs(seconds.into());
-        // An outage of the file server stops the heart of the owner and the looks of this worker alike, so a
-        // long pause between two looks counts as a short one.
+        // An outage of the file server stops both the heartbeats of the owner and the checks of this
+        // worker, so a long pause between two checks counts as a short one.
         let pause = self.seen.elapsed().min(lease / BEATS_PER_LEASE);
         self.silent = if is_changed { Duration::ZERO } else { self.silent + pause };
         self.seen = Instant::now();

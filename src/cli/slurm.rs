@@ -50,7 +50,7 @@ pub fn write_script(folder: &Path, options: ArrayOptions<'_>, anew: bool) -> Res
         Ok(kept) if !anew => {
             if kept != script {
                 let path = path_word(&path);
-                output::talk(&format!("note: {path} is kept; remove it, and it is written from the options"));
+                output::talk(&format!("note: {path} is kept; to write it anew from the options, remove it"));
             }
             Ok(kept)
         }
@@ -135,7 +135,7 @@ pub enum QueueState {
 
 /// Asks for the state of a job. Fails with a reason if Slurm does not answer.
 pub fn queue_state(id: &str) -> Result<QueueState, String> {
-    // Slurm forgets finished jobs, so that a question about this job alone may fail.
+    // Slurm forgets finished jobs, so a query for this job alone may fail.
     let list = run(&["squeue", "--noheader", "--me", "--format=%F %r"].map(String::from))?;
     let tasks = list.lines().filter_map(|line| line.trim().split_once(' ')).filter(|(job, _)| *job == id);
     let is_held: Vec<bool> = tasks.map(|(_, reason)| reason.contains("launch failed")).collect();

@@ -2,7 +2,7 @@
 
 use crate::safe_text::shown;
 
-/// Kind of a file whose content is recognised, and which is no TOML file.
+/// Kind of a file whose content is recognised, and which is not a TOML file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileContent {
     Urdf,
@@ -19,7 +19,7 @@ pub enum FileContent {
     Binary,
 }
 
-/// Number of bytes at the start of a text that are looked at.
+/// Number of bytes at the start of a text that are examined.
 const HEAD: usize = 4_000;
 
 impl FileContent {
@@ -64,7 +64,8 @@ impl FileContent {
         }
     }
 
-    /// Returns whether the content is that of a mesh, a drawing or an XML file, none of which is a damaged other one.
+    /// Returns whether the content is that of a mesh, a drawing or an XML file, which cannot be a damaged
+    /// file of another kind.
     pub fn is_shape(self) -> bool {
         !matches!(self, Self::Json | Self::Yaml | Self::DataTable | Self::Binary)
     }

@@ -49,7 +49,7 @@ fn read_file(path: &str, at: At, scale: f64, lib: &mut Library<'_>) -> Option<(V
         FileContent::of(&lib.sources[file].bytes).filter(|content| content.is_shape() && *content != wanted)
     {
         let message = not_needed(path, content, wanted.in_words());
-        lib.error(at, message, "let the ending of its name say what it is, .stl or .obj");
+        lib.error(at, message, "give the file the extension of its format, .stl or .obj");
         return None;
     }
     let source = &lib.sources[file];

@@ -24,7 +24,7 @@ const COMPONENTS: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
 /// Keys of the rows in `calibration.conf`.
 const DELTAS: [&str; 4] = ["delta_theta", "delta_a", "delta_d", "delta_alpha"];
 
-/// Size from which a number is neither a length (m) nor an angle (rad) of an arm.
+/// Magnitude from which a number is neither a length (m) nor an angle (rad) of an arm.
 const TOO_LARGE: f64 = 1e4;
 
 /// Largest number of lines of such a file.
@@ -97,7 +97,7 @@ pub fn read_yaml(file: &str, text: &str) -> Result<StatedCalibration, Vec<Fault>
     faults.or(StatedCalibration::Frames { frames, hash })
 }
 
-/// Help for a YAML file of another layout.
+/// Help for a YAML file with other keys.
 const LAYOUT: &str = "give `kinematics:` with shoulder, upper_arm, forearm, wrist_1, wrist_2 and wrist_3, each \
                       with x, y, z, roll, pitch and yaw, as the driver of Universal Robots writes it";
 
@@ -152,7 +152,7 @@ struct FaultList<'f> {
 }
 
 impl<'f> FaultList<'f> {
-    /// Returns an empty list; the error says that a text is too long for a calibration.
+    /// Returns an empty list. Fails with a fault if the text is too long for a calibration.
     fn new(file: &'f str, text: &str) -> Result<Self, Vec<Fault>> {
         if text.lines().count() > MAX_LINES {
             let message = format!("the file has more than {MAX_LINES} lines");

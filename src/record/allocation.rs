@@ -35,7 +35,8 @@ pub struct AllocationDocument {
     pub cost_before: f64,
     /// Least cost found; null if the limits cannot be kept.
     pub cost: Option<f64>,
-    /// Cost that no tolerances can beat, by the linear model scaled to the judged figures; null if infeasible.
+    /// Proven lower bound of the cost, by the linear model scaled to the figures of the full error model;
+    /// null if infeasible.
     pub lower_bound: Option<f64>,
     /// Duality gap: relative distance of the cost from its lower bound; null if infeasible.
     pub duality_gap: Option<f64>,
@@ -145,7 +146,7 @@ pub struct ShortfallEntry {
     pub least: f64,
     /// `least` minus `limit`.
     pub excess: f64,
-    /// Bounds in the way, the most effective first.
+    /// Tightest permitted tolerances that prevent the limit, the most effective first.
     pub in_the_way: Vec<BoundEntry>,
 }
 

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `calibrate --json`.
 pub const CALIBRATION_SCHEMA: &str = "sweetspot/calibration/1";
 
-/// Share of an unidentified direction from which a parameter is named.
+/// Least share of a parameter in an undetermined combination with which the parameter is named.
 const NAMED_SHARE: f64 = 0.3;
 
 /// Kinematic errors of a robot, identified from measured positions.
@@ -77,7 +77,7 @@ pub struct CalibratedFile {
     pub before: AccuracyEntry,
     /// Position errors of the calibrated robot; base and reflector are fitted.
     pub after: AccuracyEntry,
-    /// Rows whose distance is more than six standard deviations.
+    /// Rows whose measured position is more than six standard deviations from the prediction.
     pub outliers: Vec<OutlierRow>,
 }
 
@@ -94,7 +94,7 @@ pub struct TestedFile {
     pub after: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids.
     pub coverage_95: f64,
-    /// Rows whose distance is more than six standard deviations.
+    /// Rows whose measured position is more than six standard deviations from the prediction.
     pub outliers: Vec<OutlierRow>,
 }
 
@@ -187,8 +187,8 @@ impl OutlierRow {
 #[serde(deny_unknown_fields)]
 pub struct HarmonicsEntry {
     pub joint: String,
-    /// Standard deviation of a coefficient of the highest order before the measurement, found by the fit. Orders up to
-    /// 4 have twice that of the others.
+    /// Standard deviation of a coefficient of the highest order before the measurement, found by the fit.
+    /// Orders up to 4 have twice the standard deviation of the others.
     pub prior_deg: f64,
     /// Root mean square of the identified error over a turn of the joint.
     pub rms_deg: f64,

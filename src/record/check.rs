@@ -42,7 +42,7 @@ pub struct OperationOrderEntry {
     /// Postures that the search judges: "ranked-nodes", "spin-families" or "bounded-postures" if lower bounds of the
     /// error leave some of them out, otherwise "every-posture".
     pub judges: String,
-    /// Reason why every posture is judged; null otherwise.
+    /// Reason why every posture is judged; null if lower bounds leave some postures out.
     pub why: Option<String>,
 }
 

@@ -26,7 +26,7 @@ pub struct ComparisonDocument {
 pub struct ComparedLayout {
     pub name: String,
     pub feasible: bool,
-    /// Objective, if it is a length.
+    /// Objective if it is a length; null otherwise.
     pub objective_mm: Option<f64>,
     /// Objective in `unit`.
     pub objective: Option<f64>,

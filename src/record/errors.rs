@@ -157,7 +157,7 @@ impl TestCubeEntry {
     }
 }
 
-/// Question that a guess answers.
+/// Request for a guess: the origin of the tolerances, and the figures of the data sheet.
 pub struct GuessQuestion {
     pub origin: ErrorOrigin,
     pub origin_name: String,

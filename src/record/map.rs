@@ -32,7 +32,7 @@ pub struct MapDocument<'a> {
     pub joints: Vec<JointEntry>,
     /// Whether the layout can be used: nothing overlaps, every operation has a spot and no motion is blocked.
     pub feasible: bool,
-    /// Objective, if it is a length.
+    /// Objective if it is a length; null otherwise.
     pub objective_mm: Option<f64>,
     /// Objective in `unit`.
     pub objective: Option<f64>,
@@ -59,7 +59,8 @@ pub struct MapDocument<'a> {
     /// Placement of every piece of equipment, without obstacles.
     pub layout: ByName<PlacementEntry>,
     pub operations: Vec<OperationMapEntry<'a>>,
-    /// Measured positions beside the predicted errors, one entry for each file. Left out without `--measured`.
+    /// Comparison of measured positions with the predicted errors, one entry for each file. Left out
+    /// without `--measured`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub measured: Vec<ComparedFile>,
 }

@@ -1,4 +1,5 @@
-//! Measured positions beside the predicted errors of a cell, as part of the document of `map --json`.
+//! Comparison of measured positions with the predicted errors of a cell, as part of the document of
+//! `map --json`.
 
 use super::calibration::AccuracyEntry;
 use super::numbers::{joints, millimetres, nine_digits, position_mm};
@@ -10,8 +11,8 @@ use crate::verification::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// File of measured positions beside the errors that the cell predicts. Base and reflectors are fitted with the
-/// nominal arm. Vectors are in the base frame of the robot, mm.
+/// Comparison of a file of measured positions with the errors that the cell predicts. Base and reflectors
+/// are fitted with the nominal arm. Vectors are in the base frame of the robot, mm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedFile {
@@ -26,7 +27,7 @@ pub struct ComparedFile {
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
-    /// The random errors are constant: the fit of base and reflectors takes up a part of them.
+    /// The random errors are constant: the fit of base and reflectors absorbs a part of them.
     pub coverage_95: Option<f64>,
     /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
     /// misfit of a calibration does. Null unless the errors are measured.
@@ -39,7 +40,7 @@ pub struct ComparedFile {
     pub positions: Vec<ComparedPosition>,
 }
 
-/// One measured position beside its prediction; base frame of the robot.
+/// One measured position with its prediction; base frame of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedPosition {
@@ -53,7 +54,7 @@ pub struct ComparedPosition {
     pub nominal_mm: [f64; 3],
     /// Measured minus nominal position.
     pub measured_mm: [f64; 3],
-    /// Predicted error without the part that the fit of base and reflectors takes up.
+    /// Predicted error without the part that the fit of base and reflectors absorbs.
     pub predicted_mm: [f64; 3],
     /// Predicted size of the error.
     pub predicted_size_mm: f64,

@@ -19,11 +19,11 @@ pub struct MeasuringPlanDocument {
     pub schema: String,
     pub cell: String,
     pub robot: String,
-    /// Poses in the layout as drawn, the most telling first.
+    /// Poses in the layout as drawn, the most informative first.
     pub poses: Vec<PlannedPoseEntry>,
     pub expected: ExpectedEntry,
     pub tried: TriedEntry,
-    /// Number of unknowns of the calibration, with those of base and reflector.
+    /// Number of unknowns of the calibration, including those of base and reflector.
     pub unknowns: usize,
     /// Place of the reflector in the frame of the mechanical interface.
     pub reflector_mm: [f64; 3],
@@ -56,7 +56,7 @@ pub struct ExpectedEntry {
     pub before_mm: f64,
     /// Error after the planned poses are measured.
     pub after_mm: f64,
-    /// Error after as many poses that only fill the joint space evenly.
+    /// Error after the same number of poses that only fill the joint space evenly.
     pub evenly_spread_mm: f64,
     /// Assumed standard deviation per axis of the unexplained error that nearby poses share.
     pub shared_misfit_mm: f64,

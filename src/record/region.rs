@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 /// Region of one piece: where it may stand while all other pieces stay as found and every operation keeps its spot
 /// and branch. World frame.
 ///
-/// Everywhere in the region, the layout still holds within the placement tolerances, and the objective is at most
-/// `indifference_percent` above that of the layout.
+/// Everywhere in the region, the layout still works within the placement tolerances, and the objective is
+/// at most `indifference_percent` above that of the layout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionEntry {
@@ -31,9 +31,10 @@ pub struct RegionEntry {
     /// Largest distance by which the piece may be displaced in every direction in plan; null if the search does not
     /// displace it in plan.
     pub room_mm: Option<f64>,
-    /// Largest angle by which the piece may be turned either way; null if the search does not turn it.
+    /// Largest angle by which the piece may be turned in both directions; null if the search does not turn
+    /// it.
     pub room_deg: Option<f64>,
-    /// What ends the room in plan, or the room to turn if there is none in plan.
+    /// What limits the room in plan, or the room to turn if there is none in plan.
     pub ends_with: String,
 }
 
@@ -43,7 +44,7 @@ pub struct RegionEntry {
 pub struct TurnEntry {
     /// Least and greatest angle.
     pub turn_deg: [f64; 2],
-    /// What ends the nearer side.
+    /// What limits the rotation at its nearer end.
     pub ends_with: String,
 }
 
@@ -70,7 +71,8 @@ impl RegionEntry {
 }
 
 impl TurnEntry {
-    /// Returns the entry; None if no regions were computed, or if a piece cannot be turned.
+    /// Returns the rotation of the whole cell; None if no regions were computed, or if a piece cannot be
+    /// turned.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         let WholeTurn { least, most, ended } = a.regions.as_ref()?.whole.as_ref()?;
         let turn_deg = inward([*least, *most].map(degrees), 2);
@@ -91,7 +93,7 @@ fn inward([least, most]: [f64; 2], digits: i32) -> [f64; 2] {
     }
 }
 
-/// Rounds a room down, because a room rounded up would not hold.
+/// Rounds a room down, because a larger room may not be feasible.
 fn down(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);
     // Values that are multiples except for rounding stay; adding 0 avoids a negative zero.

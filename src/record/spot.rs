@@ -60,7 +60,7 @@ pub struct RequirementEntry {
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     /// withstand misplacements, `worst` takes the place of the value.
     pub margin: f64,
-    /// Whether the limit is kept. It is not if `worst` is needed but no bound is known.
+    /// Whether the limit is kept. It counts as missed if `worst` is needed but no bound is known.
     pub met: bool,
 }
 

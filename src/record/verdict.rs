@@ -132,9 +132,9 @@ pub struct VerdictPlacement {
     pub at: PlacementEntry,
     /// Largest distance by which the piece may be displaced in every direction in plan; null if it is not known.
     pub room_mm: Option<f64>,
-    /// Largest angle by which the piece may be turned either way; null if it is not known.
+    /// Largest angle by which the piece may be turned in both directions; null if it is not known.
     pub room_deg: Option<f64>,
-    /// What ends the room; null if the room is not known.
+    /// What limits the room; null if the room is not known.
     pub ends_with: Option<String>,
 }
 

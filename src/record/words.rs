@@ -25,8 +25,8 @@ pub fn reading_word(cell: &Cell) -> &'static str {
 /// Returns the name of the objective: [`value_word`], or a phrase such as "sum of the operations' worst
 /// cases".
 ///
-/// The phrase is used if a worst-case or statistical reading combines several operations. The figures of the
-/// operations may then belong to different arms. It is possible that no single arm has the combined value.
+/// The phrase is used if a worst-case or statistical reading combines several operations. The figures of
+/// the operations may then belong to different arms. No single arm need have the combined value.
 pub fn objective_word(cell: &Cell) -> String {
     let word = value_word(cell);
     let is_alone = cell.search.objective == Objective::ToleranceCost || cell.reading == Reading::Signed;
@@ -78,7 +78,8 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
         ));
         if cell.errors_compensate() {
             said.push(format!(
-                "the errors of {} compensate each other in one calibrated arm: as tolerances they are longer than the arm, so worst case and statistics describe no arm",
+                "the errors of {} compensate each other in one calibrated arm; read as tolerances, they \
+                exceed the length of the arm, so worst case and statistics describe no arm",
                 cell.error_set().name()
             ));
         }

@@ -126,7 +126,7 @@ fn comment(mark: &str, frames: &LayoutFrames, convention: &[&str]) -> String {
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Returns the lines of all work objects and spots, each after a comment-free identifier.
+/// Returns one line for each work object and each spot.
 ///
 /// `line` receives the identifier, the pose, and whether it is that of a spot.
 fn entries(

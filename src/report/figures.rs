@@ -46,8 +46,8 @@ const MAPS: [Map; 5] = [
         "06-in-plane",
         "Fig. 6",
         Show::InPlane,
-        "The error in the sense that the operation cares about: in x and y for an assembly, where z does not \
-         matter while parts mate. The node with the least is where to operate.",
+        "The error in the sense that matters to the operation: in x and y for an assembly, where z does not \
+         matter while parts mate. The node with the least error is the spot of the operation.",
     ),
 ];
 
@@ -106,9 +106,9 @@ fn cell_words(a: &Assessment<'_>) -> String {
     let names: Vec<String> = a.cell.equipment.iter().map(|e| marked(&e.name)).collect();
     let reach = rounded(mm_from_m(a.cell.robot.reach()), 0);
     format!(
-        "{} (reach {reach} mm from its base) at home with {}. Lines: where the arm reaches with the tool held as in \
-         the operations, joint limits kept, level by level and in the upright plane of the arm; the stronger line at \
-         the height of the work.",
+        "{} (reach {reach} mm from its base) at home with {}. Lines show where the arm reaches within \
+        its joint limits, with the tool held as in the operations: level by level, and in the upright \
+        plane of the arm. The stronger line is at the height of the work.",
         marked(&a.cell.robot.name),
         names.join(", ")
     )
@@ -180,8 +180,9 @@ pub fn readme(chapters: &[(String, Vec<PaperFigure>)], command: &str) -> String 
     // Writing to a String cannot fail; the results below are dropped for that reason.
     let _ = writeln!(out, "    sweetspot {command}\n");
     out.push_str(
-        "Arrows are the errors, enlarged as each picture says; their colour is the size of what is shown. Where \
-         errors have no sign there are two arrows, either way. The spot in each picture is the best in the sense of \
+        "Arrows are the errors, enlarged as each picture says; their colour is the size of what is \
+        shown. An error without a sign has two arrows in opposite directions. The spot in each picture \
+        is the best in the sense of \
          that picture.\n",
     );
     for (name, figures) in chapters {

@@ -1,4 +1,4 @@
-//! Measured positions beside their predictions as CSV.
+//! Measured positions with their predictions as CSV.
 
 use super::csv::{flag_word, inert, put};
 use crate::record::ComparedFile;

@@ -104,8 +104,8 @@ fn periodic(calibration: &Calibration) -> String {
 
 /// Returns the covariance of the identified parameters and of what they do not explain, with all digits.
 ///
-/// The misfit of a joint is a variance of its coordinate, to which the uncertainty of its periodic error belongs. That
-/// of positions is a variance of the TCP.
+/// The misfit of a joint is a variance of its coordinate, to which the uncertainty of its periodic error
+/// belongs. The misfit of positions is a variance of the TCP.
 fn covariance(robot: &Robot, calibration: &Calibration) -> String {
     let identified = calibration.parameters().iter().map(|i| of_file(robot, i.unknown));
     let mut parameters: Vec<Parameter> = identified.collect();

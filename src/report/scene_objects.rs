@@ -56,7 +56,7 @@ pub const WORLD: &str = "world";
 pub fn scene_objects<'a>(drawing: &Drawing<'a>) -> Vec<SceneObject<'a>> {
     let cell: &'a Cell = drawing.cell;
     let mut names = Identifiers::new(60);
-    // The names of the root link and of the robot base are taken.
+    // The names of the root link and of the robot base are reserved.
     names.give("", WORLD);
     let frames = LayoutFrames::new(drawing);
     let object = |name: String, pose: Pose| SceneObject { name, pose, solids: Vec::new(), spots: Vec::new() };

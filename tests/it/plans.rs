@@ -287,7 +287,11 @@ fn lines_and_arcs_whose_ends_meet_form_an_outline() {
     let parsed = PlanDrawing::read(&text).unwrap();
     let found = outlines(&parsed, &BTreeSet::from(["WALLS".to_string()]), 1.0, 0.001);
     assert_eq!((found.found.len(), found.errors.len(), found.warnings.len()), (1, 0, 1));
-    assert!(found.warnings[0].message.contains("open line is no obstacle"), "{:?}", found.warnings);
+    assert!(
+        found.warnings[0].message.contains("open line is not read as an obstacle"),
+        "{:?}",
+        found.warnings
+    );
     let whole = 8.0 + std::f64::consts::PI / 2.0;
     let found = area(corners(&found.found[0]));
     assert!(found > whole && found - whole < 0.004, "{found} {whole}");

@@ -247,8 +247,7 @@ class Evaluator:
     def __call__(self, /, layouts: npt.ArrayLike, *, units: bool = False) -> Any:
         """Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
 
-        A layout that misses a limit costs more than 100 times the weight of the objective, in m, rad or shares; one
-        that is not feasible at least 1000 times, and the more the farther it is from feasibility.
+        A layout that misses a limit costs more than 100 times the weight of the objective, in m, rad or shares. An infeasible layout costs at least 1000 times that weight, and the more, the farther it is from feasibility.
         """
     def evaluate(self, layouts: npt.ArrayLike, *, units: bool = False, reasons: bool = False) -> Evaluations:
         """Evaluates layouts: costs, objectives, values of the operations, and on request reasons."""
@@ -333,7 +332,7 @@ class Calibration:
 
 @final
 class View:
-    """Server of a page on this machine that edits a layout. It ends with `stop`, `with` or the process."""
+    """Server of a page on this machine that edits a layout. It ends at `stop`, at the end of its `with` block, or with the process."""
 
     @property
     def url(self) -> str:

@@ -21,7 +21,7 @@ Row = TypeVar("Row", bound="Record", covariant=True)
 class Record:
     """Record of the library with typed fields. It does not change."""
 
-    # For each field that is no plain value: how to read it, and the name of its class.
+    # For each field that is not a plain value: how to read it, and the name of its class.
     _nested: ClassVar[dict[str, tuple[str, str]]] = {}
     _data: dict[str, Any]
 

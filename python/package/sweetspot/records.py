@@ -1,4 +1,4 @@
-"""Records: the typed documents of the commands. Lengths are in mm and angles in degrees, where no name says otherwise.
+"""Records: the typed documents of the commands. Lengths are in mm and angles in degrees, unless a name says otherwise.
 
 Made by python/make_records.py from the JSON Schemas; do not edit.
 """
@@ -81,7 +81,9 @@ class AllocationDocument(Record):
     cost: Optional[float]
     """Least cost found; null if the limits cannot be kept."""
     lower_bound: Optional[float]
-    """Cost that no tolerances can beat, by the linear model scaled to the judged figures; null if infeasible."""
+    """Proven lower bound of the cost, by the linear model scaled to the figures of the full error model; null if
+    infeasible.
+    """
     duality_gap: Optional[float]
     """Duality gap: relative distance of the cost from its lower bound; null if infeasible."""
     uniform: Optional[UniformEntry]
@@ -200,7 +202,7 @@ class CalibratedFile(Record):
     after: AccuracyEntry
     """Position errors of the calibrated robot; base and reflector are fitted."""
     outliers: Table[OutlierRow]
-    """Rows whose distance is more than six standard deviations."""
+    """Rows whose measured position is more than six standard deviations from the prediction."""
 
     _nested = {
         'before': ('record', 'AccuracyEntry'),
@@ -303,8 +305,8 @@ class CommandedJoint(Record):
 
 
 class ComparedFile(Record):
-    """File of measured positions beside the errors that the cell predicts. Base and reflectors are fitted with
-    the nominal arm. Vectors are in the base frame of the robot, mm.
+    """Comparison of a file of measured positions with the errors that the cell predicts. Base and reflectors are
+    fitted with the nominal arm. Vectors are in the base frame of the robot, mm.
     """
 
     file: str
@@ -318,7 +320,7 @@ class ComparedFile(Record):
     """Measured minus predicted errors."""
     coverage_95: Optional[float]
     """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part. The
-    random errors are constant: the fit of base and reflectors takes up a part of them.
+    random errors are constant: the fit of base and reflectors absorbs a part of them.
     """
     coverage_95_varying: Optional[float]
     """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
@@ -347,7 +349,7 @@ class ComparedLayout(Record):
     name: str
     feasible: bool
     objective_mm: Optional[float]
-    """Objective, if it is a length."""
+    """Objective if it is a length; null otherwise."""
     objective: Optional[float]
     """Objective in `unit`."""
     unit: Literal['share', 'cost', 'mm', 'deg']
@@ -369,7 +371,7 @@ class ComparedLayout(Record):
 
 
 class ComparedPosition(Record):
-    """One measured position beside its prediction; base frame of the robot."""
+    """One measured position with its prediction; base frame of the robot."""
 
     row: int
     """Row of the file, counted from 1 without the header."""
@@ -382,7 +384,7 @@ class ComparedPosition(Record):
     measured_mm: _Numbers
     """Measured minus nominal position."""
     predicted_mm: _Numbers
-    """Predicted error without the part that the fit of base and reflectors takes up."""
+    """Predicted error without the part that the fit of base and reflectors absorbs."""
     predicted_size_mm: float
     """Predicted size of the error."""
     residual_mm: float
@@ -631,7 +633,7 @@ class ExpectedEntry(Record):
     after_mm: float
     """Error after the planned poses are measured."""
     evenly_spread_mm: float
-    """Error after as many poses that only fill the joint space evenly."""
+    """Error after the same number of poses that only fill the joint space evenly."""
     shared_misfit_mm: float
     """Assumed standard deviation per axis of the unexplained error that nearby poses share."""
     own_misfit_mm: float
@@ -835,7 +837,7 @@ class HarmonicsEntry(Record):
     joint: str
     prior_deg: float
     """Standard deviation of a coefficient of the highest order before the measurement, found by the fit. Orders
-    up to 4 have twice that of the others.
+    up to 4 have twice the standard deviation of the others.
     """
     rms_deg: float
     """Root mean square of the identified error over a turn of the joint."""
@@ -1004,7 +1006,7 @@ class MapDocument(Record):
     feasible: bool
     """Whether the layout can be used: nothing overlaps, every operation has a spot and no motion is blocked."""
     objective_mm: Optional[float]
-    """Objective, if it is a length."""
+    """Objective if it is a length; null otherwise."""
     objective: Optional[float]
     """Objective in `unit`."""
     unit: Literal['share', 'cost', 'mm', 'deg']
@@ -1032,7 +1034,9 @@ class MapDocument(Record):
     """Placement of every piece of equipment, without obstacles."""
     operations: Table[OperationMapEntry]
     measured: Optional[Table[ComparedFile]]
-    """Measured positions beside the predicted errors, one entry for each file. Left out without `--measured`."""
+    """Comparison of measured positions with the predicted errors, one entry for each file. Left out without
+    `--measured`.
+    """
 
     _nested = {
         'joints': ('table', 'JointEntry'),
@@ -1129,11 +1133,11 @@ class MeasuringPlanDocument(Record):
     cell: str
     robot: str
     poses: Table[PlannedPoseEntry]
-    """Poses in the layout as drawn, the most telling first."""
+    """Poses in the layout as drawn, the most informative first."""
     expected: ExpectedEntry
     tried: TriedEntry
     unknowns: int
-    """Number of unknowns of the calibration, with those of base and reflector."""
+    """Number of unknowns of the calibration, including those of base and reflector."""
     reflector_mm: _Numbers
     """Place of the reflector in the frame of the mechanical interface."""
     tracker_mm: Optional[_Numbers]
@@ -1346,7 +1350,7 @@ class OperationOrderEntry(Record):
     the error leave some of them out, otherwise "every-posture".
     """
     why: Optional[str]
-    """Reason why every posture is judged; null otherwise."""
+    """Reason why every posture is judged; null if lower bounds leave some postures out."""
 
 
 class OperationReadings(Record):
@@ -1592,7 +1596,7 @@ class RefinedEntry(Record):
 
 class RegionEntry(Record):
     """Region of one piece: where it may stand while all other pieces stay as found and every operation keeps its
-    spot and branch. World frame. Everywhere in the region, the layout still holds within the placement
+    spot and branch. World frame. Everywhere in the region, the layout still works within the placement
     tolerances, and the objective is at most `indifference_percent` above that of the layout.
     """
 
@@ -1614,9 +1618,9 @@ class RegionEntry(Record):
     not displace it in plan.
     """
     room_deg: Optional[float]
-    """Largest angle by which the piece may be turned either way; null if the search does not turn it."""
+    """Largest angle by which the piece may be turned in both directions; null if the search does not turn it."""
     ends_with: str
-    """What ends the room in plan, or the room to turn if there is none in plan."""
+    """What limits the room in plan, or the room to turn if there is none in plan."""
 
     _nested = {
         'z_mm': ('numbers', ''),
@@ -1738,7 +1742,7 @@ class RequirementEntry(Record):
     withstand misplacements, `worst` takes the place of the value.
     """
     met: bool
-    """Whether the limit is kept. It is not if `worst` is needed but no bound is known."""
+    """Whether the limit is kept. It counts as missed if `worst` is needed but no bound is known."""
 
 
 class ResolvedOperation(Record):
@@ -2140,7 +2144,7 @@ class ShortfallEntry(Record):
     excess: float
     """`least` minus `limit`."""
     in_the_way: Table[BoundEntry]
-    """Bounds in the way, the most effective first."""
+    """Tightest permitted tolerances that prevent the limit, the most effective first."""
 
     _nested = {
         'in_the_way': ('table', 'BoundEntry'),
@@ -2512,7 +2516,7 @@ class TestedFile(Record):
     coverage_95: float
     """Share of the positions inside their predicted 95 % ellipsoids."""
     outliers: Table[OutlierRow]
-    """Rows whose distance is more than six standard deviations."""
+    """Rows whose measured position is more than six standard deviations from the prediction."""
 
     _nested = {
         'before': ('record', 'AccuracyEntry'),
@@ -2594,7 +2598,7 @@ class TurnEntry(Record):
     turn_deg: _Numbers
     """Least and greatest angle."""
     ends_with: str
-    """What ends the nearer side."""
+    """What limits the rotation at its nearer end."""
 
     _nested = {
         'turn_deg': ('numbers', ''),
@@ -2695,9 +2699,9 @@ class VerdictPlacement(Record):
     room_mm: Optional[float]
     """Largest distance by which the piece may be displaced in every direction in plan; null if it is not known."""
     room_deg: Optional[float]
-    """Largest angle by which the piece may be turned either way; null if it is not known."""
+    """Largest angle by which the piece may be turned in both directions; null if it is not known."""
     ends_with: Optional[str]
-    """What ends the room; null if the room is not known."""
+    """What limits the room; null if the room is not known."""
 
     _nested = {
         'at': ('record', 'PlacementEntry'),

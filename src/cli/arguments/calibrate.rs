@@ -10,9 +10,9 @@ use std::path::PathBuf;
 pub struct CalibrateArguments {
     /// Name of a built-in robot, a robot file (TOML), or a nominal URDF; with --plan, a cell file
     pub robot: PathBuf,
-    /// Tables of measured positions (CSV or text, also compressed as .csv.gz), one for each set-up of the
-    /// instrument; or one stated calibration: the YAML of the driver or the calibration.conf of Universal Robots,
-    /// or a calibrated URDF
+    /// Tables of measured positions (CSV or text, or compressed as .csv.gz), one for each set-up of the
+    /// instrument; or one stated calibration: the YAML of the driver or the calibration.conf of Universal
+    /// Robots, or a calibrated URDF
     #[arg(required_unless_present = "plan")]
     pub data: Vec<PathBuf>,
     /// Judge the calibration by a table that is not part of the fit; can be given several times

@@ -11,7 +11,7 @@ pub enum BatchEngine {
 /// Number of combinations of one task.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ChunkSize {
-    /// As many as take about a minute.
+    /// As many combinations as take about a minute.
     #[default]
     Auto,
     Combinations(usize),

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 /// Flags of the commands that compare predicted errors with measured positions.
 #[derive(Args)]
 pub struct MeasuredFlags {
-    /// Compare the predicted errors with the measured positions of this table (CSV or text, also .csv.gz); can be
-    /// given several times
+    /// Compare the predicted errors with the measured positions of this table (CSV or text, or .csv.gz);
+    /// can be given several times
     #[arg(long, value_name = "FILE")]
     pub measured: Vec<PathBuf>,
     /// Read the joints of measured positions from this table; rows are matched by a shared column such as id, or by
@@ -19,7 +19,8 @@ pub struct MeasuredFlags {
     /// can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column, requires = "measured")]
     pub column: Vec<(String, String)>,
-    /// Poses whose commanded positions differ by at most this length along every axis are one spot [default: 1]
+    /// Treat poses as one spot if their commanded positions differ by at most this length along every axis
+    /// [default: 1]
     #[arg(long, value_name = "MM", value_parser = positive, requires = "measured")]
     pub spot: Option<f64>,
 }

@@ -20,7 +20,7 @@ pub struct MeasuringPlanFlags {
         conflicts_with_all = ["data", "test", "poses", "choose", "column", "toml", "harmonics", "svg"]
     )]
     pub plan: Option<u64>,
-    /// Use the rows of every table that tell most, this many, as if only these could be measured
+    /// Use only this many rows of every table, the most informative ones, as if no others had been measured
     #[arg(
         long,
         value_name = "N",
@@ -28,7 +28,8 @@ pub struct MeasuringPlanFlags {
         conflicts_with = "poses"
     )]
     pub choose: Option<u64>,
-    /// Choose rows that tell most about the operations of this cell [default: about the postures of all rows]
+    /// Choose the rows that are most informative about the operations of this cell [default: about the
+    /// postures of all rows]
     #[arg(long = "for", value_name = "CELL", requires = "choose")]
     pub task: Option<PathBuf>,
     /// State the place of the tracker in the world, mm; only poses at which it sees the reflector are planned
@@ -37,7 +38,7 @@ pub struct MeasuringPlanFlags {
     /// State the place of the reflector in the frame of the mechanical interface, mm [default: that of the TCP]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub reflector: Option<[f64; 3]>,
-    /// State the direction into which the reflector opens, in the frame of the mechanical interface [default:
+    /// State the direction in which the reflector opens, in the frame of the mechanical interface [default:
     /// it is visible from every side]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "tracker")]
     pub opening: Option<[f64; 3]>,

@@ -52,8 +52,8 @@ pub struct SearchArguments {
     pub solver: Option<String>,
     #[command(flatten)]
     pub rules: StoppingFlags,
-    /// Search with N successive seeds (islands), each with the whole budget, and merge them into one result; started
-    /// again with the same folder, only the missing islands are searched
+    /// Search with N successive seeds (islands), each with the whole budget, and merge them into one
+    /// result; repeating the command with the same folder searches only the missing islands
     #[arg(
         long,
         value_name = "N",

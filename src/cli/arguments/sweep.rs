@@ -82,7 +82,8 @@ pub struct SweepArguments {
     /// partition]
     #[arg(long, value_name = "TIME", value_parser = slurm_time, requires = "on")]
     pub time: Option<String>,
-    /// Show what is done, what is running where and what has failed in this folder, and the time left
+    /// Show which combinations in this folder are done, which are running and where, which have failed, and
+    /// the time left
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume", "claim", "only", "on", "jobs"])]
     pub status: Option<PathBuf>,
     /// Print the table, or the status, as JSON on stdout

@@ -1,4 +1,4 @@
-//! What a calibration assumes before the measurement: its unknowns and their standard deviations.
+//! Prior of a calibration: its unknowns, and their standard deviations before the measurement.
 
 use crate::calibration::{Unknown, unknowns};
 use crate::cell::{Parameter, Robot};
@@ -32,7 +32,10 @@ pub fn assumed(
     let with_prior = all.into_iter().map(|unknown| (unknown, deviation(&unknown)));
     let known: (Vec<_>, Vec<_>) = with_prior.filter(|(_, deviation)| *deviation > 0.0).unzip();
     if known.0.is_empty() {
-        output::error(&format!("the error set `{}` gives no parameter of the rows a tolerance", shown(name)));
+        output::error(&format!(
+            "the error set `{}` has no tolerance for any parameter of the rows",
+            shown(name)
+        ));
         output::talk("  help: leave out --prior, or state tolerances in the error set");
         return Err(Exit::BadInput);
     }

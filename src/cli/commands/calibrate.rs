@@ -86,7 +86,7 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Returns the tables and the options of the fit as one types them.
+/// Returns the tables and the options of the fit as typed on a command line.
 fn words(a: &CalibrateArguments) -> String {
     let mut words: Vec<String> = a.data.iter().map(|path| path_word(path)).collect();
     words.extend(a.elastic.then(|| "--elastic".into()));

@@ -53,11 +53,11 @@ pub fn correct(a: &CorrectArguments) -> Result<Exit, Exit> {
     Ok(if all { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// Notes which operations are corrected apart from their picks.
+/// Prints a note on each operation that is corrected without its pick.
 fn say_picks(cell: &Cell) {
     for operation in cell.operations.iter().filter(|operation| operation.relative_to.is_some()) {
         let name = shown(&operation.name);
-        output::talk(&format!("note: {name} is corrected by itself: its pick must be corrected, too"));
+        output::talk(&format!("note: {name} is corrected without its pick: correct the pick, too"));
     }
 }
 

@@ -190,7 +190,7 @@ fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exi
     }
 }
 
-/// Returns the bytes of the file `out`. Meshes that it names are written beside it first.
+/// Returns the bytes of the file `out`. Meshes that it names are written first, to a folder beside it.
 fn rendered(
     a: &Assessment<'_>,
     asked: &ExportArguments,

@@ -59,7 +59,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Refuses options that concern a URDF alone.
+/// Refuses options that apply only to a URDF.
 fn refuse_own_options(a: &InitArguments) -> Result<(), Exit> {
     if a.tip.is_none() && a.arguments.is_empty() && a.packages.folders.is_empty() {
         return Ok(());

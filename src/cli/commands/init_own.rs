@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 const CELL: &str = "cell.toml";
 
-/// Share of usable nodes from which a place of the table is good.
+/// Least share of usable nodes with which a placement of the table is good.
 const GOOD: f64 = 0.95;
 
 /// Elevations of the tool axis that are tried, degrees, each with heights of the TCP above the table, mm.
@@ -31,7 +31,7 @@ const MAX_DEPTH: usize = 4;
 /// Largest number of robots of a package that are listed.
 const MAX_LISTED: usize = 30;
 
-/// Returns whether the argument of `init` is a path, and no name of a first cell.
+/// Returns whether the argument of `init` is a path and not the name of a first cell.
 pub fn is_path(name: &str) -> bool {
     let path = Path::new(name);
     path.exists() || path.extension().is_some() || path.components().count() > 1
@@ -247,7 +247,7 @@ fn refuse_other_files(path: &Path) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns the only URDF of a folder, or its only xacro file that is no part of others. Lists several.
+/// Returns the only URDF of a folder, or its only xacro file that is not part of others. Lists several.
 fn robot_of_folder(folder: &Path, a: &InitArguments) -> Result<PathBuf, Exit> {
     let mut all = Vec::new();
     collect(folder, 0, &mut all);
@@ -291,7 +291,7 @@ fn collect(folder: &Path, depth: usize, all: &mut Vec<PathBuf>) {
             .iter()
             .any(|word| name.contains(word));
         if kind.as_ref().is_ok_and(|kind| kind.is_dir()) && depth < MAX_DEPTH {
-            // A cell that `init` has written is no robot.
+            // A cell that `init` has written is not a robot.
             if !path.join(CELL).is_file() {
                 collect(&path, depth + 1, all);
             }

@@ -1,4 +1,4 @@
-//! Measured positions beside the predicted errors of a cell, for `map` and `report`.
+//! Comparison of measured positions with the predicted errors of a cell, for `map` and `report`.
 
 use super::measurements::{TableOptions, session};
 use crate::cell::Cell;

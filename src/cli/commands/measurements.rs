@@ -135,7 +135,7 @@ fn in_words(name: &str, positions: usize, table: &MeasuredTable, reading: &DataR
     said
 }
 
-/// Returns what a user may want to know: left out rows, orientations, the frame of the positions.
+/// Returns what a user may want to know: rows left out, orientations, the frame of the positions.
 fn remarks(
     table: &MeasuredTable,
     reading: &DataReading,

@@ -1,4 +1,5 @@
-//! `calibrate --plan` and `calibrate --choose`: the measuring poses that tell most about the operations.
+//! `calibrate --plan` and `calibrate --choose`: the measuring poses that are most informative about the
+//! operations.
 
 use super::assumed::assumed;
 use super::{suggest_with, workcell};
@@ -220,13 +221,13 @@ fn best(problem: &PlanProblem, count: usize) -> Result<Vec<usize>, Exit> {
     });
     bar.finish_and_clear();
     chosen.ok_or_else(|| {
-        output::error("the plan cannot be computed: its covariances are no numbers");
+        output::error("the plan cannot be computed: its covariances are not finite");
         output::talk("  help: check the standard deviations of --prior");
         Exit::BadInput
     })
 }
 
-/// Keeps the `count` rows of every session that tell most; only their joint coordinates are used.
+/// Keeps the `count` most informative rows of every session; only their joint coordinates are used.
 pub fn choose(
     sessions: &mut [MeasuringSession],
     count: usize,

@@ -169,7 +169,8 @@ fn drawn(
     Ok(Exit::Done)
 }
 
-/// Returns whether the argument means a robot: a built-in robot, a robot file, a URDF, or a word that is no path.
+/// Returns whether the argument means a robot: a built-in robot, a robot file, a URDF, or a word that is
+/// not a path.
 fn is_robot(given: &Path, packages: &PackageFolders) -> bool {
     let name = given.to_string_lossy();
     library::text(&name).is_some()
@@ -178,7 +179,7 @@ fn is_robot(given: &Path, packages: &PackageFolders) -> bool {
         || loading::is_robot(given, packages)
 }
 
-/// Returns whether the argument is a word and no path.
+/// Returns whether the argument is a word and not a path.
 fn is_bare(given: &Path) -> bool {
     given.extension().is_none() && given.components().count() == 1 && !given.exists()
 }

@@ -27,7 +27,7 @@ pub fn schema(a: &SchemaArguments) -> Result<Exit, Exit> {
     for (name, text) in &all {
         loading::write_whole(&folder.join(name), text.as_bytes())?;
     }
-    // Joining keeps an absolute path as it is.
+    // `join` leaves an absolute path unchanged.
     let first = path_word(&Path::new(".").join(folder).join(file_name(FileKind::Cell.name())));
     output::talk(&format!("wrote {} schemas into {}", all.len(), path_word(folder)));
     output::talk(&format!("editors use a schema if the first line of a file names it: #:schema {first}"));

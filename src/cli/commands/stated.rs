@@ -22,7 +22,7 @@ const OTHER_ARM: f64 = 0.02;
 /// Angle, rad, from which a joint frame is that of another robot.
 const OTHER_TURN: f64 = 0.05;
 
-/// Meshes that stand for those of a URDF, whose kinematics alone counts.
+/// STL mesh that replaces every mesh of a URDF, because only the kinematics of the URDF is used.
 const STL: &str = "solid a\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n\
                    facet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\n\
                    facet normal 1 1 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n\
@@ -48,7 +48,7 @@ pub fn states_calibration(path: &Path) -> bool {
 ///
 /// `links` names base and tip of the chain; None takes the root, and the only link without children.
 pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedRobot, Exit> {
-    // Collada meshes cannot be read, but only their place would count.
+    // Collada meshes cannot be read, but their content is not needed here.
     let text = String::from_utf8_lossy(&loading::read_data(path)?).replace(".dae", ".stl");
     let name = path.file_name().map_or("robot.urdf".into(), |name| name.to_string_lossy().into_owned());
     let links = links.map_or(String::new(), |(base, tip)| {
@@ -78,8 +78,8 @@ pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedR
 /// Runs `sweetspot calibrate` for a file that states a calibration.
 pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -> Result<Exit, Exit> {
     if a.data.len() > 1 || !a.test.is_empty() || a.joints.is_some() {
-        output::error(&format!("{} states a calibration: give it alone", path_word(path)));
-        output::talk("  help: measured positions and stated calibrations are read one by one");
+        output::error(&format!("{} states a calibration: give no other file with it", path_word(path)));
+        output::talk("  help: give either tables of measured positions, or one stated calibration");
         return Err(Exit::BadInput);
     }
     let of_a_fit = [
@@ -128,7 +128,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     }
     let nominal = Chain::new(robot);
     let mut built = Chain::new(&calibrated);
-    // The tool of a robot file stands on the tip link of either URDF.
+    // The tool of a robot file is fixed to the tip link of either URDF.
     built.tool = built.tool * origin.tip.inverse() * nominal.tool;
     let errors = errors_between(&nominal, &built).map_err(|k| {
         let joint = shown(&robot.joints[k].name);

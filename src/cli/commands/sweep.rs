@@ -32,7 +32,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     let (mut plan, kept) = asked_plan(a)?;
     let asked = asked(a.only.as_ref(), plan.combinations)?;
     let jobs = jobs(a.jobs);
-    // The author of a stored plan has checked it, and its inputs have the hashes of the plan.
+    // The process that stored the plan has checked it, and the inputs match the hashes of the plan.
     let is_checked = a.claim.is_some() && a.cell.is_none();
     let sources = if is_checked { Vec::new() } else { check::check_all(&mut plan, &kept, jobs)? };
     // Array jobs and workers write different files into one folder.

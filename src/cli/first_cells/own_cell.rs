@@ -30,7 +30,7 @@ pub struct OwnCell<'a> {
     /// Path of the robot file in the folder of the cell.
     pub robot: &'a str,
     pub errors: &'a str,
-    /// What the user must know of the errors.
+    /// Note for the user on the errors.
     pub about_errors: &'a str,
     /// Whether the error set is that of one robot, with signs.
     pub is_signed: bool,
@@ -85,7 +85,7 @@ clearance_mm = 10
 
 # The robot, and the placement of its base. Keys here override those of its file: your own tool, for example, is
 # tool = {{ position_mm = [0, 0, 120], axis = [0, 0, 1] }}.
-# Above the floor it stands on a pedestal; pedestal = false is for a wall or a gantry.
+# A base above the floor stands on a pedestal; pedestal = false is for a wall or a gantry.
 [robot]
 from = "{robot}"
 base = {{ x_mm = 0, y_mm = 0, z_mm = {pedestal}, yaw_deg = 0 }}

@@ -21,10 +21,10 @@ const BENCH_ARM: f64 = 1.5;
 const BENCH: f64 = 800.0;
 const LEAST_TOP: f64 = 300.0;
 
-/// Largest number of places that are worth a map.
+/// Largest number of places for which a map is computed.
 const MAX_PLACES: usize = 12;
 
-/// Stretch of the radius within which an arm reaches one height.
+/// Range of radii at which an arm reaches one height.
 struct ReachableStretch {
     height: f64,
     from: f64,
@@ -39,7 +39,7 @@ pub fn table_places(robot: &Robot, inverse: &Inverse, bend: f64, standoff: i32) 
         return Vec::new();
     }
     let envelope = Envelope::new(inverse, &attitude, 0.0);
-    // A quarter of a turn is as good as any, and easier to read.
+    // A multiple of a quarter turn is as good as any other angle, and easier to read.
     let azimuth = (deg_from_rad(envelope.middle()) / 90.0).round() * 90.0;
     let reach = robot.reach();
     let mut stretches: Vec<ReachableStretch> = (0..HEIGHTS)
@@ -78,7 +78,7 @@ fn longest_stretch(
     best
 }
 
-/// Returns the place of a table that is as deep as this share of a stretch.
+/// Returns the place of a table whose depth is this share of a range of radii.
 fn place(
     stretch: &ReachableStretch,
     share: f64,
@@ -88,7 +88,7 @@ fn place(
     let ten = |m: f64| (mm_from_m(m) / 10.0).round() as i32 * 10;
     let fifty = |mm: f64| (mm / 50.0).round() as i32 * 50;
     let depth = (share * (stretch.to - stretch.from)).min(0.4 * reach);
-    // The far corners must be within reach, so the table lies in the nearer half of what is left.
+    // The far corners must be within reach, so the table lies in the nearer half of the remaining range.
     let middle = stretch.from + 0.45 * (stretch.to - stretch.from);
     let far = middle + depth / 2.0;
     let across = (0.9 * stretch.to).powi(2) - far.powi(2);

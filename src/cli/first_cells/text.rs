@@ -48,7 +48,7 @@ clearance_mm = 10
         let Self { robot, pedestal, .. } = self;
         let under = match *pedestal > 0 {
             true => {
-                "\n# Above the floor it stands on a pedestal; pedestal = false is for a wall or a gantry."
+                "\n# A base above the floor stands on a pedestal; pedestal = false is for a wall or a gantry."
             }
             false => "",
         };

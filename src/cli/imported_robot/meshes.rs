@@ -20,7 +20,7 @@ pub struct MeshFiles {
 pub struct LeftOutMesh {
     pub name: String,
     pub why: String,
-    /// What the user can do.
+    /// Remedy that the user can apply.
     pub remedy: String,
 }
 
@@ -48,7 +48,7 @@ impl MeshFiles {
         files
     }
 
-    /// Returns whether the shape with this mesh is taken over; a shape without a mesh always is.
+    /// Returns whether the shape with this mesh is taken over; a shape without a mesh is always taken over.
     pub fn has(&self, mesh: Option<&String>) -> bool {
         mesh.is_none_or(|name| self.kept.contains_key(name))
     }
@@ -113,7 +113,7 @@ fn taken(path: &Path) -> Result<(String, Vec<u8>), MeshRefusal> {
         return Err(missing());
     }
     if !["stl", "obj"].contains(&ending.as_str()) {
-        return Err(("it is no STL or OBJ file".into(), "export it as STL".into()));
+        return Err(("it is not an STL or OBJ file".into(), "export it as STL".into()));
     }
     let bytes = loading::file_bytes(path).map_err(|why| (why, "check the file".to_string()))?;
     if let Some(content) =

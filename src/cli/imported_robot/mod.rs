@@ -120,7 +120,7 @@ fn imported(query: ImportQuery<'_>, text: &str) -> Result<ImportedRobot, Vec<Fau
         loaded = source.robot(&meshes, &guesses);
     }
     let loaded = loaded.map_err(refuse)?;
-    // The outline has already warned of all but the meshes.
+    // The outline has already issued all warnings except those of the meshes.
     let own = loaded.warnings.iter().filter(|own| !warnings.iter().any(|known| known.message == own.message));
     warnings.extend(own.cloned().collect::<Vec<_>>());
     let file = file_path(query.path);
@@ -251,7 +251,7 @@ struct Guesses {
 }
 
 impl Guesses {
-    /// Guesses for a first reading, which gives the kinematics alone.
+    /// Placeholder guesses for a first pass, which reads only the kinematics.
     fn none() -> Self {
         let errors = "[errors.none]\nkind = \"signed\"\nsource = \"none\"\njoints = []\n".to_string();
         Self { errors, footprint_mm: 100.0 }

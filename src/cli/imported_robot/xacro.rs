@@ -8,7 +8,7 @@ use crate::files::shown;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Largest number of lines of a program's complaint that are repeated.
+/// Largest number of lines of a program's error output that are shown.
 const MAX_LINES: usize = 4;
 
 /// Returns the URDF that a xacro file expands to. `arguments` are its arguments, each as NAME:=VALUE.

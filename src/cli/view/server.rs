@@ -114,7 +114,7 @@ async fn connection(stream: TcpStream, shared: Shared, slot: OwnedSemaphorePermi
         .max_headers(MAX_HEADERS)
         .max_buf_size(MAX_HEAD_BYTES)
         .serve_connection(TokioIo::new(Box::pin(stream)), service);
-    // A client that leaves, is too slow or sends no HTTP is no error of this program.
+    // A client that leaves, is too slow or sends no HTTP does not mean an error of this program.
     let _ = served.await;
 }
 
@@ -140,7 +140,7 @@ async fn computed(
     let (send, received) = oneshot::channel();
     let compute = move || {
         let _slot = slot;
-        // A client that left meanwhile is no error.
+        // A client that has left meanwhile is not an error.
         let _ = send.send(routes::answer(&shared.0, &inside, body.as_deref()));
     };
     let failed = |why: &str| HttpResponse::refused(StatusCode::INTERNAL_SERVER_ERROR, why);

@@ -29,7 +29,7 @@ pub struct PlanBody {
     pub shape: Shape,
 }
 
-/// Returns the bodies of the outlines. An outline that is not convex is divided into convex parts, whose union it is.
+/// Returns the bodies of the outlines. An outline that is not convex is divided into convex parts.
 ///
 /// # Errors
 /// Fails if there are too many bodies, or if an outline cannot be divided.

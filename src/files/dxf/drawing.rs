@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 pub struct PlanDrawing {
     /// Value of `$INSUNITS` in the header; None if the header does not state it.
     pub unit_code: Option<i64>,
-    /// Names of all layers, by their names in upper case: DXF does not distinguish the two.
+    /// Names of all layers, by their names in upper case, because DXF ignores case.
     pub layers: BTreeMap<String, String>,
     /// Blocks by their names in upper case.
     pub(super) blocks: HashMap<String, Block>,
@@ -21,7 +21,7 @@ pub struct PlanDrawing {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     pub name: String,
-    /// Point of the block that comes to the point of its insert.
+    /// Base point of the block, which is placed at the insertion point of its insert.
     pub base: Vector2<f64>,
     pub entities: Vec<Entity>,
 }
@@ -30,7 +30,7 @@ impl PlanDrawing {
     /// Reads a drawing from the text of a DXF file.
     ///
     /// # Errors
-    /// Returns the first fault: group codes or numbers that are none, or a file that is cut off.
+    /// Returns the first fault: an invalid group code or number, or a file that is cut off.
     pub fn read(text: &str) -> Result<Self, DxfFault> {
         let pairs = pairs(text)?;
         let mut drawing =

@@ -24,7 +24,7 @@ pub enum EntityKind {
         radius: f64,
     },
     Insert(Insert),
-    /// Entity that the reader does not take, by its name.
+    /// Entity that the reader does not support, by its name.
     Other(String),
 }
 
@@ -58,7 +58,7 @@ pub struct Insert {
     pub spacing: Vector2<f64>,
 }
 
-/// Entities that are no part of a floor plan, such as texts: they are ignored without a warning.
+/// Entities that are not part of a floor plan, such as texts. They are ignored without a warning.
 const ANNOTATIONS: [&str; 16] = [
     "TEXT",
     "MTEXT",
@@ -196,7 +196,7 @@ fn heavy_vertices(vertices: &[&[GroupCode<'_>]]) -> Result<Vec<PathVertex>, DxfF
     let mut all = Vec::new();
     for own in vertices {
         let number = |code: i32| find(own, code).map_or(Ok(0.0), GroupCode::number);
-        // A control point of a spline is no point of the line.
+        // A control point of a spline is not a point of the curve.
         if flags(own)? & 16 == 0 {
             all.push(PathVertex { at: Vector2::new(number(10)?, number(20)?), bulge: number(42)? });
         }

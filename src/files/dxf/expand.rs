@@ -1,4 +1,4 @@
-//! BlockWalk of blocks: every outline of the named layers in the frame of the drawing.
+//! Expansion of blocks: every outline of the named layers in the frame of the drawing.
 
 use super::DxfFault;
 use super::drawing::PlanDrawing;
@@ -67,11 +67,11 @@ pub enum FlatShape {
     Circle { centre: Vector2<f64>, radius: f64 },
 }
 
-/// Shapes of the named layers, and what the reader does not take.
+/// Shapes of the named layers, and the entities that the reader does not support.
 #[derive(Debug, Default)]
 pub struct Expanded {
     pub shapes: Vec<PlacedShape>,
-    /// Entities that are not taken, by layer and name: their number and the line of the first.
+    /// Entities that are not supported, by layer and name: their number and the line of the first.
     pub ignored: BTreeMap<(String, String), (usize, usize)>,
 }
 
@@ -95,7 +95,7 @@ struct BlockWalk<'d> {
 }
 
 impl BlockWalk<'_> {
-    /// Adds entities. Those on layer 0 of a block lie on the layer of its insert, `inherited`.
+    /// Adds entities. Entities on layer 0 of a block lie on the layer of its insert, `inherited`.
     fn entities(&mut self, all: &[Entity], map: &PlaneMap, inherited: Option<&str>) -> Result<(), DxfFault> {
         let flip = PlaneMap { linear: Matrix2::new(-1.0, 0.0, 0.0, 1.0), offset: Vector2::zeros() };
         for entity in all {

@@ -18,7 +18,8 @@ const MAX_OUTLINES: usize = 200;
 /// Largest number of corners of an outline.
 const MAX_CORNERS: usize = 400;
 
-/// Largest distance, m, at which two corners are one, or a corner lies on the line between its neighbours.
+/// Largest distance, m, at which two corners count as one, or at which a corner counts as lying on the line
+/// between its neighbours.
 const ROUNDING: f64 = 1e-9;
 
 /// Least area of an outline, m2.
@@ -98,7 +99,8 @@ pub fn outlines(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64, tol
     }
     for ((layer, what), (count, line)) in ignored {
         let times = if count == 1 { String::new() } else { format!(" ({count} of them)") };
-        let message = format!("layer `{}`: {} is no obstacle{times}", shown(&name(&layer)), shown(&what));
+        let message =
+            format!("layer `{}`: {} is not read as an obstacle{times}", shown(&name(&layer)), shown(&what));
         all.warnings.push(DxfFault::new(line, message, CLOSED));
     }
     all.limit();
@@ -186,7 +188,8 @@ impl Outlines {
         if let Some((k, j)) = nested {
             let (inner, outer) = (&self.found[k], &self.found[j]);
             let message = format!(
-                "layer `{}`: an outline lies within that of layer `{}` in line {}, all of which is solid",
+                "layer `{}`: an outline lies within the outline of layer `{}` in line {}, whose whole \
+                area is solid",
                 shown(&inner.layer),
                 shown(&outer.layer),
                 outer.line + 1

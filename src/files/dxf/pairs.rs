@@ -6,7 +6,8 @@ use crate::files::fault::shown;
 /// Largest number of group codes of a drawing.
 const MAX_PAIRS: usize = 4_000_000;
 
-/// Largest absolute value of a number of a drawing, in its unit; more is no workcell in any unit.
+/// Largest absolute value of a number of a drawing, in its unit; a larger number fits no workcell in any
+/// unit.
 const MAX_NUMBER: f64 = 1e9;
 
 const DAMAGED: &str = "save the drawing again as DXF (ASCII) in the CAD program";

@@ -78,7 +78,7 @@ key_table! {
         SENSE = Key::new("sense", ValueKind::Checked(&OWN_SENSES, names_of_senses), "Senses that the cell defines: one table [sense.NAME] for each.");
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with on, grid, bend_deg and sense");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
-        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance below which a distance counts as a collision; floor spaces keep it in plan, along a side of one of them, or in height. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
+        CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must be this far apart in height or in plan, in the direction of a side of one of them. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
         FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world.");
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
         TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");

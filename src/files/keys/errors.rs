@@ -66,14 +66,14 @@ const FORM: Key = word::<ErrorForm>(
 
 const FORM_OF_SET: Key = word::<ErrorSetForm>(
     "kind",
-    "signed: errors of one robot, with their signs; tolerance: plus-or-minus values for all robots of a series; measured: errors of one robot from a calibration, with their signs and a covariance of what is uncertain.",
+    "signed: errors of one robot, with their signs; tolerance: plus-or-minus values for all robots of a series; measured: errors of one robot from a calibration, with their signs and a covariance that states their uncertainty.",
 )
 .required();
 
 const SIGMAS: Key = number(
     "sigmas",
     NumberRange::Positive,
-    "Number of standard deviations in the plus-or-minus of a normal distribution.",
+    "Number of standard deviations in the plus-or-minus value of a normal distribution.",
 )
 .default(Literal::Number(Spread::SIGMAS));
 
@@ -110,7 +110,7 @@ key_table! {
 key_table! {
     elastic_term, "an elastic term", "Deflection of a joint by the weight at and beyond the end of a link: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number from 1 or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
-        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose lever counts, from the frame before row `link` to the frame after it: the joint itself or a later one.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its row: the row of the joint or a later one. It leads from the frame before the row to the frame after it.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
         VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
     }
 }
@@ -177,7 +177,7 @@ key_table! {
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
         COST = costs::COST;
-        RANGES = Key::new("measured_ranges", ValueKind::List(&ValueKind::List(&FINITE, (2, 2), "numbers"), (1, MAX_JOINTS), "ranges"), "Least and largest coordinate of every joint among the measured postures, degrees or mm. Map and search say which nodes lie outside.").example("[[-90, 90], [-120, -30]]");
+        RANGES = Key::new("measured_ranges", ValueKind::List(&ValueKind::List(&FINITE, (2, 2), "numbers"), (1, MAX_JOINTS), "ranges"), "Least and largest coordinate of every joint among the measured postures, degrees or mm. `map` and `search` warn of nodes whose joint coordinates lie outside.").example("[[-90, 90], [-120, -30]]");
     }
     rules [
         Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance", "cost", "measured_ranges"] },

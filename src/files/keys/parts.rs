@@ -132,9 +132,9 @@ key_table! {
 
 key_table! {
     placement_tolerance, "a placement tolerance", "Tolerance of a placement.", {
-        X = number_or_zero("x_mm", NumberRange::UpTo(500.0), "Plus-or-minus of x.");
-        Y = number_or_zero("y_mm", NumberRange::UpTo(500.0), "Plus-or-minus of y.");
-        Z = number_or_zero("z_mm", NumberRange::UpTo(500.0), "Plus-or-minus of z.");
-        YAW = number_or_zero("yaw_deg", NumberRange::UpTo(45.0), "Plus-or-minus of the turn about z.");
+        X = number_or_zero("x_mm", NumberRange::UpTo(500.0), "Plus-or-minus value of x.");
+        Y = number_or_zero("y_mm", NumberRange::UpTo(500.0), "Plus-or-minus value of y.");
+        Z = number_or_zero("z_mm", NumberRange::UpTo(500.0), "Plus-or-minus value of z.");
+        YAW = number_or_zero("yaw_deg", NumberRange::UpTo(45.0), "Plus-or-minus value of the turn about z.");
     }
 }

@@ -65,7 +65,7 @@ const MAX_MASS: f64 = 10_000.0;
 
 key_table! {
     mass, "a mass", "Mass of a link, whose weight deflects joints with a compliance.", {
-        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link with which the mass moves: the number of the row before its frame.").required().example("2").remedy("add link = 2, the number of the link");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link with which the mass moves: k is the link whose frame comes after row k.").required().example("2").remedy("add link = 2, the number of the link");
         MASS = number("mass_kg", NumberRange::UpTo(MAX_MASS), "Mass.").required().example("12.5").remedy("add mass_kg = 12.5");
         CENTRE = vector_or_zero("centre_mm", "Centre of mass in the frame of the link.");
     }

@@ -14,7 +14,7 @@ pub enum RotationForm {
     Angles,
     /// Quaternion whose scalar part is the first number.
     ScalarFirst,
-    /// Quaternion of which the names do not say which number is the scalar part.
+    /// Quaternion whose names do not say which number is the scalar part.
     Quaternion,
     /// Nine numbers of a matrix, row by row.
     Matrix,
@@ -111,7 +111,7 @@ impl<'h> TableNames<'h> {
         Ok((joints, unit))
     }
 
-    /// Finds all columns besides those of the joints; these are empty if a second table holds the joints.
+    /// Finds all columns except those of the joints; these are empty if a second table holds the joints.
     ///
     /// # Errors
     ///

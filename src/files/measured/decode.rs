@@ -2,12 +2,12 @@
 
 /// Returns the text of a data file without byte order mark.
 ///
-/// A byte order mark, or a zero in every second byte, tells UTF-16. Bytes that are not UTF-8 are read as
-/// Windows-1252, the encoding of old spreadsheets; only its degree sign and umlauts matter here.
+/// A byte order mark, or a zero in every second byte, identifies UTF-16. Bytes that are not UTF-8 are read
+/// as Windows-1252, the encoding of old spreadsheets; only its degree sign and umlauts matter here.
 ///
 /// # Errors
 ///
-/// Returns why the bytes are no text.
+/// Returns why the bytes are not text.
 pub fn decode(bytes: &[u8]) -> Result<String, String> {
     let text = match bytes {
         [0xff, 0xfe, rest @ ..] => utf_16(rest, u16::from_le_bytes)?,

@@ -22,7 +22,7 @@ const SEPARATORS: [Separator; 5] = [
 /// Beginnings of a line that is a comment.
 const COMMENTS: [&str; 5] = ["#", "%", "//", "!", "'"];
 
-/// Largest number of lines with which separator and width are found.
+/// Largest number of lines from which separator and width are determined.
 const SAMPLE: usize = 60;
 
 /// Least number of numbers in a line of numbers: a position.
@@ -155,7 +155,7 @@ fn numbers(separator: Separator, line: &str) -> usize {
     separator.split(line).into_iter().filter(|field| FieldValue::read(field).number().is_some()).count()
 }
 
-/// Returns the separator of which a line of names has the most.
+/// Returns the separator that occurs most often in a line of names.
 fn separator_of_names(lines: &[&str]) -> Separator {
     let count = |separator: &Separator| lines.iter().map(|line| separator.split(line).len()).max();
     SEPARATORS.into_iter().rev().max_by_key(count).unwrap_or(Separator::Blanks)

@@ -1,7 +1,7 @@
 //! Reader of measured positions: text tables of trackers and controllers, with one row per posture.
 //!
 //! A table may have comments, a preamble, names of columns, and a line of units. Separator and decimal sign
-//! are found out. Names state what a column holds; a table without names has joints first.
+//! are detected. Names state what a column holds; in a table without names, the joints come first.
 
 mod columns;
 mod decode;

@@ -64,7 +64,7 @@ const COMMANDED: [&str; 12] = [
     "ref",
 ];
 
-/// Words for a deviation, which is no coordinate.
+/// Words for a deviation, which is not a coordinate.
 const UNCERTAIN: [&str; 12] =
     ["std", "sigma", "u95", "u", "unc", "uncertainty", "stddev", "rms", "error", "err", "dev", "residual"];
 

@@ -16,7 +16,7 @@ const MISSING: [&str; 9] = ["", "nan", "-", "--", "n/a", "na", "null", "none", "
 /// Units that may follow a number.
 const UNITS: [&str; 6] = ["mm", "deg", "rad", "°", "in", "m"];
 
-/// Size of a number from which it is no measurement.
+/// Magnitude from which a number cannot be a measurement.
 const TOO_LARGE: f64 = 1e15;
 
 impl FieldValue {
@@ -48,7 +48,7 @@ impl FieldValue {
     }
 }
 
-/// Reads a number with a decimal point; words such as inf are none.
+/// Reads a number with a decimal point; words such as inf are not numbers.
 fn plain(text: &str) -> Option<FieldValue> {
     if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
         return None;

@@ -41,7 +41,7 @@ pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
     if alike.len() == 1 { vec![one] } else { alike }
 }
 
-/// Words of a position besides its axis.
+/// Words of a position other than its axis.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 struct PositionGroup {
     origin: ColumnOrigin,
@@ -57,7 +57,7 @@ impl PositionGroup {
     }
 }
 
-/// Words of a vector that is no position.
+/// Words of a vector that is not a position.
 const NO_POSITION: [&str; 18] = [
     "rot",
     "rotation",

@@ -15,7 +15,7 @@ pub const MAX_FAULTS: usize = 20;
 /// Largest number of reflectors of one table.
 const MAX_REFLECTORS: usize = 20;
 
-/// Size from which a number is neither a joint coordinate nor a position in any unit.
+/// Magnitude from which a number is neither a joint coordinate nor a position in any unit.
 const TOO_FAR: f64 = 1e9;
 
 /// Rows of a table, with what was left out.
@@ -83,7 +83,7 @@ struct RowReader<'a, 't> {
     reflectors: Vec<String>,
     /// Number of rows in which no reflector was seen.
     unseen: usize,
-    /// Number of lines without a number, such as names of columns that come again.
+    /// Number of lines without a number, such as repeated names of columns.
     texts: usize,
 }
 

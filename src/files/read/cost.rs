@@ -18,7 +18,7 @@ use crate::units::{mm_from_m, rounded};
 /// Grades of ISO 286 if the file names none.
 const DEFAULT_GRADES: std::ops::RangeInclusive<usize> = 5..=12;
 
-/// Kind of quantity that a parameter is, by which its tolerance is given.
+/// Kind of quantity of a parameter, which determines the unit of its tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CostedUnit {
     Length,
@@ -94,7 +94,7 @@ pub fn read_all(t: &mut Table, parameters: &[CostedParameter]) -> Option<Vec<Tol
         for place in left {
             let own = rest.law.of(&parameters[place], rest.at, t);
             if own.is_none() {
-                break; // One fault says enough of an entry that does not suit the rest.
+                break; // One fault is enough for an entry that does not suit the others.
             }
             costs[place] = own;
         }
@@ -296,7 +296,7 @@ impl StatedLaw {
             }
             Self::Iso { nominal_mm, grades, at: cost, power } => {
                 if *unit != CostedUnit::Length {
-                    let message = format!("`{name}` is no length, so it has no grades of ISO 286");
+                    let message = format!("`{name}` is not a length, so it has no grades of ISO 286");
                     t.error(at, message, "name the lengths in parameters = [...]");
                     return None;
                 }

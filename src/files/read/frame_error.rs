@@ -1,4 +1,4 @@
-//! Readers of frame errors: of the robot's base, tool and joints, and of the placement or fixture of equipment.
+//! Readers of the frame errors of the robot's base, tool and joints, and of the errors of equipment.
 
 use super::cost::{self, CostedParameter, CostedUnit};
 use super::row_order::ErrorRows;

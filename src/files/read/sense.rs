@@ -17,7 +17,7 @@ pub fn read_all(t: &mut Table) -> Vec<Sense> {
     t.named(&cell::SENSE, |name, t| {
         if PLAIN.contains(&name) || name.contains('@') {
             let message = format!("`{}` cannot be the name of a sense", shown(name));
-            t.error(t.at, message, format!("choose one without @ that is none of {}", listed(PLAIN)));
+            t.error(t.at, message, format!("choose a name without @ that is not one of {}", listed(PLAIN)));
         }
         read(name, t)
     })
@@ -89,7 +89,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
             t.miss_one_of(ways, "add for example of = \"xy\", or direction = [0, 0, 1]");
         } else {
             let names: Vec<_> = given.iter().map(|(key, _)| key.name).collect();
-            let message = format!("a term measures one thing, not `{}`", names.join("` and `"));
+            let message = format!("a term has only one of its keys `{}`", names.join("` and `"));
             t.error(t.at, message, "write term = [{ ... }, { ... }], with one of them in each");
         }
         return None;

@@ -36,8 +36,8 @@ pub fn read(t: &mut Table, values: Option<SignedErrors>, arm: ErrorRows<'_>) -> 
     Some(Tolerance { name: values.name, spreads, covariance, costs: costs? })
 }
 
-/// Returns the parameters of a robot whose tolerances may have costs. Those of a covariance have no tolerance of
-/// their own yet.
+/// Returns the parameters of a robot whose tolerances may have costs. Parameters of a covariance have no
+/// tolerance of their own yet.
 fn costed(arm: ErrorRows<'_>, spreads: &[Spread]) -> Vec<CostedParameter> {
     let names = covariance::names_of(arm);
     let each = Parameter::of_robot(arm.axes).zip(spreads).zip(names).map(|((parameter, spread), name)| {
@@ -62,7 +62,7 @@ pub fn read_measured(
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     if let Some(node) = t.get(&error_set::COST) {
-        let message = "measured errors have no `cost`: they are known, and nobody orders them";
+        let message = "measured errors have no `cost`: they are known, so no tolerance can be ordered";
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     let sigmas = t.number(&error_set::SIGMAS);

@@ -260,8 +260,8 @@ fn without(keys: &[&str]) -> Value {
     json!({ "properties": none })
 }
 
-/// Returns the property schemas that forbid negative numbers in lists of numbers, also in nested tables.
-/// Returns None if the table has no such list.
+/// Returns the property schemas that forbid negative numbers in lists of numbers, including those in nested
+/// tables. Returns None if the table has no such list.
 fn not_negative(table: &'static KeyTable) -> Option<Value> {
     let list = json!({ "items": { "minimum": 0 } });
     let rules = table.keys().filter_map(|key| {

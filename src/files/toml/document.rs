@@ -50,7 +50,8 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
-    /// Numbers of errors and warnings among the faults; hostile files ask for them a million times.
+    /// Numbers of errors and warnings among the faults, because hostile files make the reader ask for them
+    /// a million times.
     found: [usize; 2],
     /// Index of the source that holds the settings, and one truth value per setting; None without settings.
     ///

@@ -301,7 +301,8 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
                 continue;
             }
             if let Some(refused) = self.keys.refused_key(key) {
-                // A refused key is given in place of one of several keys: their absence is no second fault.
+                // A refused key is given in place of one of several keys: their absence is not a second
+                // fault.
                 missing.retain(|(names, _)| names.len() == 1);
                 self.lib.error(node.at, refused.message.into(), refused.remedy);
                 continue;

@@ -59,7 +59,8 @@ pub fn numbers(
     values.into_iter().collect()
 }
 
-/// Returns the items of a list. Records a fault if the value is no list, or if the key does not allow its length.
+/// Returns the items of a list. Records a fault if the value is not a list, or if the key does not allow
+/// its length.
 pub fn items<'n>(node: &'n Node, key: &Key, lib: &mut Library) -> Option<&'n [Node]> {
     let (count, noun) = match key.kind.plain() {
         ValueKind::List(_, count, noun) => (*count, *noun),

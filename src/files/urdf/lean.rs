@@ -10,8 +10,9 @@ use std::fmt::Write;
 
 /// Copies the parts of a URDF that are used.
 ///
-/// `meshes` gives new paths; the shape of a mesh without one is left out. Angles that plainly mean right angles get all
-/// digits, and continuous joints the limits with which they are read. `about` becomes a comment.
+/// `meshes` gives new paths; the shape of a mesh without one is left out. Angles that plainly mean right
+/// angles are written with all digits. Continuous joints get the limits with which they are read. `about`
+/// becomes a comment.
 pub fn lean(
     text: &str,
     outline: &UrdfOutline,

@@ -27,7 +27,8 @@ pub struct UrdfOutline {
     pub links: Vec<String>,
     /// Moving joints that are not on the chain, such as those of a gripper.
     pub joints_off: Vec<String>,
-    /// Collision shapes of these links: number of moving joints before the link, and the mesh as named.
+    /// Collision shapes of the links in `links`: the number of moving joints before the link, and the mesh
+    /// as the URDF names it.
     pub shapes: Vec<(usize, Option<String>)>,
 }
 

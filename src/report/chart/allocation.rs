@@ -53,7 +53,11 @@ fn under(d: &AllocationDocument) -> Vec<String> {
     };
     let mut lines = vec![format!("cost {} now, {} with the cheapest", short(d.cost_before), short(cost))];
     lines.extend(d.uniform.map(|u| {
-        format!("uniform tightening costs {}: {} % saved", short(u.cost), rounded(u.saving_percent, 1))
+        format!(
+            "uniform tightening costs {}; the cheapest set saves {} %",
+            short(u.cost),
+            rounded(u.saving_percent, 1)
+        )
     }));
     lines
 }

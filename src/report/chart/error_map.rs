@@ -1,7 +1,7 @@
 //! Picture of the error maps of a layout in plan (Figs. 4 to 7 of the seed paper).
 //!
-//! The colour of a node shows its value, and its arrow shows the x and y components of its error. A symbol on
-//! every unusable node tells why the node cannot be used.
+//! The colour of a node shows its value, and its arrow shows the x and y components of its error. A symbol
+//! on every unusable node shows why the node cannot be used.
 
 use super::canvas::{Anchor, ChartCanvas, Ink, SMALL};
 use super::error_map_legend::{draw_legend, reach_line};
@@ -268,7 +268,8 @@ fn drawn_error(a: &Assessment<'_>, map: &OperationMap, p: &PostureRecord) -> Vec
     error.try_normalize(0.0).map_or(error, |direction| direction * size)
 }
 
-/// Returns the SVG path of the arrow of an error: one arrow, or one either way if the error has no sign.
+/// Returns the SVG path of the arrow of an error: one arrow, or two opposite arrows if the error has no
+/// sign.
 fn arrows(at: (f64, f64), (dx, dy): (f64, f64), is_signed: bool) -> String {
     let there = arrow(at, (dx, dy));
     if is_signed { there } else { there + &arrow(at, (-dx, -dy)) }

@@ -30,7 +30,7 @@ pub(super) fn draw_legend(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     let lens = ErrorView::of(plan.a.cell);
     let what = match lens.is_signed() {
         true => "error in x and y".to_string(),
-        false => format!("{} in x and y, either way along the worst corner", lens.reading_word()),
+        false => format!("{} in x and y, in both directions along the worst corner", lens.reading_word()),
     };
     let canvas = &mut plan.canvas;
     canvas.paragraph(&format!("arrows: {what}, enlarged {} times", scales.enlarged));
@@ -72,7 +72,7 @@ fn draw_colours(plan: &mut ErrorMapPicture<'_>, scales: &MapScales) {
     senses.dedup();
     let unit = cell.unit().word();
     canvas.paragraph(&format!("{} in {}", crate::record::value_word(cell), senses.join(", ")));
-    // What a registration removes is zero but for rounding.
+    // An error that a registration removes is zero except for rounding.
     let is_rounding = |v: f64| v.abs() <= ROUNDING_SHARE * scales.range.1.abs();
     let shown = |v: f64| if is_rounding(v) { 0.0 } else { v };
     let [low, high] = [scales.range.0, scales.range.1].map(|v| format!("{} {unit}", words::figure(shown(v))));

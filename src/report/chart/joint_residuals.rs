@@ -1,4 +1,4 @@
-//! Residuals of a calibration over the coordinate of every joint: what is left shows which joint it depends on.
+//! Residuals of a calibration over the coordinate of every joint: a trend shows on which joint they depend.
 
 use super::axes::{self, AxisScale};
 use super::canvas::{ChartCanvas, EDGE, Ink, LegendEntry};
@@ -17,7 +17,7 @@ const LEAST: usize = 5;
 const LEFT: f64 = 56.0;
 const GAP: f64 = 70.0;
 const HEIGHT: f64 = 150.0;
-/// Inks of the tables, in their order; further tables begin anew.
+/// Inks of the tables, in their order; further tables begin with the first ink again.
 const INKS: [Ink; 5] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Purple, Ink::Vermilion];
 
 /// Position of a panel: joint coordinate in degrees or mm, distance in mm, and the number of its table.
@@ -33,7 +33,7 @@ struct JointDot {
 pub fn joint_residuals(robot: &Robot, sessions: &[MeasuringSession], fitted: &[FittedSession]) -> String {
     let count: usize = sessions.iter().map(|session| session.measured.len()).sum();
     let every = count.div_ceil(MAX_DOTS).max(1);
-    let heading = format!("{}: what the calibration leaves", shown(&robot.name));
+    let heading = format!("{}: residuals of the calibration", shown(&robot.name));
     let mut under = vec!["distance of measured from predicted positions; the line joins medians".to_string()];
     if every > 1 {
         under.push(format!("one of {every} positions is drawn"));

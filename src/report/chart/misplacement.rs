@@ -15,7 +15,7 @@ const ROW: f64 = 24.0;
 /// Draws the change of the value of an operation for 1 mm or 1 degree of each coordinate.
 pub fn misplacement(cell: &Cell, operation: usize, r: &Robustness) -> String {
     let (unit, word) = (cell.unit(), cell.unit().word());
-    let heading = format!("{}: what misplacement changes", cell.operations[operation].name);
+    let heading = format!("{}: sensitivity to misplacement", cell.operations[operation].name);
     let mut canvas = ChartCanvas::new(&heading, &told(cell, operation, r));
     let rows: Vec<(String, Option<f64>)> =
         r.gradient.iter().map(|(slot, slope)| row(cell, *slot, *slope)).collect();
@@ -60,7 +60,7 @@ fn bar(canvas: &mut ChartCanvas, x: &AxisScale, (name, value): (&str, Option<f64
     canvas.text((EDGE + wide, base), Anchor::End, Ink::Text, &words::shortened(name, BODY, wide));
     let zero = x.at(0.0);
     let Some(value) = value else {
-        canvas.label((zero + 7.0, base), Anchor::Start, Ink::Faint, "at the end of reach");
+        canvas.label((zero + 7.0, base), Anchor::Start, Ink::Faint, "at the limit of the reach");
         return;
     };
     let to = x.at(value);
@@ -85,7 +85,7 @@ fn told(cell: &Cell, operation: usize, r: &Robustness) -> Vec<String> {
     };
     let worst = match (&r.worst, r.lost.len()) {
         (_, lost) if lost > 0 => {
-            format!("; LOST at {lost} of {} corners of the placement tolerances", r.corners)
+            format!("; NOT feasible at {lost} of {} corners of the placement tolerances", r.corners)
         }
         (Some(worst), _) => {
             format!("; at the worst corner of the placement tolerances {}", amount(worst.value))
@@ -108,7 +108,7 @@ fn most(largest: &Largest, said: &dyn Fn(f64) -> String) -> String {
     let ended = match &largest.ended {
         None => " (the largest value tried)",
         Some(MisplacementEnd::Limit(_)) => " (then it exceeds its limit)",
-        Some(MisplacementEnd::Lost(_)) => " (then lost)",
+        Some(MisplacementEnd::Lost(_)) => " (then not feasible)",
     };
     said(largest.most) + ended
 }

@@ -23,7 +23,7 @@ pub fn residuals(file: &ComparedFile) -> String {
     let mut drawn: Vec<_> = file.positions.iter().step_by(every).collect();
     // Large residuals are drawn last, so that none is hidden.
     drawn.sort_by(|a, b| a.residual_mm.total_cmp(&b.residual_mm));
-    let heading = format!("{}: what the prediction leaves", shown(&file.file));
+    let heading = format!("{}: residuals of the prediction", shown(&file.file));
     let mut told = vec!["size of measured minus predicted error, base frame of the robot".to_string()];
     if every > 1 {
         told.push(format!("one of {every} positions is drawn"));

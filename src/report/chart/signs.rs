@@ -6,8 +6,8 @@ use crate::error_map::NodeSign;
 use crate::svg_text::{PathEnd, path_data};
 use std::f64::consts::SQRT_2;
 
-/// Returns the symbol that tells why a node cannot be used, centred on a point and about `2 r` wide. Returns
-/// an empty text for a usable node.
+/// Returns the symbol that shows why a node cannot be used, centred on a point and about `2 r` wide.
+/// Returns an empty text for a usable node.
 pub fn sign(sign: NodeSign, at: (f64, f64), r: f64) -> String {
     node_glyph(sign).map_or(String::new(), |glyph| draw_glyph(&glyph, at, r))
 }

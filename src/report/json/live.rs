@@ -102,7 +102,7 @@ fn form_number(slot: Slot, c: &Coordinate) -> FormNumber {
 /// Returns the coordinates of a layout, with the owners and keys that [`form`] gives them.
 pub fn numbers(cell: &Cell, layout: &Layout) -> Value {
     let mut all = NumbersRecord::default();
-    // Making a layout visits every coordinate of the cell.
+    // `Cell::layout` visits every coordinate; only the visits are needed here.
     cell.layout(|slot, coordinate| {
         let owner = match slot {
             Slot::Base(_) => &mut all.robot_base,

@@ -14,9 +14,10 @@ const SHARE: f64 = 0.99;
 /// Returns the section of the shown layout; empty if no operation has a limit, or if the errors are read signed.
 pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The chart shows the cheapest tolerances with which every operation keeps its limit at its spot. A bar to the \
-                left is a tolerance to tighten, a bar to the right one that may be looser. Costs are those of the error set; \
-                without any, a tolerance costs 1 at present and twice as much at half its size.";
+    let text = "The chart shows the cheapest tolerances with which every operation keeps its limit at its \
+    spot. A bar to the \
+                left is a tolerance to tighten, a bar to the right one that may be looser. Costs are \
+                those of the error set; without any, the present tolerance costs 1 and half of it costs 2.";
     let mut section = Section::new("allocation", "Cheapest tolerances", vec![text.into()]);
     if a.cell.reading == Reading::Signed {
         return section;

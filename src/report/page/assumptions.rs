@@ -79,7 +79,8 @@ fn distributions(tolerance: &Tolerance) -> String {
     }
 }
 
-/// Returns the operations whose errors are extrapolated, to follow the description of the errors.
+/// Returns a clause that names the operations whose errors are extrapolated, and that follows the
+/// description of the errors.
 fn extrapolated(subject: &Subject<'_>) -> String {
     let a = subject.shown();
     let said = a.maps.iter().filter_map(|map| {

@@ -156,8 +156,8 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns whether figures of a layout rest on the linearized model: by choice of the cell, or by a reading of
-/// tolerances where the two models differ by more than the guard.
+/// Returns whether figures of a layout depend on the linearized model. They do if the cell chooses it, or
+/// if a reading of tolerances uses it where the two models differ by more than the guard.
 fn rests_on_linearized(a: &Assessment<'_>) -> bool {
     let differs = || a.maps.iter().any(|map| map.off(Model::Linear, a.cell.guard).1 > 0);
     a.cell.model != Model::Nonlinear || (a.cell.reading != Reading::Signed && differs())
@@ -193,7 +193,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
         bound_in_words(found, subject)
     ));
     let row = |(n, value): &(u64, f64)| vec![n.to_string(), format!("{:.6}", rounded(*value, 6))];
-    // The first improvement and the last ones tell enough; the chart shows all.
+    // The table has only the first improvement and the last ones; the chart shows all.
     let skipped = found.trace.len().saturating_sub(MAX_IMPROVEMENTS);
     let kept = found.trace.iter().enumerate().filter(|(k, _)| *k == 0 || *k > skipped);
     let rows: Vec<_> = kept.map(|(_, improvement)| row(improvement)).collect();

@@ -1,4 +1,4 @@
-//! Section that shows measured positions beside the predicted errors.
+//! Section that compares measured positions with the predicted errors.
 
 use super::content::{NOTHING, PageFigure, PageTable, Section};
 use super::subject::Subject;
@@ -9,9 +9,10 @@ use crate::units::{percent_from_share, rounded};
 
 /// Returns the section on measured positions; empty if the report has none.
 pub fn section(subject: &Subject<'_>) -> Section {
-    let text = "An instrument has measured positions of this robot. The errors of the cell predict how far each measured \
-                position is from the nominal one. Base and reflectors are fitted with the nominal arm, and what this fit \
-                takes up is left out of the prediction, too.";
+    let text = "An instrument has measured positions of this robot. The errors of the cell predict how \
+    far each measured \
+                position is from the nominal one. Base and reflectors are fitted with the nominal arm, \
+                and the part of the error that this fit absorbs is left out of the prediction, too.";
     let mut section = Section::new("measured", "Measured against predicted", vec![text.into()]);
     let files = &subject.measured;
     if files.is_empty() {
@@ -76,8 +77,10 @@ fn figures(files: &[ComparedFile]) -> PageTable {
         "AP mm",
         "RP mm",
     ];
-    let note = "The rank correlation is Spearman's, of predicted and measured size. At best spot is the measured error at \
-                the spot with the least predicted error. AP and RP are the largest of all repeated postures (ISO 9283).";
+    let note = "The rank correlation is Spearman's, of predicted and measured size. At best spot is the \
+    measured error at \
+                the spot with the least predicted error. AP and RP are the largest of all repeated \
+                postures (ISO 9283).";
     PageTable::new("Measured and predicted in numbers", &head, files.iter().map(row).collect())
         .with_note(note)
 }

@@ -23,7 +23,7 @@ pub struct Subject<'a> {
     pub best: Option<Assessment<'a>>,
     /// Result of the search, from search.json.
     pub found: Option<SearchResult>,
-    /// Measured positions beside the predicted errors, one entry for each file.
+    /// Comparison of measured positions with the predicted errors, one entry for each file.
     pub measured: Vec<ComparedFile>,
     pub manifest: Manifest,
     /// Warnings from loading the files.

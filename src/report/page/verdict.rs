@@ -231,7 +231,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
             let why = "no bound of its error over all misplacements is known";
             ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
-        // The limit of a cost is that of the tightest tolerances.
+        // Where the objective is a cost, the limit stands for the figure with the tightest tolerances.
         true if unit == Unit::Cost => (
             "met",
             format!("{name} keeps its limit; the tightest tolerances would have {limit}"),

@@ -11,7 +11,7 @@ use crate::report::sheet::ink::TextStyle;
 use crate::report::sheet::title::{BlockEntries, block, layout_name};
 use crate::report::sheet::{Paper, PaperSheet, SheetNumber};
 
-/// Top of the page and its lowest point above the title block, mm.
+/// Top of the content, and its lowest point above the title block, mm.
 const TOP: f64 = 13.0;
 const BOTTOM: f64 = 244.0;
 /// Share of the width of the frame that the content takes.
@@ -103,7 +103,7 @@ fn placements(verdict: &VerdictDocument) -> PageTable {
     let row = |placed: &VerdictPlacement| {
         let at = &placed.at;
         let room = |room: Option<f64>, scale: f64| match room {
-            // A room that is rounded up would not hold.
+            // A room that is rounded up may not be feasible.
             Some(room) => format!("{}", (room * scale).floor() / scale),
             None => NOTHING.into(),
         };
@@ -119,14 +119,14 @@ fn placements(verdict: &VerdictDocument) -> PageTable {
         ]
     };
     let head = [
-        "stands at, from the robot base",
+        "placement from the robot base",
         "x mm",
         "y mm",
         "z mm",
         "yaw deg",
         "room mm",
         "room deg",
-        "room ends where",
+        "room is limited by",
     ];
     PageTable::new("Placements", &head, verdict.placements.iter().map(row).collect())
 }

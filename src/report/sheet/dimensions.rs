@@ -64,7 +64,8 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
 
 /// Returns the tolerances of a corner that keep the frame within its own at every allowed yaw, m.
 ///
-/// A yaw error d moves the frame by d times its distance from the corner, so the corner may be off by so much less.
+/// A yaw error d moves the frame by d times its distance from the corner, and the tolerance of the corner
+/// is smaller by this amount.
 fn of_corner(given: &[f64; 4], at: &Placement, corner: &Vector2<f64>) -> [Option<f64>; 2] {
     let arm = Vector2::new(at.x, at.y) - corner;
     let left = [given[0] - given[3] * arm.y.abs(), given[1] - given[3] * arm.x.abs()];
@@ -180,7 +181,7 @@ fn angle(
         let heads = head(a, at_start) + &head(b, at_end);
         let _ = writeln!(out, "<path d=\"{heads}\" fill=\"{BLACK}\"/>");
     }
-    // The number stands beside the arc where nothing else does.
+    // The number stands beside the arc, at a free place.
     let wide = NUMBER.width(&said);
     // Beside a small angle the edge of the piece would cross the number.
     let lifts =

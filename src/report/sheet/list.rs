@@ -1,4 +1,4 @@
-//! List of placements beside the views of a sheet: corners, frames, tolerances, spots and room.
+//! List of placements next to the views of a sheet: corners, frames, tolerances, spots and room.
 
 use super::arrangement::{Arrangement, BLOCK};
 use super::dimensions::{Mark, marks};
@@ -170,7 +170,7 @@ fn room(drawing: &Drawing<'_>) -> Vec<ListLine> {
     }
     let what = ["", "", "", "", "any way", "turn"];
     let mut all = vec![ListLine::head("room to place (filled: where the frame may be)", what, "")];
-    // A room that is rounded up would not hold.
+    // A room that is rounded up may not be feasible.
     let down = |value: f64, scale: f64| (value * scale).floor() / scale;
     for region in &drawing.regions {
         let room = region.room.map_or("-".into(), |room| format!("{:.1} mm", down(mm_from_m(room), 10.0)));

@@ -25,7 +25,7 @@ impl SheetNumber {
     }
 }
 
-/// Entries of a title block beside those of the cell file.
+/// Entries of a title block other than those of the cell file.
 pub struct BlockEntries<'a> {
     pub cell: &'a Cell,
     pub sheet: SheetNumber,

@@ -118,7 +118,7 @@ fn costs(d: &AllocationDocument) -> String {
     let _ = match &d.uniform {
         Some(u) => writeln!(
             out,
-            "  uniform tightening to {} of each tolerance costs {}: the cheapest saves {} %",
+            "  uniform tightening to {} of each tolerance costs {}; the cheapest set saves {} %",
             fixed(u.scale, 4),
             fixed(u.cost, 6),
             fixed(u.saving_percent, 1)
@@ -170,7 +170,8 @@ fn judgement(d: &AllocationDocument) -> String {
     if j.missed_percent > 1e-4 {
         let _ = writeln!(
             out,
-            "  the first solution exceeded a limit by {} % by the {model} model; {} rounds closed this",
+            "  the first solution exceeded a limit by {} % by the {model} model; {} further rounds \
+            corrected this",
             fixed(j.missed_percent, 4),
             j.rounds
         );
@@ -178,7 +179,7 @@ fn judgement(d: &AllocationDocument) -> String {
     if j.sampled_rounds > 0 {
         let _ = writeln!(
             out,
-            "  samples refuted the first-order figures, so {} rounds tightened more",
+            "  samples refuted the first-order figures, so {} rounds tightened the tolerances further",
             j.sampled_rounds
         );
     }

@@ -28,7 +28,7 @@ pub fn answer(a: &Assessment<'_>) -> String {
 /// Returns the table of placements, seen from the robot base.
 fn placements(a: &Assessment<'_>) -> String {
     let mut table = TextTable::new(1);
-    table.row(["stands at, from the robot base", "x mm", "y mm", "z mm", "yaw deg"]);
+    table.row(["placement from the robot base", "x mm", "y mm", "z mm", "yaw deg"]);
     let base_moves = a.cell.base.iter().any(Coordinate::is_free);
     if base_moves {
         table.row(row("robot base (world)", &a.layout.base));
@@ -60,7 +60,7 @@ fn operations(a: &Assessment<'_>) -> String {
     if certified {
         head.push("misplaced at most".into());
     }
-    // The limit of a cost is that of the tightest tolerances.
+    // Where the objective is a cost, the limit stands for the figure with the tightest tolerances.
     let limit = if unit == Unit::Cost { "tightest" } else { "limit" };
     head.extend([limit.to_string(), "requirement".into()]);
     table.row(head);
@@ -77,14 +77,21 @@ fn operations(a: &Assessment<'_>) -> String {
     table.render() + &buildability::verdict(a)
 }
 
-/// Returns the room of every piece, what ends it, and the rotation of the whole cell; empty without regions.
+/// Returns the room of every piece, what limits it, and the rotation of the whole cell; empty without
+/// regions.
 fn room(a: &Assessment<'_>) -> String {
     let regions = RegionEntry::all(a);
     if regions.is_empty() {
         return String::new();
     }
     let mut table = TextTable::new(1);
-    table.row(["room to place, spots kept", "mm", "deg", "z mm from the base", "yaw deg from the base"]);
+    table.row([
+        "room to place at the same spots",
+        "mm",
+        "deg",
+        "z mm from the base",
+        "yaw deg from the base",
+    ]);
     let from_to = |[least, most]: [f64; 2]| match least == most {
         true => least.to_string(),
         false => format!("{least} to {most}"),
@@ -104,7 +111,7 @@ fn room(a: &Assessment<'_>) -> String {
     }
     let mut out = table.render();
     for RegionEntry { equipment, ends_with, .. } in &regions {
-        let _ = writeln!(out, "  beyond the room of {}: {}", shown(equipment), ends_with);
+        let _ = writeln!(out, "  the room of {} is limited by {}", shown(equipment), ends_with);
     }
     if let Some(turn) = TurnEntry::new(a) {
         out.push_str(&whole_cell(&turn));
@@ -116,7 +123,8 @@ fn room(a: &Assessment<'_>) -> String {
 fn whole_cell(turn: &TurnEntry) -> String {
     let [least, most] = turn.turn_deg;
     format!(
-        "the whole cell may be turned about the base axis by {least} to {most} deg with the same errors; then: {}\n",
+        "the whole cell may be turned about the base axis by {least} to {most} deg with the same \
+        errors; limited by {}\n",
         turn.ends_with
     )
 }

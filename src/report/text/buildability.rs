@@ -25,7 +25,7 @@ pub fn certificate(a: &Assessment<'_>) -> String {
     });
     let worst: Vec<String> = worst.collect();
     format!(
-        "{}: certified to work everywhere within the placement tolerances; there {}\n",
+        "{}: certified to work everywhere within the placement tolerances; worst values: {}\n",
         a.label,
         worst.join(", ")
     )

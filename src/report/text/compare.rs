@@ -135,7 +135,7 @@ fn worth_rows(table: &mut TextTable, k: usize, columns: &[Assessment<'_>]) {
     }
 }
 
-/// Describes whether a limit is met, and by which margin. A cost has none: the tightest tolerances are no limit of it.
+/// Describes whether a limit is met, and by which margin. An objective that is a cost has no margin.
 pub fn margin(unit: Unit, r: Requirement) -> String {
     if !r.known {
         "not guaranteed: no bound over the misplacements is known".into()

@@ -47,7 +47,7 @@ pub fn correction(document: &CorrectionDocument) -> String {
         out.push_str(&joints.render());
         out.push_str("\nPose commands for the controller, base frame, mm and deg (Rz Ry Rx)\n");
         out.push_str(&poses.render());
-        out.push_str("\nErrors of the TCP: without correction, and what remains\n");
+        out.push_str("\nErrors of the TCP without correction, and with it\n");
         out.push_str(&errors.render());
     }
     let refused = document.targets.iter().filter(|t| t.state != CorrectionState::Corrected);

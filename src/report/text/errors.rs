@@ -30,7 +30,7 @@ pub fn presets(presets: &[ErrorPreset]) -> String {
 pub fn errors(document: &ErrorsDocument) -> String {
     let heading = match document.guess {
         true => document.source.clone(),
-        false => format!("error set {} as it is in the robot file", shown(&document.origin_name)),
+        false => format!("error set {}, unchanged from the robot file", shown(&document.origin_name)),
     };
     let mut out = format!("{}: {heading}\n\n", shown(&document.robot));
     out.push_str(&accuracy(document));
@@ -89,7 +89,7 @@ fn cube(document: &ErrorsDocument) -> String {
     let size = if cube.is_standard { "" } else { ", smaller than any of the standard" };
     let spin = match cube.spin_deg {
         Some(spin) => format!("spin {} deg", fixed(spin, 1)),
-        None => "spin as the arm has it".into(),
+        None => "spin dictated by the arm".into(),
     };
     let mut out = format!(
         "\nTest cube: edge {} mm{size}, centre x {x} y {y} z {z} mm in the base frame; tool elevation {} deg, \

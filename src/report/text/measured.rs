@@ -1,4 +1,4 @@
-//! Text of measured positions beside the predicted errors of a cell.
+//! Text of the comparison of measured positions with the predicted errors of a cell.
 
 use super::table::TextTable;
 use super::{fixed, percent1};

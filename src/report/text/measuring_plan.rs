@@ -32,10 +32,10 @@ pub fn measuring_plan(document: &MeasuringPlanDocument) -> String {
     // Writing to a String cannot fail.
     let _ = writeln!(
         out,
-        "\nExpected rms error of predicted positions at {} nodes of the operations, after registration of the \
-         base: {} mm before, {} mm after these poses ({} mm after {} poses that only fill the joint space). What \
-         the {} unknowns do not explain comes on top; assumed are {} mm per axis that nearby poses share, and {} \
-         mm of each pose.",
+        "\nExpected rms error of predicted positions at {} nodes of the operations, after registration \
+        of the base: {} mm without a measurement, {} mm with these poses, {} mm with {} poses that only \
+        fill the joint space. The error that the {} unknowns do not explain is not included; it is assumed \
+        as {} mm per axis that nearby poses share, and {} mm of each pose.",
         expected.nodes,
         fixed(expected.before_mm, 3),
         fixed(expected.after_mm, 3),

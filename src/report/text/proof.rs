@@ -17,7 +17,7 @@ pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
     if let Some(gap) = gap {
         let gap = gap.max(0.0);
         let gap = if gap < 1e-3 { format!("{:.3} %", 100.0 * gap) } else { percent1(gap) };
-        let _ = write!(out, "; the best found is within {gap} of it");
+        let _ = write!(out, "; the best found is {gap} above it");
     }
     let _ = writeln!(out, "\n  the bound covers {covers}");
     if workcell.certifies() {

@@ -55,9 +55,7 @@ pub fn remedies(document: &RemediesDocument) -> String {
         }
     }
     row(&mut table, "total", &format!("objective {unit}"), &|c| number(c.objective));
-    row(&mut table, "", "less than as it stands %", &|c| {
-        c.gain_percent.map_or("-".into(), |gain| fixed(gain, 1))
-    });
+    row(&mut table, "", "reduction %", &|c| c.gain_percent.map_or("-".into(), |gain| fixed(gain, 1)));
     let mut out = format!(
         "{}: {}, errors {}: calibrate, move, or both\n\n{}",
         shown(&document.cell),

@@ -9,8 +9,8 @@ use crate::record::value_word;
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
-/// Largest number of lost corners that are listed. A corner of the box of placement tolerances is lost if the
-/// operation cannot be done there.
+/// Largest number of lost corners that are listed. A corner of the box of placement tolerances is lost if
+/// the operation is not feasible there.
 const MAX_LOST_SHOWN: usize = 3;
 
 /// Returns the effect of misplacement on each operation of a layout; empty if misplacement was not computed.
@@ -52,10 +52,10 @@ pub fn robust_lines(cell: &Cell, k: usize, r: &Robustness) -> Vec<String> {
         ));
     }
     for lost in r.lost.iter().take(MAX_LOST_SHOWN) {
-        lines.push(format!("LOST at {}: {}", moves(cell, &lost.moves), lost.status.reason(cell)));
+        lines.push(format!("NOT feasible at {}: {}", moves(cell, &lost.moves), lost.status.reason(cell)));
     }
     if r.lost.len() > MAX_LOST_SHOWN {
-        lines.push(format!("LOST at {} of {} corners in all", r.lost.len(), r.corners));
+        lines.push(format!("NOT feasible at {} of {} corners in all", r.lost.len(), r.corners));
     }
     lines.push(format!("gradient: {}", slopes(cell, r)));
     let has_limit = cell.operations[k].limit.is_some() && cell.unit().is_error();

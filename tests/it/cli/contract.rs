@@ -26,7 +26,7 @@ fn success_exits_0_with_data_on_stdout_and_notes_on_stderr() {
     }
     // The search reports the best layout and where it wrote it.
     let again = shop.done(&["search", CELL, "--budget", "2000", "--out", "again"]);
-    assert!(again.out.contains("% less error than the start"), "{}", again.out);
+    assert!(again.out.contains("% lower than that of the start"), "{}", again.out);
     assert!(again.err.contains("wrote again: "), "{}", again.err);
 }
 

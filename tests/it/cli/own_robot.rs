@@ -206,7 +206,11 @@ fn a_mesh_that_cannot_be_read_is_left_out_with_its_reason() {
     // A URDF does not take other files of the machine into the cell.
     let shop = with_package(&arm().replace("package://own_arm/meshes/base.stl", "file:///etc/hostname"));
     let ran = shop.done(&["init", URDF, "--out", "out"]);
-    assert!(ran.err.contains("it is no STL or OBJ file") || ran.err.contains("no such file"), "{}", ran.err);
+    assert!(
+        ran.err.contains("it is not an STL or OBJ file") || ran.err.contains("no such file"),
+        "{}",
+        ran.err
+    );
     assert!(shop.files("out/robots").iter().all(|file| !file.starts_with("meshes")));
 }
 

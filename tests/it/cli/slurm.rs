@@ -134,12 +134,12 @@ fn an_interrupted_command_goes_on_with_the_job() {
     assert!(Command::new("kill").args(["-TERM", &first.id().to_string()]).status().unwrap().success());
     let ended = ran(first.wait_with_output().unwrap());
     assert_eq!((ended.code, ended.out.as_str()), (Some(130), ""), "{}", ended.err);
-    assert!(ended.err.contains("note: the job goes on; scancel ends it"), "{}", ended.err);
+    assert!(ended.err.contains("note: the job continues; scancel ends it"), "{}", ended.err);
     assert!(ended.err.contains("next: sweetspot sweep --resume swept --on slurm"), "{}", ended.err);
     let again = ["sweep", "--resume", "swept", "--on", "slurm", "--chunk", "3"];
     let mut second = submission(&shop, &again).spawn().unwrap();
     let mut lines = BufReader::new(second.stderr.take().unwrap()).lines();
-    let said = lines.find(|line| line.as_ref().unwrap().contains("job 1 of an earlier command goes on"));
+    let said = lines.find(|line| line.as_ref().unwrap().contains("job 1 of an earlier command continues"));
     std::fs::remove_file(shop.path("wait")).unwrap();
     lines.for_each(drop);
     assert_eq!(second.wait().unwrap().code(), Some(0));

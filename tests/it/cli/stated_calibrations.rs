@@ -240,7 +240,7 @@ fn wrong_calibrations_are_refused_with_their_place() {
         &good.replacen("x: 0", "x: .nan", 1),
         &["not a number of m or rad"],
     );
-    refused(&["ur10", "h.yaml", "a.yaml"], "h.yaml", &good, &["give it alone"]);
+    refused(&["ur10", "h.yaml", "a.yaml"], "h.yaml", &good, &["give no other file with it"]);
     refused(
         &["ur10", "a.conf"],
         "a.conf",

@@ -9,14 +9,14 @@ use crate::report::page::Subject;
 
 /// Writes the PDF, which shows the whole report.
 pub fn print_out(a: &ExportArguments) -> Result<(), Exit> {
-    // With flags or --start, a result folder stands for the layout in a file of its own.
+    // With flags or --start, the argument is replaced by the file of the layout in the result folder.
     let of =
         if a.start || !a.question.words().is_empty() { cell_file(&a.of, a.start)? } else { a.of.clone() };
     let read = ReportSource::read(&of, &a.packages, &a.question)?;
     let workcell = workcell(read.loaded.cell.clone(), &read.file)?;
     let mut subject = read.subject(&workcell)?;
     if subject.found.is_none() {
-        // The pages do not depend on the name of the file.
+        // The pages must not depend on the name of the output file.
         subject.manifest.command = without_out(subject.manifest.command);
     }
     let operation = posture(subject.shown(), a.posture.as_deref())?;

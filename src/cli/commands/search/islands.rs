@@ -76,7 +76,7 @@ fn publish(
         (0..sweep.plan.combinations).map(|k| read(sweep, workcell, k)).collect::<Result<Vec<_>, _>>()?;
     let Some(proof) = &sweep.proof else { return Err(Exit::Io) };
     let Some(record) = merged(workcell, &islands, proof.bound) else { return Err(Exit::Io) };
-    // Every worker states the command of the worker that wrote the plan.
+    // Every worker records the command line of the worker that wrote the plan.
     let author = stored_plan(&sweep.folder)?;
     let run = RunDescription { command: author.command(), settings: author.island_flags.unwrap_or_default() };
     let outcome = SearchOutcome::new(workcell, &record, proof, IslandEntry::all(&workcell.cell, &islands));

@@ -88,7 +88,11 @@ impl<'a> SearchOutcome<'a> {
                 Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
                 Some(change) => {
                     let word = objective_word(cell);
-                    format!("gain: the best layout has {:.1} % less {word} than the start", -change)
+                    format!(
+                        "gain: the {word} of the best layout is {:.1} % lower than that of the \
+                    start",
+                        -change
+                    )
                 }
                 None => "the start layout is infeasible, the best layout is feasible".to_string(),
             },

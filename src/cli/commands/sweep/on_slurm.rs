@@ -20,10 +20,10 @@ const RETRIES: usize = 3;
 /// Time that a task should take, s. The scheduling of a task costs about one second.
 const TASK_SECONDS: f64 = 60.0;
 
-/// Time between two looks at the files.
+/// Time between two checks of the files.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// Time between two questions to Slurm.
+/// Time between two queries to Slurm.
 const ASK: Duration = Duration::from_secs(3);
 
 /// Writes script and list of the first job, and shows the script.
@@ -38,7 +38,7 @@ pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, options: ArrayOpti
 
 /// Submits the missing combinations and waits for their files. Submits again what is missing after the job.
 ///
-/// Returns early if a signal stops this program; the job goes on.
+/// Returns early if a signal stops this program; the job continues.
 pub fn run_on_slurm(
     sweep: &CheckedSweep,
     missing: Vec<usize>,
@@ -49,7 +49,7 @@ pub fn run_on_slurm(
     if let Some(id) = ArrayJob::next(&sweep.folder)?.id_of_previous()
         && queue_state(&id) == Ok(QueueState::Queued)
     {
-        output::talk(&format!("job {id} of an earlier command goes on"));
+        output::talk(&format!("job {id} of an earlier command continues"));
         run.follow(&id);
     }
     for _ in 0..=RETRIES {
@@ -66,7 +66,7 @@ pub fn run_on_slurm(
     run.bar.finish_and_clear();
     let status = state(&sweep.folder, sweep.plan.combinations);
     if run.is_stopped() {
-        output::talk("note: the job goes on; scancel ends it");
+        output::talk("note: the job continues; scancel ends it");
         return Ok(());
     }
     if run.missing.is_empty() {
@@ -173,7 +173,7 @@ impl<'s> ClusterRun<'s> {
     }
 }
 
-/// Returns the mean time of a finished combination, s. Processes one here if none is finished.
+/// Returns the mean time of a finished combination, s. If none is finished, processes one on this machine.
 fn measured(sweep: &CheckedSweep, missing: &[usize], lease: u16) -> Result<f64, Exit> {
     let mean = || state(&sweep.folder, sweep.plan.combinations).mean_seconds();
     let first = missing.first().copied();

@@ -51,7 +51,7 @@ struct SharedRun<'s> {
     work: SharedWork<'s>,
     /// Number of combinations that were missing at the start.
     total: usize,
-    /// Time between two looks at the claims of others.
+    /// Time between two checks of the claims of others.
     pause: Duration,
     /// Whether the worker has reported that it waits.
     told: AtomicBool,

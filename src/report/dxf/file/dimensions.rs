@@ -89,7 +89,7 @@ impl DxfFile {
             file.text(layer, &below, &said, (0.0, true));
         });
         let arc = at(angle / 2.0, radius);
-        // Bit 128: the text does not stand where the program would put it.
+        // Bit 128: the text has a position of its own.
         let out = self.begun_dimension(layer, (&name, &arc, place), 5 | 128, after);
         out.real(42, angle.abs());
         out.put(100, "AcDb3PointAngularDimension");

@@ -22,7 +22,7 @@ impl DxfFile {
         [centre - half, centre + half].iter().for_each(|p| self.seen(p));
     }
 
-    /// Writes a triangle. `hidden` tells for each edge, from a corner to the next one, whether it is
+    /// Writes a triangle. `hidden` states for each edge, from a corner to the next one, whether it is
     /// invisible.
     pub fn face(&mut self, layer: &str, corners: &[Vector3<f64>; 3], hidden: [bool; 3]) {
         let out = self.entity("3DFACE", layer);

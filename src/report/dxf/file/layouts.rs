@@ -31,7 +31,7 @@ impl DxfFile {
         out.length(45, height);
         [46, 47, 48, 49, 140, 141].into_iter().for_each(|code| out.real(code, 0.0));
         [142, 143].into_iter().for_each(|scale| out.real(scale, 1.0));
-        // Bit 1024 marks model space; 5 plots the layout, 0 what is displayed.
+        // Bit 1024 marks model space. Plot type 5 plots the layout, and 0 what is displayed.
         out.put(70, if is_paper { 0 } else { 1024 });
         // Millimetres, not rotated.
         out.put(72, 1);

@@ -64,12 +64,12 @@ function showOperations({ operations, unit }) {
 }
 
 /**
- * Shows how far each piece may be displaced and turned, and what ends its room.
+ * Shows how far each piece may be displaced and turned, and what limits its room.
  * @param {RoomRecord | null} room `null` while the room is not known
  */
 function showRoom(room) {
   if (!room || room.regions.length === 0) {
-    byId("room").replaceChildren(room ? "No room to place: the layout does not hold." : "");
+    byId("room").replaceChildren(room ? "No room to place: the layout is infeasible or misses a limit." : "");
     return;
   }
   const cells = (/** @type {"td" | "th"} */ tag, /** @type {string[]} */ texts) =>
