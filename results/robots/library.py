@@ -1,0 +1,84 @@
+"""Prints the table of the built-in arms: inverse kinematics, reach, and seconds to a first map.
+
+    cargo build --release && python3 results/robots/library.py target/release/sweetspot
+
+The reach is that of `sweetspot envelope --bend 0`: the greatest distance from the base axis with the tool
+horizontal, of the flange, and of the wrist centre where the last axes meet in a point. An envelope of an
+arm without a closed form takes minutes, so it is left out. The stated reach is a fact of its source.
+"""
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from pathlib import Path
+
+NAME = "name of the model"
+XACRO = "name of the package's file"
+MANUAL = "technical specifications in the maker's user manual (ufactory_doc_usermanual)"
+UR = "table of models in api-evangelist/universal-robots"
+# Stated reach, mm, and where it is stated.
+STATED = {
+    "abb_irb120": (580, XACRO),
+    "abb_irb1200": (900, NAME),
+    "abb_irb4600": (2050, NAME),
+    "abb_irb6700": (2600, NAME),
+    "doosan_m1013": (1300, NAME),
+    "kuka_iiwa14": (820, NAME),
+    "kuka_kr10_r1100": (1100, NAME),
+    "kuka_kr150_r3100_2": (3100, NAME),
+    "kuka_kr6_r900": (900, NAME),
+    "techman_tm5_900": (900, NAME),
+    "ufactory_xarm6": (700, MANUAL),
+    "ur16e": (900, UR),
+    "ur20": (1750, UR),
+    "ur3e": (500, UR),
+}
+MAKERS = {"denso": "DENSO", "motoman": "Yaskawa", "ufactory": "UFACTORY", "ur": "Universal Robots"}
+STEP = "50"
+
+
+def maker(robot, name):
+    word = robot.split("_")[0]
+    return MAKERS.get(re.sub(r"\d+e?$", "", word), name.split()[0])
+
+
+def main(program):
+    program = str(Path(program).resolve())
+
+    def ran(*arguments, folder=None):
+        run = subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True, check=True)
+        return run.stdout
+
+    def reach(path):
+        size = json.loads(ran("envelope", str(path), "--bend", "0", "--step", STEP, "--json"))["size"]
+        return f"{size['radius_mm'][1]:.0f}"
+
+    print("| robot | maker | axes | inverse kinematics | flange mm | wrist centre mm | stated mm | stated by | s |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for robot in json.loads(ran("robots", "--json"))["robots"]:
+        name, family = robot["robot"], robot["family"]
+        with tempfile.TemporaryDirectory() as folder:
+            start = time.monotonic()
+            ran("init", name, "--out", "cell", folder=folder)
+            ran("map", "cell/cell.toml", folder=folder)
+            seconds = time.monotonic() - start
+            path = Path(folder, "cell", "robots", f"{name}.toml")
+            file = tomllib.loads(path.read_text())
+            flange = centre = "-"
+            if "numeric" not in family and "free" not in family and "joint" in file:
+                flange = reach(path)
+                if "meet in a point" in family:
+                    back = -file["joint"][-1]["r_mm"]
+                    text = re.sub(r"(?m)^position_mm = .*$", f"position_mm = [0, 0, {back}]", path.read_text())
+                    path.write_text(text)
+                    centre = reach(path)
+        stated, source = STATED.get(name, ("-", "-"))
+        cells = [name, maker(name, robot["name"]), robot["axes"], family, flange, centre, stated, source]
+        print("|", " | ".join(map(str, [*cells, f"{seconds:.1f}"])), "|", flush=True)
+
+
+main(sys.argv[1])
