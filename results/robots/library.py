@@ -2,9 +2,10 @@
 
     cargo build --release && python3 results/robots/library.py target/release/sweetspot
 
-The reach is that of `sweetspot envelope --bend 0`: the greatest distance from the base axis with the tool
-horizontal, of the flange, and of the wrist centre where the last axes meet in a point. An envelope of an
-arm without a closed form takes minutes, so it is left out. The stated reach is a fact of its source.
+*Down* is the greatest distance of the flange from the base axis with the tool down, as `sweetspot robot`
+prints it; of an arm with a spherical wrist it is that of the wrist centre, which most makers state. *Level*
+is that with the tool horizontal (`sweetspot envelope --bend 0 --step 50`). Envelopes of redundant arms and
+of arms without a closed form take long, so they are left out. The stated reach is a fact of its source.
 """
 
 import json
@@ -13,7 +14,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import tomllib
 from pathlib import Path
 
 NAME = "name of the model"
@@ -38,7 +38,6 @@ STATED = {
     "ur3e": (500, UR),
 }
 MAKERS = {"denso": "DENSO", "motoman": "Yaskawa", "ufactory": "UFACTORY", "ur": "Universal Robots"}
-STEP = "50"
 
 
 def maker(robot, name):
@@ -53,11 +52,7 @@ def main(program):
         run = subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True, check=True)
         return run.stdout
 
-    def reach(path):
-        size = json.loads(ran("envelope", str(path), "--bend", "0", "--step", STEP, "--json"))["size"]
-        return f"{size['radius_mm'][1]:.0f}"
-
-    print("| robot | maker | axes | inverse kinematics | flange mm | wrist centre mm | stated mm | stated by | s |")
+    print("| robot | maker | axes | inverse kinematics | down mm | level mm | stated mm | stated by | s |")
     print("|---|---|---|---|---|---|---|---|---|")
     for robot in json.loads(ran("robots", "--json"))["robots"]:
         name, family = robot["robot"], robot["family"]
@@ -66,18 +61,14 @@ def main(program):
             ran("init", name, "--out", "cell", folder=folder)
             ran("map", "cell/cell.toml", folder=folder)
             seconds = time.monotonic() - start
-            path = Path(folder, "cell", "robots", f"{name}.toml")
-            file = tomllib.loads(path.read_text())
-            flange = centre = "-"
-            if "numeric" not in family and "free" not in family and "joint" in file:
-                flange = reach(path)
-                if "meet in a point" in family:
-                    back = -file["joint"][-1]["r_mm"]
-                    text = re.sub(r"(?m)^position_mm = .*$", f"position_mm = [0, 0, {back}]", path.read_text())
-                    path.write_text(text)
-                    centre = reach(path)
+        sheet = json.loads(ran("robot", name, "--json"))["envelope"]
+        down = level = "-"
+        if sheet:
+            down = f"{sheet['size']['radius_mm'][1]:.0f}"
+            level = ran("envelope", name, "--bend", "0", "--step", "50", "--json") if robot["axes"] > 5 else ""
+            level = f"{json.loads(level)['size']['radius_mm'][1]:.0f}" if level else "-"
         stated, source = STATED.get(name, ("-", "-"))
-        cells = [name, maker(name, robot["name"]), robot["axes"], family, flange, centre, stated, source]
+        cells = [name, maker(name, robot["name"]), robot["axes"], family, down, level, stated, source]
         print("|", " | ".join(map(str, [*cells, f"{seconds:.1f}"])), "|", flush=True)
 
 

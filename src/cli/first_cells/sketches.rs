@@ -55,7 +55,12 @@ const fn bench(robot: &'static str, about: &'static str, of: [i32; 6]) -> Sketch
 /// and the conveyor at (`x`, -`y` / 2), mm in the world frame.
 const fn hall(robot: &'static str, about: &'static str, [pedestal, x, y, z, within]: [i32; 5]) -> Sketch {
     let table = stand("worktable", (0, y, z), 0, within).ranging(z - 200, z + 200);
-    sketch([robot, about, robot, "placeholder"], pedestal, table, stand("conveyor", (x, -y / 2, z), 90, within))
+    sketch(
+        [robot, about, robot, "placeholder"],
+        pedestal,
+        table,
+        stand("conveyor", (x, -y / 2, z), 90, within),
+    )
 }
 
 /// Allows only four spins about the tool axis, because each spin takes long for a redundant arm.
@@ -172,24 +177,44 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     hall("abb_irb6700", "six axes (ABB IRB 6700), worktable and conveyor", [0, 1700, 1700, 800, 2600]),
     hall("comau_ns16", "six axes (Comau NS16), worktable and conveyor", [0, 1150, 1100, 700, 1900]),
     bench("denso_vs060", "six axes (DENSO VS-060), bench and feeder", [500, 450, 700, 500, 900, 750]),
-    hall("doosan_m1013", "six axes (Doosan M1013), worktable and conveyor", [700, 800, 750, 750, 1400]),
-    bench("fanuc_lrmate200id", "six axes (FANUC LR Mate 200iD), bench and feeder", [500, 500, 700, 500, 900, 800]),
+    hall("doosan_m1013", "six axes (Doosan M1013), worktable and conveyor", [700, 960, 800, 750, 1400]),
+    bench(
+        "fanuc_lrmate200id",
+        "six axes (FANUC LR Mate 200iD), bench and feeder",
+        [500, 500, 700, 500, 900, 800],
+    ),
     hall("fanuc_m20ia", "six axes (FANUC M-20iA), worktable and conveyor", [0, 1250, 1200, 700, 2100]),
-    hall("fanuc_r2000ic_165f", "six axes (FANUC R-2000iC), worktable and conveyor", [0, 1700, 1700, 800, 2600]),
+    hall(
+        "fanuc_r2000ic_165f",
+        "six axes (FANUC R-2000iC), worktable and conveyor",
+        [0, 1700, 1700, 800, 2600],
+    ),
     bench("kawasaki_rs007n", "six axes (Kawasaki RS007N), bench and feeder", [500, 500, 700, 500, 900, 800]),
     slow(bench("kinova_gen3", "seven axes (Kinova Gen3), bench and feeder", [700, 500, 750, 600, 900, 800])),
-    bench("kuka_kr10_r1100", "six axes (KUKA KR 10 R1100), bench and feeder", [500, 650, 700, 500, 900, 1000]),
+    bench(
+        "kuka_kr10_r1100",
+        "six axes (KUKA KR 10 R1100), bench and feeder",
+        [500, 650, 700, 500, 900, 1000],
+    ),
     hall("kuka_kr16_2", "six axes (KUKA KR 16-2), worktable and conveyor", [0, 1100, 1050, 700, 1900]),
     hall("kuka_kr150_r3100_2", "six axes (KUKA KR 150), worktable and conveyor", [0, 1900, 1800, 800, 3000]),
-    slow(bench("kuka_iiwa14", "seven axes (KUKA LBR iiwa 14), bench and feeder", [500, 550, 700, 500, 900, 900])),
+    slow(bench(
+        "kuka_iiwa14",
+        "seven axes (KUKA LBR iiwa 14), bench and feeder",
+        [500, 550, 700, 500, 900, 900],
+    )),
     hall("motoman_gp12", "six axes (Yaskawa GP12), worktable and conveyor", [0, 1000, 950, 600, 1700]),
     hall("motoman_gp25", "six axes (Yaskawa GP25), worktable and conveyor", [0, 1200, 1150, 700, 2000]),
     bench("motoman_gp8", "six axes (Yaskawa GP8), bench and feeder", [500, 500, 700, 500, 900, 800]),
     bench("staubli_tx2_60", "six axes (Staubli TX2-60), bench and feeder", [500, 450, 700, 500, 900, 750]),
     bench("staubli_tx2_90", "six axes (Staubli TX2-90), bench and feeder", [500, 650, 700, 500, 900, 1000]),
     bench("techman_tm5_900", "six axes (Techman TM5-900), bench and feeder", [700, 550, 750, 600, 900, 900]),
-    bench("ufactory_xarm6", "six axes with an offset wrist (xArm 6), bench and feeder", [700, 450, 750, 600, 900, 700]),
+    bench(
+        "ufactory_xarm6",
+        "six axes with an offset wrist (xArm 6), bench and feeder",
+        [700, 450, 750, 600, 900, 700],
+    ),
     bench("ur16e", "six axes of Universal Robots, bench and feeder", [700, 550, 750, 600, 900, 900]),
     hall("ur20", "six axes of Universal Robots, worktable and conveyor", [700, 1000, 950, 750, 1700]),
-    bench("ur3e", "six axes of Universal Robots, bench and feeder", [700, 350, 750, 600, 900, 550]),
+    bench("ur3e", "six axes of Universal Robots, bench and feeder", [700, 410, 750, 600, 900, 600]),
 ];
