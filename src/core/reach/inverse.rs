@@ -179,10 +179,8 @@ impl Inverse {
                 self.solve_held(&sample, target, attitudes, &mut judge);
                 any
             }),
-            ChainSolver::Numeric(_) => {
-                let mut any = false;
-                self.visit_numeric(target, attitudes, |_, _| any = true);
-                any
+            ChainSolver::Numeric(numeric) => {
+                self.goals(target, attitudes).iter().any(|goal| numeric.one(goal).is_some())
             }
         }
     }

@@ -66,12 +66,24 @@ impl Numeric {
     pub fn one(&self, goal: &TcpGoal) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
-        let mut starts = self.starts.ranked(&goal, self.scale);
-        let found = starts.find_map(|(_, start)| self.descend_fast(&goal, start, &mut frames));
-        found.or_else(|| match self.out_of_reach(&goal, &mut frames) {
-            Some(_) => None,
-            None => self.solve_fully(&goal, &mut frames).map(|found| found.joints),
-        })
+        let mut is_known_in_reach = false;
+        for (tried, (_, start)) in self.starts.ranked(&goal, self.scale).enumerate() {
+            if tried == STARTS_BEFORE_REACH {
+                // As in `all`: a few full descents tell that most such goals are out of reach.
+                if self.out_of_reach(&goal, &mut frames).is_some() {
+                    return None;
+                }
+                is_known_in_reach = true;
+            }
+            let found = self.descend_fast(&goal, start, &mut frames);
+            if found.is_some() {
+                return found;
+            }
+        }
+        if !is_known_in_reach && self.out_of_reach(&goal, &mut frames).is_some() {
+            return None;
+        }
+        self.solve_fully(&goal, &mut frames).map(|found| found.joints)
     }
 
     /// Writes the distinct solutions within the limits to `out`, sorted; if there are none, returns the
