@@ -2,10 +2,10 @@
 
     cargo build --release && python3 results/robots/library.py target/release/sweetspot
 
-*Down* is the greatest distance of the flange from the base axis with the tool down, as `sweetspot robot`
-prints it; of an arm with a spherical wrist it is that of the wrist centre, which most makers state. *Level*
-is that with the tool horizontal (`sweetspot envelope --bend 0 --step 50`). Envelopes of redundant arms and
-of arms without a closed form take long, so they are left out. The stated reach is a fact of its source.
+Names of robots after the program choose a part of the table. *Reach* is the greatest distance of the flange
+from the base axis with the tool down, as `sweetspot robot` prints it; of an arm with a spherical wrist it is
+that of the wrist centre, which most makers state. Envelopes of redundant arms and of arms without a closed
+form take long, so they are left out. *Stated* is a fact of its source. *s* are the seconds of `map`.
 """
 
 import json
@@ -45,31 +45,29 @@ def maker(robot, name):
     return MAKERS.get(re.sub(r"\d+e?$", "", word), name.split()[0])
 
 
-def main(program):
+def main(program, *names):
     program = str(Path(program).resolve())
 
     def ran(*arguments, folder=None):
         run = subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True, check=True)
         return run.stdout
 
-    print("| robot | maker | axes | inverse kinematics | down mm | level mm | stated mm | stated by | s |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("| robot | maker | axes | inverse kinematics | reach mm | stated mm | stated by | s |")
+    print("|---|---|---|---|---|---|---|---|")
     for robot in json.loads(ran("robots", "--json"))["robots"]:
         name, family = robot["robot"], robot["family"]
+        if names and name not in names:
+            continue
         with tempfile.TemporaryDirectory() as folder:
-            start = time.monotonic()
             ran("init", name, "--out", "cell", folder=folder)
+            start = time.monotonic()
             ran("map", "cell/cell.toml", folder=folder)
             seconds = time.monotonic() - start
         sheet = json.loads(ran("robot", name, "--json"))["envelope"]
-        down = level = "-"
-        if sheet:
-            down = f"{sheet['size']['radius_mm'][1]:.0f}"
-            level = ran("envelope", name, "--bend", "0", "--step", "50", "--json") if robot["axes"] > 5 else ""
-            level = f"{json.loads(level)['size']['radius_mm'][1]:.0f}" if level else "-"
+        reach = f"{sheet['size']['radius_mm'][1]:.1f}" if sheet else "-"
         stated, source = STATED.get(name, ("-", "-"))
-        cells = [name, maker(name, robot["name"]), robot["axes"], family, down, level, stated, source]
+        cells = [name, maker(name, robot["name"]), robot["axes"], family, reach, stated, source]
         print("|", " | ".join(map(str, [*cells, f"{seconds:.1f}"])), "|", flush=True)
 
 
-main(sys.argv[1])
+main(*sys.argv[1:])
