@@ -100,6 +100,10 @@ pub struct JointSheet {
     /// Least and greatest coordinate, in `unit`.
     pub limits: [f64; 2],
     pub unit: Unit,
+    /// Greatest speed, in `unit` per s; null if the robot file states none.
+    pub max_velocity: Option<f64>,
+    /// Greatest acceleration, in `unit` per s^2; null if the robot file states none.
+    pub max_acceleration: Option<f64>,
 }
 
 /// Tool of a robot.
@@ -227,6 +231,8 @@ impl JointSheet {
             alpha_deg: degrees(alpha),
             limits,
             unit,
+            max_velocity: joint.rates.velocity.map(|v| joint_coordinate(joint.kind, v)),
+            max_acceleration: joint.rates.acceleration.map(|a| joint_coordinate(joint.kind, a)),
         }
     }
 }

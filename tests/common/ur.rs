@@ -52,7 +52,7 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
     let [r, l, theta, alpha] = ["d", "a", "theta", "alpha"].map(rows);
     let joint = |i: usize| {
         let (theta, r, l, alpha) = (theta[i], r[i], l[i], alpha[i]);
-        Joint { name: format!("q{i}"), kind: JointKind::Revolute, theta, r, l, alpha, limits: (-PI, PI) }
+        Joint { name: format!("q{i}"), kind: JointKind::Revolute, theta, r, l, alpha, limits: (-PI, PI), rates: Default::default() }
     };
     let row = |i: usize| (0..6).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
     Robot {
@@ -70,6 +70,7 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
         tool_solids: 0,
         masses: vec![],
         self_collision: Default::default(),
+        full_speed_after: None,
         footprint: Rectangle { centre: (0.0, 0.0), size: (0.4, 0.4) },
         errors: vec![],
         urdf: None,

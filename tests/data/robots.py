@@ -2,7 +2,8 @@
 
 Each robot is described a second time, by the joint origins of its maker's or a public ROS package
 (translation, roll-pitch-yaw, axis), by points and axes read off its drawing in the zero posture, or by
-plane trigonometry. From the robot files only joint limits and home are read, to choose the postures.
+plane trigonometry. The joint origins of most are in urdf_chains.py. From the robot files only joint
+limits and home are read, to choose the postures.
 
     python3 tests/data/robots.py        (numpy, Python 3.11)
 """
@@ -13,56 +14,20 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
+from urdf_chains import CHAINS, O, RIGHT, X, Y, Z, chain, rpy, turn
 
 ROBOTS = Path(__file__).parent.parent.parent / "cells" / "robots"
 POSES = 20
 SEED = 20260
-X, Y, Z = np.eye(3)
-
-
-def turn(axis, angle):
-    """Rodrigues' formula."""
-    x, y, z = axis
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
-
-
-def rpy(roll, pitch, yaw):
-    return turn(Z, yaw) @ turn(Y, pitch) @ turn(X, roll)
 
 
 def deg(*angles):
     return [math.radians(a) for a in angles]
 
 
-def chain(*parts):
-    """A serial chain of `(xyz, rpy, axis)`, axis None where nothing moves, "slide" before one that slides.
-
-    Gives the poses of all frames at q."""
-
-    def frames(q):
-        r, p, k, all_frames = np.eye(3), np.zeros(3), 0, []
-        for xyz, angles, axis, *slides in parts:
-            p = p + r @ np.array(xyz)
-            r = r @ rpy(*angles)
-            if axis is not None:
-                if slides:
-                    p = p + r @ (axis * q[k])
-                else:
-                    r = r @ turn(axis, q[k])
-                k += 1
-            all_frames.append((p, r))
-        return all_frames
-
-    return frames
-
-
 def last(frames):
     return lambda q: frames(q)[-1]
 
-
-O = (0, 0, 0)
-RIGHT = math.pi / 2
 
 # frankaemika/franka_ros, franka_description/robots/panda_arm.xacro; flange: link 8.
 PANDA = chain(
@@ -207,9 +172,13 @@ POSE = {
     "puma560": last(PUMA),
     "puma560_on_track": last(TRACK),
     "stanford_arm": last(STANFORD),
+    **{name: last(frames) for name, frames in CHAINS.items()},
+    "ur3e": last(universal(0.15185, -0.24355, -0.2132, 0.13105, 0.08535, 0.0921)),
     "ur5e": last(universal(0.1625, -0.425, -0.3922, 0.1333, 0.0997, 0.0996)),
     "ur10": last(universal(0.1273, -0.612, -0.5723, 0.163941, 0.1157, 0.0922)),
     "ur10e": last(universal(0.1807, -0.6127, -0.57155, 0.17415, 0.11985, 0.11655)),
+    "ur16e": last(universal(0.1807, -0.4784, -0.36, 0.17415, 0.11985, 0.11655)),
+    "ur20": last(universal(0.2363, -0.862, -0.7287, 0.201, 0.1593, 0.1543)),
 }
 
 # Where the frames of the rows are, too: of a robot with modified rows they are those of its URDF.
@@ -238,7 +207,9 @@ def home(file, ranges):
     return [v / 1000 if s else math.radians(v) for v, s in zip(file["home"], slides)]
 
 
-def poses(name, rng):
+def poses(name):
+    # A seed of its own: a new robot leaves the postures of the others alone.
+    rng = np.random.default_rng([SEED, *name.encode()])
     file = robot_file(name)
     ranges = [limits(joint) for joint in file["joint"]]
     low, high = np.array(ranges).T
@@ -252,8 +223,7 @@ def poses(name, rng):
 
 
 def main():
-    rng = np.random.default_rng(SEED)
-    lines = ['"%s": [\n%s\n]' % (name, ",\n".join(poses(name, rng))) for name in sorted(POSE)]
+    lines = ['"%s": [\n%s\n]' % (name, ",\n".join(poses(name))) for name in sorted(POSE)]
     path = Path(__file__).with_name("robots.json")
     path.write_text("{\n%s\n}\n" % ",\n".join(lines))
 

@@ -66,7 +66,7 @@ fn every_key_of_the_tables_is_read() {
     FileKind::ALL.into_iter().for_each(|kind| keys_of(&schema(kind), &mut unread));
     let count = unread.len();
     assert!(count > 180, "{count} keys");
-    let data = ["every_key.toml", "every_other_key.toml"].map(|name| {
+    let data = ["every_key.toml", "every_other_key.toml", "every_rate_key.toml"].map(|name| {
         let text = std::fs::read_to_string(root().join("tests/data").join(name)).unwrap();
         (format!("cells/{name}"), text, "cell".to_string())
     });

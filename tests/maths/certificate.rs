@@ -201,12 +201,18 @@ fn misplace_best(name: &str, cell: Cell, budget: u64, count: usize) {
     println!("{name}: {count} misplacements of {} operations hold", tried.certified);
 }
 
+/// Redundant arms and arms without a closed form, whose searches take long.
+const SLOW: [&str; 4] = ["kinova_gen3", "kuka_iiwa14", "panda", "ufactory_xarm6"];
+
+/// Number of first cells that stand for all kinds of arms; of the others, a run takes every fourth.
+const KINDS: usize = 16;
+
 #[test]
 fn the_best_layouts_of_the_first_cells_withstand_random_misplacements() {
-    for (name, text) in first_cell_texts() {
+    for (k, (name, text)) in first_cell_texts().enumerate() {
         let cell = from_text_to_build(&text).unwrap().cell;
-        // Redundant and numeric arms take long.
-        if name != "panda" {
+        let is_tried = k < KINDS || k.is_multiple_of(cases(4, 1));
+        if is_tried && !SLOW.contains(&name) {
             let budget = cases(120, cell.search.budget as usize) as u64;
             misplace_best(name, cell, budget, cases(20, 1000));
         }

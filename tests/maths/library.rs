@@ -5,6 +5,7 @@ use crate::common::{from_text, root};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
+use sweetspot::assess::RobotDataSheet;
 use sweetspot::cell::{ErrorSet, JointVector, Robot, Shape};
 use sweetspot::clearance::{FloorPlan, PlacedSolids, Scene};
 use sweetspot::files::Loaded;
@@ -66,7 +67,7 @@ fn joints(pose: &Value) -> JointVector {
 #[test]
 fn every_robot_loads_without_a_warning_and_has_its_sources() {
     let names = names("robots");
-    assert!(names.len() >= 12, "{names:?}");
+    assert!(names.len() >= 42, "{names:?}");
     for name in &names {
         let loaded = load(name, set_of(name), "");
         assert!(loaded.warnings.is_empty(), "{name}: {:#?}", loaded.warnings);
@@ -170,6 +171,26 @@ fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
     }
     let (track, arm) = (robot("puma560_on_track").reach(), robot("puma560").reach());
     assert!(track >= arm + 1.0, "{track} m, and {arm} m without the metre of travel");
+}
+
+/// The reach in the name of a model is that of its wrist centre, so that of the flange with the tool down.
+const NAMED_REACHES: [(&str, f64); 6] = [
+    ("abb_irb1200", 0.9),
+    ("abb_irb4600", 2.05),
+    ("abb_irb6700", 2.6),
+    ("kuka_kr10_r1100", 1.1),
+    ("kuka_kr150_r3100_2", 3.1),
+    ("kuka_kr6_r900", 0.9),
+];
+
+#[test]
+fn arms_reach_as_far_as_the_names_of_their_models_say() {
+    for (name, reach) in NAMED_REACHES {
+        let robot = robot(name);
+        let sheet = RobotDataSheet::new(&robot).envelope.unwrap();
+        let farthest = sheet.size.extent.unwrap().radius.1;
+        assert!((farthest - reach).abs() < 2e-3, "{name}: {farthest} m, not {reach} m");
+    }
 }
 
 /// Cells of the kinematic families, one each.

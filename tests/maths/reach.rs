@@ -144,7 +144,9 @@ fn the_inverse_finds_poses_of_the_forward_kinematics() {
             t.poses, t.found, t.reached, t.answers, t.outside, t.worst
         );
         let least = if numeric { (t.poses as f64 * 0.999).floor() as usize } else { t.poses };
-        assert!(t.found >= least && t.reached >= least, "{stem}: {} found, {} reached", t.found, t.reached);
+        // More than six joints without a closed form hold a pose in a continuum of postures.
+        let reached = if numeric && robot.axes() > 6 { t.found } else { t.reached };
+        assert!(t.found >= least && reached >= least, "{stem}: {} found, {} reached", t.found, t.reached);
         assert!(t.outside == 0 && t.worst < ROUND_TRIP, "{stem}: {} outside, {:e} off", t.outside, t.worst);
     }
 }

@@ -1,6 +1,7 @@
 //! Model of a robot: plain data in SI units, valid by construction.
 
 use super::error_model::{ErrorSet, Parameter};
+use super::rate_limits::RateLimits;
 use super::shape::{Rectangle, Solid};
 use crate::pose::Pose;
 use nalgebra::Vector3;
@@ -68,6 +69,7 @@ pub struct Joint {
     ///
     /// Both limits are 0 for a passive joint, which has no actuator and moves through the coupling alone.
     pub limits: (f64, f64),
+    pub rates: RateLimits,
 }
 
 impl Joint {
@@ -150,6 +152,8 @@ pub struct Robot {
     /// Masses of the links and of the tool; a robot without masses has no torques by gravity.
     pub masses: Vec<LinkMass>,
     pub self_collision: SelfCollision,
+    /// Time from rest to full speed of the joints whose acceleration is unknown, s; None if the file states none.
+    pub full_speed_after: Option<f64>,
     /// Floor space of the robot base, in the base frame.
     pub footprint: Rectangle,
     pub errors: Vec<ErrorSet>,

@@ -30,6 +30,23 @@ impl JointMotion {
 
 words!(JointMotion);
 
+const MAX_VELOCITY_DEG: Key =
+    number("max_velocity_deg_s", NumberRange::Positive, "Greatest speed of a revolute joint.").example("180");
+const MAX_VELOCITY_MM: Key =
+    number("max_velocity_mm_s", NumberRange::Positive, "Greatest speed of a prismatic joint.").example("500");
+const MAX_ACCELERATION_DEG: Key = number(
+    "max_acceleration_deg_s2",
+    NumberRange::Positive,
+    "Greatest acceleration and deceleration of a revolute joint; if left out, full_speed_after_s gives it.",
+)
+.example("600");
+const MAX_ACCELERATION_MM: Key = number(
+    "max_acceleration_mm_s2",
+    NumberRange::Positive,
+    "Greatest acceleration and deceleration of a prismatic joint; if left out, full_speed_after_s gives it.",
+)
+.example("2000");
+
 const LIMITS: ValueKind = ValueKind::List(&FINITE, (2, 2), "numbers");
 
 const SOLIDS_OF_LINKS: ValueKind =
@@ -49,12 +66,26 @@ key_table! {
         THETA = number("theta_deg", NumberRange::Finite, "Angle theta of a prismatic joint.");
         LIMITS_DEG = Key::new("limits_deg", LIMITS, "Lower and upper limit of a revolute joint.").example("[-90, 90]");
         LIMITS_MM = Key::new("limits_mm", LIMITS, "Lower and upper limit of a prismatic joint.").example("[-90, 90]");
+        MAX_VELOCITY_DEG = super::MAX_VELOCITY_DEG;
+        MAX_VELOCITY_MM = super::MAX_VELOCITY_MM;
+        MAX_ACCELERATION_DEG = super::MAX_ACCELERATION_DEG;
+        MAX_ACCELERATION_MM = super::MAX_ACCELERATION_MM;
     }
     rules [
-        Rule::When { key: "kind", words: || vec!["revolute".into()], needs: &["q_offset_deg", "limits_deg"], never: &["theta_deg", "limits_mm"] },
-        Rule::When { key: "kind", words: || vec!["prismatic".into()], needs: &["theta_deg", "limits_mm"], never: &["q_offset_deg", "limits_deg"] },
-        Rule::When { key: "kind", words: || vec!["passive".into()], needs: &["q_offset_deg"], never: &["theta_deg", "limits_deg", "limits_mm"] },
+        Rule::When { key: "kind", words: || vec!["revolute".into()], needs: &["q_offset_deg", "limits_deg"], never: &["theta_deg", "limits_mm", "max_velocity_mm_s", "max_acceleration_mm_s2"] },
+        Rule::When { key: "kind", words: || vec!["prismatic".into()], needs: &["theta_deg", "limits_mm"], never: &["q_offset_deg", "limits_deg", "max_velocity_deg_s", "max_acceleration_deg_s2"] },
+        Rule::When { key: "kind", words: || vec!["passive".into()], needs: &["q_offset_deg"], never: &["theta_deg", "limits_deg", "limits_mm", "max_velocity_deg_s", "max_velocity_mm_s", "max_acceleration_deg_s2", "max_acceleration_mm_s2"] },
     ];
+}
+
+key_table! {
+    joint_rate, "a rate", "Greatest speed and acceleration of one joint, for a robot whose rows this file does not state: from a URDF, or from another file.", {
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
+        MAX_VELOCITY_DEG = super::MAX_VELOCITY_DEG;
+        MAX_VELOCITY_MM = super::MAX_VELOCITY_MM;
+        MAX_ACCELERATION_DEG = super::MAX_ACCELERATION_DEG;
+        MAX_ACCELERATION_MM = super::MAX_ACCELERATION_MM;
+    }
 }
 
 const PAIRS: ValueKind =
@@ -119,6 +150,8 @@ key_table! {
         JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows, starting at the base: one [[joint]] for each joint.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
         COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i is 1, and the numbers after it are 0.").example("[[1, 0], [1, 1]]");
         HOME = Key::new("home", POSTURE, "Home posture, one number for each joint, degrees or mm; if left out, each coordinate is 0, or the middle of its limits if they exclude 0.").example("[0, -30, 60, 0]");
+        RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Greatest speeds and accelerations of joints; they override those of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
+        FULL_SPEED_AFTER = number("full_speed_after_s", NumberRange::Positive, "Time from rest to full speed of every joint without an acceleration limit; if left out, cycle times assume 0.5 s and are estimates.").example("0.3");
         URDF = text("urdf", "URDF file (without xacro) in place of D-H rows, with its path relative to the folder of this file.").example("\"robots/arm.urdf\"");
         BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, the root of the links.").example("\"base\"");
         TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only link without children.").example("\"flange\"");

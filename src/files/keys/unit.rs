@@ -13,15 +13,26 @@ pub enum KeyUnit {
     DegreesPerMetre,
     DegreesPerNewtonMetre,
     Kilograms,
+    Seconds,
+    DegreesPerSecond,
+    DegreesPerSecondSquared,
+    MillimetresPerSecond,
+    MillimetresPerSecondSquared,
 }
 
 impl KeyUnit {
     /// Converts a number of a file to SI.
     pub fn si(self, value: f64) -> f64 {
         match self {
-            KeyUnit::None | KeyUnit::Kilograms => value,
-            KeyUnit::Millimetres => units::m_from_mm(value),
-            KeyUnit::Degrees | KeyUnit::DegreesPerMetre | KeyUnit::DegreesPerNewtonMetre => {
+            KeyUnit::None | KeyUnit::Kilograms | KeyUnit::Seconds => value,
+            KeyUnit::Millimetres
+            | KeyUnit::MillimetresPerSecond
+            | KeyUnit::MillimetresPerSecondSquared => units::m_from_mm(value),
+            KeyUnit::Degrees
+            | KeyUnit::DegreesPerMetre
+            | KeyUnit::DegreesPerNewtonMetre
+            | KeyUnit::DegreesPerSecond
+            | KeyUnit::DegreesPerSecondSquared => {
                 units::rad_from_deg(value)
             }
             KeyUnit::Percent => units::share_from_percent(value),
@@ -40,6 +51,11 @@ impl KeyUnit {
             KeyUnit::DegreesPerMetre => "degrees per m",
             KeyUnit::DegreesPerNewtonMetre => "degrees per N m",
             KeyUnit::Kilograms => "kg",
+            KeyUnit::Seconds => "s",
+            KeyUnit::DegreesPerSecond => "degrees per s",
+            KeyUnit::DegreesPerSecondSquared => "degrees per s²",
+            KeyUnit::MillimetresPerSecond => "mm per s",
+            KeyUnit::MillimetresPerSecondSquared => "mm per s²",
         }
     }
 }

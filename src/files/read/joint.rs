@@ -1,5 +1,6 @@
 //! Reader of the joints of a robot: D-H rows, their coupling and the home posture.
 
+use super::rate;
 use crate::cell::*;
 use crate::files::fault::{Severity, shown};
 use crate::files::keys::key::{Key, NumberRange};
@@ -57,8 +58,9 @@ fn read(t: &mut Table) -> Option<Joint> {
         JointMotion::Passive => (JointKind::Revolute, &joint::Q_OFFSET, Some((0.0, 0.0))),
     };
     let theta = t.number(theta);
+    let rates = if motion == JointMotion::Passive { RateLimits::default() } else { rate::read_row(t, kind) };
     let (name, theta, limits) = (name?, theta?, limits?);
-    Some(Joint { name, kind, theta, r: r?, l: l?, alpha: alpha?, limits })
+    Some(Joint { name, kind, theta, r: r?, l: l?, alpha: alpha?, limits, rates })
 }
 
 /// Reads the lower and the upper limit of a joint, rad or m.

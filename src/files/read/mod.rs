@@ -21,6 +21,7 @@ pub mod placement;
 mod plan;
 pub mod plausible;
 pub mod question;
+mod rate;
 pub mod robot;
 pub mod row_order;
 pub mod sense;

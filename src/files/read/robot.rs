@@ -3,6 +3,7 @@
 use super::error_set;
 use super::header::header;
 use super::joint;
+use super::rate;
 use super::solid;
 use super::tool;
 use super::tool::Tool;
@@ -38,10 +39,14 @@ pub fn read(t: &mut Table) -> Option<Robot> {
     let (name, source) = read_names(t, urdf.is_some(), arm.as_ref());
     let drawn = arm.as_mut().map(|arm| std::mem::take(&mut arm.solids)).unwrap_or_default();
     let origin = arm.as_ref().map(|arm| arm.origin.clone());
-    let from = match urdf {
+    let mut from = match urdf {
         Some(node) => read_derived(t, node, arm),
         None => read_rows(t),
     };
+    if let Some(joints) = &mut from.joints {
+        rate::read_list(t, joints);
+    }
+    let full_speed_after = t.if_given(&robot::FULL_SPEED_AFTER, Table::number);
     let home = from.joints.as_deref().and_then(|joints| joint::read_home(t, joints));
     let tool = tool::read(t);
     let before = t.lib.errors();
@@ -82,6 +87,7 @@ pub fn read(t: &mut Table) -> Option<Robot> {
         masses: masses.into_iter().chain(tool_mass).collect(),
         solids,
         self_collision: self_collision?,
+        full_speed_after: full_speed_after?,
         footprint,
         errors,
         urdf: origin,

@@ -73,6 +73,11 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         found
     }
 
+    /// Returns the node of a key; None if the key is not given, even if it is required.
+    pub fn given(&self, key: &Key) -> Option<&'n Node> {
+        self.entry(key.name)
+    }
+
     fn entry(&self, name: &str) -> Option<&'n Node> {
         self.entries.iter().find(|(k, ..)| k == name).map(|(.., node)| node)
     }

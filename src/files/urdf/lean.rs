@@ -81,7 +81,8 @@ fn joint(e: &Node<'_, '_>, out: &mut String) {
         let _ = write!(out, "<{tag}{all}/>");
     }
     if is_continuous {
-        let _ = write!(out, "<limit lower=\"-{TAU}\" upper=\"{TAU}\"/>");
+        let velocity = child(e, "limit").map_or(String::new(), |limit| attribute(&limit, "velocity"));
+        let _ = write!(out, "<limit lower=\"-{TAU}\" upper=\"{TAU}\"{velocity}/>");
     }
     *out += "</joint>\n";
 }

@@ -101,7 +101,8 @@ fn arm(
             JointKind::Prismatic => (0.0, mover.offset),
         };
         let (theta, r) = (row.theta + turn, row.r + slide);
-        Joint { name: mover.name, kind, theta, r, l: row.l, alpha: row.alpha, limits: mover.limits }
+        let rates = RateLimits { velocity: mover.velocity, acceleration: None };
+        Joint { name: mover.name, kind, theta, r, l: row.l, alpha: row.alpha, limits: mover.limits, rates }
     });
     let (name, joints) = (urdf.name.clone(), joints.collect());
     let (mount, joint_frames) = (derived.mount, derived.joint_frames);

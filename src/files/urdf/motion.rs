@@ -20,6 +20,9 @@ const MANY_TURNS: f64 = 4.0 * TAU;
 /// Joint limit, rad, above which a URDF is refused.
 const TOO_MANY_TURNS: f64 = 1e3;
 
+/// Speed of a revolute joint, rad/s, above which a warning says that it is probably in degrees/s.
+const TOO_FAST: f64 = 60.0;
+
 /// Deviation, rad, below which two axes are probably meant to be exactly parallel or at right angles.
 const NEARLY: f64 = 1e-3;
 
@@ -27,6 +30,8 @@ const NEARLY: f64 = 1e-3;
 pub struct MovingJoint {
     pub name: String,
     pub limits: (f64, f64),
+    /// Greatest speed, rad/s or m/s; None if the URDF does not state it.
+    pub velocity: Option<f64>,
     /// Coordinate of the joint with all actuators at 0 (rad or m): the offset of a mimic joint.
     pub offset: f64,
     /// Row of the joint in the coupling matrix.
@@ -73,7 +78,7 @@ pub fn read(urdf: &Urdf, way: &LinkChain, lib: &mut Library<'_>) -> Option<Motio
 impl MovingJoint {
     fn alone(i: usize, n: usize, name: String, limits: (f64, f64)) -> Self {
         let coupling = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
-        Self { name, limits, offset: 0.0, coupling }
+        Self { name, limits, velocity: None, offset: 0.0, coupling }
     }
 }
 
@@ -122,7 +127,9 @@ fn read_mover(
         return read_mimic(i, joint, mimic, moving, before, lib);
     }
     let limits = read_limits(joint, lib);
-    Some(MovingJoint::alone(i, moving.len(), name?, limits?))
+    warn_of_speed(joint, lib);
+    let velocity = joint.velocity.map(|(velocity, _)| velocity);
+    Some(MovingJoint { velocity, ..MovingJoint::alone(i, moving.len(), name?, limits?) })
 }
 
 fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
@@ -159,6 +166,19 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
         lib.fault(at, Severity::Warning, message, "limits of a URDF are in rad: is this one in degrees?");
     }
     Some((lower, upper))
+}
+
+/// Warns of a speed that is probably in degrees or mm per s.
+fn warn_of_speed(joint: &UrdfJoint, lib: &mut Library<'_>) {
+    let Some((velocity, at)) = joint.velocity else { return };
+    let (most, unit, help) = match joint.kind {
+        UrdfJointKind::Prismatic => (TOO_LONG, "m/s", "speeds of a URDF are in m/s: is this one in mm/s?"),
+        _ => (TOO_FAST, "rad/s", "speeds of a URDF are in rad/s: is this one in degrees/s?"),
+    };
+    if velocity > most {
+        let message = format!("joint `{}` moves by up to {velocity} {unit}", shown(&joint.name.name));
+        lib.fault(at, Severity::Warning, message, help);
+    }
 }
 
 /// Reads a mimic joint as a row of the coupling and an offset. A mimic joint follows a joint before it on the

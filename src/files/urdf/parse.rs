@@ -170,6 +170,7 @@ fn read_joint(e: Node<'_, '_>, faults: &mut Faults) -> Option<UrdfJoint> {
         None => Some([1.0, 0.0, 0.0]), // the default of the format
     };
     let limits = read_limits(e, faults);
+    let velocity = read_velocity(e, faults);
     let mimic = match xml::only(e, "mimic", faults) {
         Some(mimic) => read_mimic(mimic, faults).map(Some),
         None => Some(None),
@@ -180,6 +181,7 @@ fn read_joint(e: Node<'_, '_>, faults: &mut Faults) -> Option<UrdfJoint> {
         faults.error(axis_at, "the axis has no direction".into(), "write for example xyz=\"0 0 1\"");
     }
     let (limits, mimic, axis, origin) = (limits?, mimic?, unit?, origin?);
+    let velocity = velocity?;
     Some(UrdfJoint {
         name: name?,
         kind,
@@ -189,6 +191,7 @@ fn read_joint(e: Node<'_, '_>, faults: &mut Faults) -> Option<UrdfJoint> {
         origin_at,
         axis,
         limits,
+        velocity,
         mimic,
     })
 }
@@ -232,6 +235,25 @@ fn read_limits(
     let upper = xml::numbers(limit, "upper", Some([0.0]), faults);
     let ([lower], [upper]) = (lower?, upper?);
     Some(Some((lower, upper, faults.at(limit.range().start))))
+}
+
+/// Returns `velocity` of `<limit>`, with its place; Some(None) if it is not given or 0.
+///
+/// The attribute is required by the format, so 0 stands for an unknown speed in many files.
+#[allow(clippy::option_option)]
+fn read_velocity(
+    e: Node<'_, '_>,
+    faults: &mut Faults,
+) -> Option<Option<(f64, crate::files::toml::tree::At)>> {
+    let Some(limit) = e.children().find(|c| c.has_tag_name("limit")) else { return Some(None) };
+    let [velocity] = xml::numbers(limit, "velocity", Some([0.0]), faults)?;
+    let at = xml::place(limit, "velocity", faults);
+    if velocity < 0.0 {
+        let message = format!("`velocity` must be greater than 0, not {velocity}");
+        faults.error(at, message, "write the greatest speed of the joint, in rad/s or m/s");
+        return None;
+    }
+    Some((velocity > 0.0).then_some((velocity, at)))
 }
 
 fn read_mimic(e: Node<'_, '_>, faults: &mut Faults) -> Option<Mimic> {

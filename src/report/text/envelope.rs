@@ -55,6 +55,7 @@ pub fn robot(sheet: &RobotDataSheet<'_>) -> String {
         home(robot),
         triple(&sheet.pose.translation.map(mm_from_m)),
     );
+    out += &speeds(robot);
     let _ = writeln!(out, "reach       at most {} mm from the base axis", fixed(mm_from_m(robot.reach()), 0));
     if let Some(envelope) = &sheet.envelope {
         let tilt = fixed(deg_from_rad(envelope.elevation), 1);
@@ -107,6 +108,23 @@ fn dh_table(robot: &Robot) -> String {
         Convention::Modified => "Tx(l) Rx(alpha) Rz(theta + q) Tz(r)",
     };
     format!("D-H rows, {}: A = {matrix}\n{}\n", robot.convention.name(), table.render())
+}
+
+/// Describes the greatest speeds and accelerations of the joints; empty if the robot file states none.
+fn speeds(robot: &Robot) -> String {
+    let known = robot.joints.iter().filter_map(|joint| {
+        let (unit, shown_value): (_, fn(f64) -> f64) = match joint.kind {
+            JointKind::Revolute => ("deg", deg_from_rad),
+            JointKind::Prismatic => ("mm", mm_from_m),
+        };
+        let value = |v: f64| rounded(shown_value(v), 1);
+        let speed = joint.rates.velocity.map(|v| format!("{} {unit}/s", value(v)));
+        let acceleration = joint.rates.acceleration.map(|a| format!("{} {unit}/s^2", value(a)));
+        let limits: Vec<String> = speed.into_iter().chain(acceleration).collect();
+        (!limits.is_empty()).then(|| format!("{} {}", shown(&joint.name), limits.join(", ")))
+    });
+    let known: Vec<String> = known.collect();
+    if known.is_empty() { String::new() } else { format!("speeds      {}\n", known.join("; ")) }
 }
 
 /// Describes how joints are coupled to the actuators of other joints; empty for a serial arm.

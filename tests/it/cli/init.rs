@@ -68,7 +68,9 @@ fn every_generated_cell_passes_check_and_map() {
         assert!(items(&check["faults"]).is_empty() || robot.ends_with("urdf"), "{check}");
         let drawn = shop.text(&cell);
         // Each node of these takes long without optimization.
-        if ["crx10ia", "panda", "track"].contains(&name.as_str()) {
+        if ["crx10ia", "kinova_gen3", "kuka_iiwa14", "panda", "track", "ufactory_xarm6"]
+            .contains(&name.as_str())
+        {
             shop.write(
                 &cell,
                 &drawn.replace("grid = [6, 4]", "grid = [2, 1]").replace("grid = [6, 2]", "grid = [2, 2]"),

@@ -60,6 +60,36 @@ fn joint_limits_of_a_urdf_are_checked() {
 }
 
 #[test]
+fn joint_speeds_of_a_urdf_are_checked() {
+    let limit = r#"<limit lower="-1" upper="2"/>"#;
+    let with = |velocity: &str| format!("<limit lower=\"-1\" upper=\"2\" velocity=\"{velocity}\"/>");
+    one(&[(limit, &with("-2"))], (3, "-2\"/>"), "`velocity` must be greater than 0, not -2", "rad/s");
+    one(&[(limit, &with("fast"))], (3, "fast"), "`fast` in `velocity` is not a number", "plain numbers");
+    one(&[(limit, &with("nan"))], (3, "nan"), "`velocity` must be finite", "nan and inf");
+    // Many exporters write 0, because the format requires the attribute.
+    assert_eq!(faults(&[(limit, &with("0"))], ""), []);
+    assert_eq!(faults(&[(limit, &with("3.14"))], ""), []);
+    let warned = faults(&[(limit, &with("180"))], "");
+    assert!(warned.len() == 1 && !warned[0].is_error() && warned[0].help.contains("degrees/s"), "{warned:#?}");
+}
+
+#[test]
+fn joint_speeds_of_a_urdf_are_read_and_overridden() {
+    let limit = r#"<limit lower="-1" upper="2"/>"#;
+    let text = ARM.replacen(limit, r#"<limit lower="-1" upper="2" effort="9" velocity="3.5"/>"#, 1);
+    let rates = |lines: &str| -> Vec<[Option<f64>; 2]> {
+        let loaded = load(&text, 2, lines).0.unwrap_or_else(|faults| panic!("{faults:#?}"));
+        let joints = loaded.cell.robot.joints.iter();
+        joints.map(|joint| [joint.rates.velocity, joint.rates.acceleration]).collect()
+    };
+    assert_eq!(rates(""), [[Some(3.5), None], [None, None]]);
+    let acceleration = "rate = [{ joint = \"j1\", max_acceleration_deg_s2 = 180 }]";
+    assert_eq!(rates(acceleration), [[Some(3.5), Some(std::f64::consts::PI)], [None, None]]);
+    let faster = "rate = [{ joint = 1, max_velocity_deg_s = 90 }]\nfull_speed_after_s = 0.25";
+    assert_eq!(rates(faster), [[Some(std::f64::consts::FRAC_PI_2), None], [None, None]]);
+}
+
+#[test]
 fn the_tree_of_a_urdf_is_checked() {
     one(
         &[("<child link=\"lower\"", "<child link=\"lowr\"")],

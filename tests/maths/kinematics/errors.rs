@@ -29,6 +29,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
         convention,
         mount,
         self_collision: Default::default(),
+        full_speed_after: None,
         joint_frames: vec![Pose::identity(); joints.len()],
         joints,
         coupling,
@@ -44,7 +45,7 @@ pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
 }
 
 pub fn joint(kind: JointKind, theta: f64, r: f64, l: f64, alpha: f64) -> Joint {
-    Joint { name: "q".into(), kind, theta, r, l, alpha, limits: (-PI, PI) }
+    Joint { name: "q".into(), kind, theta, r, l, alpha, limits: (-PI, PI), rates: Default::default() }
 }
 
 /// Returns a random robot with couplings, prismatic joints and right angles; `flat` sets every angle to 0 and

@@ -48,7 +48,7 @@ pub fn random_robot(rng: &mut ChaCha8Rng, axes: usize) -> Robot {
         let mut length = || rng.random_range(-1.0..1.0);
         let (r, l) = (length(), length());
         let (name, theta) = (format!("q{k}"), rng.random_range(-PI..PI));
-        Joint { name, kind, theta, r, l, alpha, limits: (-PI, PI) }
+        Joint { name, kind, theta, r, l, alpha, limits: (-PI, PI), rates: Default::default() }
     };
     robot.joints = (0..axes).map(|k| joint(k, rng)).collect();
     robot.coupling = (0..axes)
