@@ -31,6 +31,7 @@ const ORDER: [&str; 34] = [
     "pose_accuracy",
     "clearance",
     "motion",
+    "cycle_time",
     "certificate",
     "error_map",
     "layout",

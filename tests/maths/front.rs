@@ -92,7 +92,7 @@ fn enumerated(workcell: &Workcell, goals: &Goals) -> Vec<(Layout, Vec<f64>)> {
 }
 
 fn losses(goals: &Goals, values: &[f64]) -> Vec<f64> {
-    let smaller = |goal: Goal| matches!(goal, Goal::Error | Goal::Travel | Goal::Footprint);
+    let smaller = |goal: Goal| matches!(goal, Goal::Error | Goal::Travel | Goal::Footprint | Goal::Time);
     // Values below a nanometre are rounding.
     let rounded = |v: f64| (v * 1e9).round() / 1e9;
     goals.iter().zip(values).map(|(g, v)| rounded(if smaller(g) { *v } else { -v })).collect()
