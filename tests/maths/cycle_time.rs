@@ -4,7 +4,7 @@ use crate::common::{from_text, shipped};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT};
 use nalgebra::vector;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use sweetspot::cell::{Cell, Goal, Goals, JointVector, MAX_JOINTS, Robot};
 use sweetspot::cycle_time::{
     ASSUMED_FULL_SPEED_AFTER, CyclePhase, RateBounds, line_time, path_of_legs_time, rest_to_rest,
@@ -265,4 +265,73 @@ fn the_bounds_of_a_robot_say_what_is_assumed_and_what_is_missing() {
     let palletizer = shipped("palletizer_cell.toml").robot;
     assert!(palletizer.joints.iter().any(|joint| joint.is_passive()));
     assert!(!palletizer.joints_without_speed().iter().any(|k| palletizer.joints[*k].is_passive()));
+}
+
+/// Returns the shipped cell with speeds, and lines at the first operation; `transfer` are its transfer rules.
+fn cell_with_speeds(transfer: &str) -> Cell {
+    let rate = |(k, (v, a)): (usize, &(f64, f64))| {
+        format!("[[robot.rate]]\njoint = {}\nmax_velocity_deg_s = {v}\nmax_acceleration_deg_s2 = {a}\n", k + 1)
+    };
+    let rates: String =
+        [(90.0, 200.0), (60.0, 150.0), (70.0, 180.0), (200.0, 800.0)].iter().enumerate().map(rate).collect();
+    let text = format!(
+        "from = \"hitachi_cell.toml\"\n{rates}[operation.assembly]\napproach_mm = 50\nretract_mm = 40\n\
+         dwell_s = 2\nline_speed_mm_s = 100\n{transfer}"
+    );
+    from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell
+}
+
+#[test]
+fn the_cycle_of_a_layout_is_the_sum_of_its_steps() {
+    use CyclePhase::{Approach, DirectMove, Dwell, Retract, Transfer};
+    let rules = "[transfer]\ncheck = true\nlift_mm = 150\n";
+    for (transfer, phases) in [
+        (format!("{rules}cycle = true\n"), vec![Approach, Dwell, Retract, Transfer, Dwell, Transfer]),
+        (rules.to_string(), vec![Approach, Dwell, Retract, Transfer, Dwell]),
+        (String::new(), vec![Approach, Dwell, Retract, DirectMove, Dwell]),
+    ] {
+        let workcell = Workcell::new(cell_with_speeds(&transfer)).unwrap();
+        let (cell, layout) = (&workcell.cell, workcell.cell.start());
+        let evaluation = evaluate(&workcell, &layout);
+        let cycle = workcell.cycle_time(&layout, &evaluation).unwrap();
+        assert_eq!(cycle.steps.iter().map(|step| step.phase).collect::<Vec<_>>(), phases);
+        assert_eq!((cycle.is_cycle, cycle.is_assumed), (transfer.contains("cycle"), false));
+        let time = |k: usize| cycle.steps[k].time;
+        assert_eq!((time(1), time(4)), (2.0, 0.0));
+        // 50 mm and 40 mm at 100 mm/s, and the ramps.
+        assert!(time(0) > 0.5 && time(0) < 0.7 && time(2) > 0.4 && time(2) < 0.6, "{cycle:?}");
+        let bounds = RateBounds::new(&cell.robot).unwrap();
+        for (transfer, step) in evaluation.transfers.iter().zip([3, 5]) {
+            let (path, corners) = (&transfer.path, &transfer.corners);
+            assert_eq!((corners[0], corners[corners.len() - 1]), (0, path.len() - 1));
+            // With a stop at every joint vector a path takes at least as long.
+            let stops: Vec<usize> = (0..path.len()).collect();
+            let chain = Chain::new(&cell.robot);
+            let longest = path_of_legs_time(&chain, path, &stops, &bounds);
+            assert!(time(step) > 0.5 && time(step) <= longest + 1e-9, "{} {longest}", time(step));
+            let fastest = path.windows(2).map(|ends| {
+                let travel = (0..4).map(|j| (ends[1][j] - ends[0][j]).abs() / bounds.velocity[j]);
+                travel.fold(0.0, f64::max)
+            });
+            assert!(time(step) > fastest.sum::<f64>(), "{}", time(step));
+        }
+        let sum: f64 = (0..phases.len()).map(time).sum();
+        let goals = workcell.goals(&layout, &evaluation, &Goals::of(&[Goal::Time]).unwrap()).unwrap();
+        assert!((goals[0] - sum).abs() < 1e-12 && (cycle.total() - sum).abs() < 1e-12);
+        // Twice as fast joints, with four times the acceleration, halve the moves, but not the dwell.
+        let mut faster = cell.clone();
+        for joint in &mut faster.robot.joints {
+            joint.rates.velocity = joint.rates.velocity.map(|v| 2.0 * v);
+            joint.rates.acceleration = joint.rates.acceleration.map(|a| 4.0 * a);
+        }
+        let faster = Workcell::new(faster).unwrap();
+        let halved = faster.cycle_time(&layout, &evaluate(&faster, &layout)).unwrap();
+        assert!((halved.steps[3].time - time(3) / 2.0).abs() < 1e-9, "{halved:?}");
+        assert_eq!(halved.steps[1].time, 2.0);
+    }
+    let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
+    let (layout, goals) = (workcell.cell.start(), Goals::of(&[Goal::Time]).unwrap());
+    let evaluation = evaluate(&workcell, &layout);
+    assert_eq!(workcell.cycle_time(&layout, &evaluation), None);
+    assert!(workcell.goals(&layout, &evaluation, &goals).unwrap()[0].is_nan());
 }

@@ -1,6 +1,7 @@
 //! Sections with pictures.
 
 use super::allocated;
+use super::cycle;
 use super::content::{PageFigure, PageTable, Section};
 use super::places::titled;
 use super::quantities::{down, quantity};
@@ -31,6 +32,7 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
         discrepancies(subject),
         distributions(subject),
         convergence(subject),
+        cycle::section(subject),
         pareto(subject),
         misplacement(subject),
     ];
