@@ -139,8 +139,8 @@
 #[doc(inline)]
 pub use sweetspot_core::{
     allocation, assess, calibration, cell, clearance, correction, cycle_time, drawing, error_map,
-    kinematic_error, layout, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot, search,
-    units, verification,
+    kinematic_error, layout, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot,
+    search, units, verification,
 };
 // Parts of the machinery that no user of the library needs.
 #[doc(hidden)]

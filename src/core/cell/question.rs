@@ -218,7 +218,8 @@ impl Cell {
         }
         let names = missing.iter().map(|&k| format!("`{}`", shown(&self.robot.joints[k].name)));
         let names = names.collect::<Vec<_>>().join(", ");
-        let message = format!("the goal time needs the greatest speed of every joint, which is missing of {names}");
+        let message =
+            format!("the goal time needs the greatest speed of every joint, but none is stated for {names}");
         Some(QuestionFault { about: About::Goals, message, help: self.speed_remedy().unwrap_or_default() })
     }
 

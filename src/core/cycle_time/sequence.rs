@@ -122,8 +122,8 @@ impl MotionSequence<'_> {
 
     /// Returns the joint vectors of the line back from a spot along the tool axis.
     ///
-    /// With whole turns, `joints` may be too near to a limit for the line. The line then begins at the posture of the
-    /// stop itself, which was checked; its time is the same.
+    /// Whole turns may bring `joints` too near to a limit for the line. The line then begins at the posture of the stop
+    /// itself, which was checked; the time is equal.
     fn back(&self, joints: &JointVector, stop: &OperationPosture, length: f64) -> Option<Vec<JointVector>> {
         match self.guard {
             Some(guard) => guard.back(joints, length).or_else(|_| guard.back(&stop.joints, length)).ok(),

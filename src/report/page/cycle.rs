@@ -23,6 +23,8 @@ pub fn section(subject: &Subject<'_>) -> Section {
     let steps = cycle.steps.iter().filter(|step| step.time > 0.0);
     let rows = steps.map(|step| vec![text::cycle_step_name(a.cell, step), format!("{:.2}", step.time)]);
     let notes = text::cycle_notes(a.cell, &cycle).join("; ");
-    section.tables.push(PageTable::new(titled(a, "steps"), &["step", "time s"], rows.collect()).with_note(notes));
+    section
+        .tables
+        .push(PageTable::new(titled(a, "steps"), &["step", "time s"], rows.collect()).with_note(notes));
     section
 }

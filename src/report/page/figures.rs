@@ -1,8 +1,8 @@
 //! Sections with pictures.
 
 use super::allocated;
-use super::cycle;
 use super::content::{PageFigure, PageTable, Section};
+use super::cycle;
 use super::places::titled;
 use super::quantities::{down, quantity};
 use super::subject::{Subject, si};

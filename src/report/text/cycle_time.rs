@@ -46,7 +46,8 @@ pub fn cycle_notes(cell: &Cell, cycle: &CycleTime) -> Vec<String> {
         ));
     }
     if cycle.steps.iter().any(|step| step.phase == CyclePhase::DirectMove) {
-        notes.push("the direct moves are not checked for collision: [transfer] check = true does this".into());
+        notes
+            .push("the direct moves are not checked for collision: [transfer] check = true does this".into());
     }
     if !cycle.is_cycle && cell.operations.len() > 1 {
         notes.push("without the way back to the first operation: [transfer] cycle = true adds it".into());
@@ -81,6 +82,10 @@ fn without_speed(cell: &Cell) -> String {
     let names: Vec<String> = missing.iter().map(|&k| shown(&cell.robot.joints[k].name)).collect();
     match missing.len() == cell.robot.joints.iter().filter(|joint| !joint.is_passive()).count() {
         true => "the joints have no greatest speed".into(),
-        false => format!("{} no greatest speed: {}", if names.len() == 1 { "a joint has" } else { "joints have" }, names.join(", ")),
+        false => format!(
+            "{} no greatest speed: {}",
+            if names.len() == 1 { "a joint has" } else { "joints have" },
+            names.join(", ")
+        ),
     }
 }
