@@ -89,7 +89,7 @@ impl SampleLimits {
 /// m, and `speed` is the greatest speed along the path, m/s.
 ///
 /// Between the joint vectors the path is a cubic spline. The limits hold at 128 steps of the path, so the time exceeds
-/// the least one slightly.
+/// the least one by up to 1 %, most if the ramps at the ends are shorter than a step.
 pub(super) fn path_time(at: Vec<f64>, values: Vec<JointVector>, bounds: &RateBounds, speed: f64) -> f64 {
     let spline = JointSpline::new(at, values);
     let step = spline.end() / STEPS as f64;
