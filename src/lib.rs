@@ -49,6 +49,7 @@
 //! | [`pose_accuracy`] | test of ISO 9283 | tolerances to the accuracy that a data sheet states, and back |
 //! | [`clearance`] | collision check | layout and frames to the first contact, or none |
 //! | [`motion`] | motion planning | two postures to a collision-free motion, or the first contact |
+//! | [`cycle_time`] | cycle time | joint vectors and speeds to the least time of a motion |
 //! | [`error_map`] | error map | surface to the spot of least error, or to the whole map |
 //! | [`layout`] | evaluation | **[`layout::evaluate`]: layout to evaluation** |
 //! | [`region`] | room for the fitter | layout to the placements at which the layout stays feasible |
@@ -137,9 +138,9 @@
 
 #[doc(inline)]
 pub use sweetspot_core::{
-    allocation, assess, calibration, cell, clearance, correction, drawing, error_map, kinematic_error,
-    layout, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot, search, units,
-    verification,
+    allocation, assess, calibration, cell, clearance, correction, cycle_time, drawing, error_map,
+    kinematic_error, layout, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot,
+    search, units, verification,
 };
 // Parts of the machinery that no user of the library needs.
 #[doc(hidden)]

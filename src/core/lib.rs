@@ -12,6 +12,7 @@ pub mod certificate;
 pub mod clearance;
 pub mod colours;
 pub mod correction;
+pub mod cycle_time;
 pub mod drawing;
 pub mod error_map;
 pub mod geometry;

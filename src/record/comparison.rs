@@ -1,5 +1,6 @@
 //! The document of `compare --json`.
 
+use super::cycle_time::CycleTimeEntry;
 use super::numbers::nine_digits;
 use super::placement::{AttitudeEntry, ByName, PlacementEntry, attitudes, placements};
 use super::spot::SpotEntry;
@@ -33,6 +34,9 @@ pub struct ComparedLayout {
     pub unit: Unit,
     /// Change of the objective relative to the first layout, percent.
     pub change_percent: Option<f64>,
+    /// Cycle time; left out if the layout is not feasible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cycle_time: Option<CycleTimeEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
     pub layout: ByName<PlacementEntry>,
@@ -50,6 +54,7 @@ impl ComparisonDocument {
             objective: a.objective().map(nine_digits),
             unit: a.cell.unit(),
             change_percent: comparison.change_percent(k, Assessment::objective).map(nine_digits),
+            cycle_time: CycleTimeEntry::new(a),
             reasons: a.reasons(),
             layout: placements(a.cell, &a.layout),
             base: PlacementEntry::new(&a.layout.base),

@@ -22,6 +22,9 @@ pub struct GoalsEntry {
     pub singularity: f64,
     pub travel_deg: f64,
     pub footprint_m2: f64,
+    /// Least time of the motions and the operations; absent if a joint has no greatest speed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f64>,
     /// Cost of the cheapest tolerances that keep every limit; absent if the search does not price tolerances.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
@@ -42,6 +45,7 @@ impl GoalsEntry {
             singularity: of(Goal::Singularity),
             travel_deg: of(Goal::Travel),
             footprint_m2: of(Goal::Footprint),
+            time_s: Some(of(Goal::Time)).filter(|time| time.is_finite() && cell.has_speeds()),
             cost: Some(of(Goal::Cost)).filter(|cost| cost.is_finite() && cell.search.prices_tolerances()),
         }
     }
@@ -55,6 +59,7 @@ impl GoalsEntry {
             Goal::Singularity => self.singularity,
             Goal::Travel => self.travel_deg,
             Goal::Footprint => self.footprint_m2,
+            Goal::Time => self.time_s.unwrap_or(f64::NAN),
             Goal::Cost => self.cost.unwrap_or(f64::NAN),
         }
     }
@@ -67,7 +72,7 @@ pub fn value(cell: &Cell, goal: Goal, si: f64) -> f64 {
         Goal::Clearance => mm_from_m(si),
         Goal::JointLimits => percent_from_share(si),
         Goal::Travel => deg_from_rad(si),
-        Goal::Singularity | Goal::Footprint | Goal::Cost => si,
+        Goal::Singularity | Goal::Footprint | Goal::Time | Goal::Cost => si,
     }
 }
 
@@ -79,7 +84,7 @@ pub fn si(cell: &Cell, goal: Goal, value: f64) -> f64 {
         Goal::Error | Goal::Clearance => m_from_mm(value),
         Goal::JointLimits => share_from_percent(value),
         Goal::Travel => rad_from_deg(value),
-        Goal::Singularity | Goal::Footprint | Goal::Cost => value,
+        Goal::Singularity | Goal::Footprint | Goal::Time | Goal::Cost => value,
     }
 }
 
@@ -92,6 +97,7 @@ pub fn word(cell: &Cell, goal: Goal) -> &'static str {
         Goal::Singularity => "",
         Goal::Travel => "deg",
         Goal::Footprint => "m2",
+        Goal::Time => "s",
         Goal::Cost => "",
     }
 }
@@ -111,6 +117,7 @@ pub fn key(goal: Goal) -> &'static str {
         Goal::Singularity => "singularity",
         Goal::Travel => "travel_deg",
         Goal::Footprint => "footprint_m2",
+        Goal::Time => "time_s",
         Goal::Cost => "cost",
     }
 }

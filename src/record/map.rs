@@ -2,6 +2,7 @@
 
 use super::buildability::{AssumedEntry, CertifiedEntry};
 use super::cell_yield::CellYieldEntry;
+use super::cycle_time::CycleTimeEntry;
 use super::estimate::EstimateEntry;
 use super::measured::ComparedFile;
 use super::node::{MapNode, MapNodes};
@@ -56,6 +57,9 @@ pub struct MapDocument<'a> {
     /// prevents them. Left out if the cell does not check motions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
+    /// Cycle time of the layout; left out if it is not feasible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cycle_time: Option<CycleTimeEntry>,
     /// Placement of every piece of equipment, without obstacles.
     pub layout: ByName<PlacementEntry>,
     pub operations: Vec<OperationMapEntry<'a>>,
@@ -153,6 +157,7 @@ impl<'a> MapDocument<'a> {
             certified: CertifiedEntry::new(a),
             reasons: a.reasons(),
             transfers: cell.transfer.is_some().then(|| transfers(a)),
+            cycle_time: CycleTimeEntry::new(a),
             layout: placements(cell, &a.layout),
             operations: a.maps.iter().map(|m| OperationMapEntry::new(a, m)).collect(),
             measured: Vec::new(),

@@ -14,6 +14,7 @@ mod cell_yield;
 mod check;
 mod comparison;
 mod correction;
+mod cycle_time;
 mod errors;
 mod estimate;
 mod explanation;
@@ -62,6 +63,7 @@ pub use comparison::{ComparedLayout, ComparisonDocument};
 pub use correction::{
     CORRECTION_SCHEMA, CommandedJoint, CorrectionDocument, CorrectionEntry, CorrectionState,
 };
+pub use cycle_time::{CyclePhaseWord, CycleStepEntry, CycleTimeEntry};
 pub use errors::{
     AccuracyQuantiles, BaseChoice, ERRORS_SCHEMA, ErrorOrigin, ErrorsDocument, GuessQuestion, SpreadEntry,
     TestCubeEntry, TestPoseEntry,

@@ -2,6 +2,7 @@
 
 use super::buildability::{AssumedEntry, CertifiedEntry};
 use super::cell_yield::CellYieldEntry;
+use super::cycle_time::CycleTimeEntry;
 use super::goals::{self, GoalsEntry};
 use super::numbers::{in_unit, nine_digits, rounded_down};
 use super::placement::{AttitudeEntry, ByName, PlacementEntry, attitudes, placements};
@@ -98,6 +99,9 @@ pub struct SearchResult {
     /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
+    /// Cycle time of the best layout; left out if that layout is not feasible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cycle_time: Option<CycleTimeEntry>,
     pub start: StartEntry,
     /// Pareto front or shortlist of layouts; null if the search was not asked to keep layouts.
     pub front: Option<Vec<AlternativeEntry>>,
@@ -175,6 +179,9 @@ pub struct StartEntry {
     /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
+    /// Cycle time; left out if the layout is not feasible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cycle_time: Option<CycleTimeEntry>,
 }
 
 /// Layout of the Pareto front or of the shortlist.
@@ -243,6 +250,7 @@ impl SearchResult {
             attitudes: attitudes(cell, &best.layout),
             operations: SpotEntry::all(best),
             cell_yield: CellYieldEntry::new(best),
+            cycle_time: CycleTimeEntry::new(best),
             start: StartEntry::new(start),
             front: AlternativeEntry::all(cell, record),
             trace: record.trace.iter().map(|(n, e)| (*n, in_unit(cell.unit(), *e))).collect(),
@@ -324,6 +332,7 @@ impl StartEntry {
             attitudes: attitudes(start.cell, &start.layout),
             operations: SpotEntry::all(start),
             cell_yield: CellYieldEntry::new(start),
+            cycle_time: CycleTimeEntry::new(start),
         }
     }
 }

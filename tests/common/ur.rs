@@ -52,7 +52,16 @@ fn robot(name: &str, rows: impl Fn(&str) -> Vec<f64>) -> Robot {
     let [r, l, theta, alpha] = ["d", "a", "theta", "alpha"].map(rows);
     let joint = |i: usize| {
         let (theta, r, l, alpha) = (theta[i], r[i], l[i], alpha[i]);
-        Joint { name: format!("q{i}"), kind: JointKind::Revolute, theta, r, l, alpha, limits: (-PI, PI), rates: Default::default() }
+        Joint {
+            name: format!("q{i}"),
+            kind: JointKind::Revolute,
+            theta,
+            r,
+            l,
+            alpha,
+            limits: (-PI, PI),
+            rates: Default::default(),
+        }
     };
     let row = |i: usize| (0..6).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
     Robot {

@@ -10,7 +10,7 @@ use sources::{File, paths_from, sources, uses_crate, with_words};
 use std::collections::BTreeSet;
 
 /// Modules in the order in which data flows: each uses only those before it.
-const ORDER: [&str; 34] = [
+const ORDER: [&str; 35] = [
     "units",
     "safe_text",
     "geometry",
@@ -31,6 +31,7 @@ const ORDER: [&str; 34] = [
     "pose_accuracy",
     "clearance",
     "motion",
+    "cycle_time",
     "certificate",
     "error_map",
     "layout",

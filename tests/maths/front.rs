@@ -32,6 +32,15 @@ fn listed_cell(work: &str, more: &str) -> Cell {
     from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
+/// States a greatest speed and acceleration for every joint, so that the layouts have a cycle time.
+fn timed(mut cell: Cell) -> Cell {
+    for (k, joint) in cell.robot.joints.iter_mut().enumerate() {
+        joint.rates.velocity = Some([2.0, 1.0, 1.5, 3.0][k % 4]);
+        joint.rates.acceleration = Some([4.0, 3.0, 5.0, 9.0][k % 4]);
+    }
+    cell
+}
+
 const LISTS: &str = "x_mm = [0, -100, 100, 200, 300], y_mm = [1000, 700, 800, 900, 1100], z_mm = [600, 500], \
                      yaw_deg = [0, 30, 60]";
 
@@ -92,7 +101,7 @@ fn enumerated(workcell: &Workcell, goals: &Goals) -> Vec<(Layout, Vec<f64>)> {
 }
 
 fn losses(goals: &Goals, values: &[f64]) -> Vec<f64> {
-    let smaller = |goal: Goal| matches!(goal, Goal::Error | Goal::Travel | Goal::Footprint);
+    let smaller = |goal: Goal| matches!(goal, Goal::Error | Goal::Travel | Goal::Footprint | Goal::Time);
     // Values below a nanometre are rounding.
     let rounded = |v: f64| (v * 1e9).round() / 1e9;
     goals.iter().zip(values).map(|(g, v)| rounded(if smaller(g) { *v } else { -v })).collect()
@@ -143,10 +152,12 @@ fn scaled(all: &[Vec<f64>]) -> impl Fn(&Vec<f64>) -> Vec<f64> {
 
 #[test]
 fn the_front_agrees_with_enumeration() {
-    let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
+    let workcell = Workcell::new(timed(listed_cell(LISTS, ""))).unwrap();
     for named in [
         &[Goal::Error, Goal::Clearance][..],
         &[Goal::Error, Goal::Travel],
+        &[Goal::Error, Goal::Time],
+        &[Goal::Time, Goal::Clearance, Goal::Error],
         &[Goal::Footprint, Goal::Error],
         &[Goal::Error, Goal::Clearance, Goal::Travel],
         &[Goal::JointLimits, Goal::Singularity, Goal::Footprint],
@@ -284,13 +295,15 @@ fn bits(record: &SearchRecord) -> String {
 
 #[test]
 fn every_checkpoint_of_a_front_resumes_to_the_same_bits() {
-    let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
+    let workcell = Workcell::new(timed(shipped("hitachi_cell.toml"))).unwrap();
     let own = workcell.cell.search;
     let pareto = goals(&[Goal::Error, Goal::Clearance, Goal::Travel]);
+    let times = goals(&[Goal::Error, Goal::Time]);
     for settings in [
         SearchSettings { budget: 2_600, pareto, ..own },
         SearchSettings { budget: 900, pareto, solver: Solver::ParticleSwarm, ..own },
         SearchSettings { budget: 900, keep: 4, ..own },
+        SearchSettings { budget: 900, pareto: times, ..own },
     ] {
         let (whole, kept) = run(&workcell, &settings, None, 1);
         assert!(whole.alternatives.len() > 3, "{}", whole.alternatives.len());

@@ -17,6 +17,7 @@ mod clearance;
 mod common;
 mod compare;
 mod correction;
+mod cycle_time;
 mod drawing;
 mod elastic;
 mod envelope;

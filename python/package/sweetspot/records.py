@@ -355,6 +355,8 @@ class ComparedLayout(Record):
     unit: Literal['share', 'cost', 'mm', 'deg']
     change_percent: Optional[float]
     """Change of the objective relative to the first layout, percent."""
+    cycle_time: Optional[CycleTimeEntry]
+    """Cycle time; left out if the layout is not feasible."""
     reasons: List[str]
     """Reasons why the layout is not feasible."""
     layout: Dict[str, PlacementEntry]
@@ -363,6 +365,7 @@ class ComparedLayout(Record):
     operations: Table[SpotEntry]
 
     _nested = {
+        'cycle_time': ('record', 'CycleTimeEntry'),
         'layout': ('named', 'PlacementEntry'),
         'base': ('record', 'PlacementEntry'),
         'attitudes': ('named', 'AttitudeEntry'),
@@ -480,6 +483,36 @@ class CorrectionEntry(Record):
         'nominal_joints': ('numbers', ''),
         'joints': ('numbers', ''),
         'command': ('record', 'PoseEntry'),
+    }
+
+
+class CycleStepEntry(Record):
+    """Step of a cycle."""
+
+    phase: Literal['approach', 'dwell', 'retract', 'transfer', 'direct-move']
+    operation: str
+    """Operation; of a move between operations, the one before it."""
+    next: Optional[str]
+    """Operation after the move; null if the step is no move between operations."""
+    time_s: float
+
+
+class CycleTimeEntry(Record):
+    """Least time of a layout for its operations, under the greatest speeds and accelerations of the joints."""
+
+    total_s: Optional[float]
+    """Sum of the times of all steps; null if a joint has no greatest speed."""
+    is_cycle: bool
+    """Whether the robot returns to the first operation, so that the total is the time of a cycle."""
+    is_estimate: bool
+    """Whether an acceleration is assumed, so that the times are estimates."""
+    steps: Table[CycleStepEntry]
+    """Steps in their order; empty if a joint has no greatest speed."""
+    missing_speeds: List[str]
+    """Joints whose greatest speed is missing."""
+
+    _nested = {
+        'steps': ('table', 'CycleStepEntry'),
     }
 
 
@@ -812,6 +845,8 @@ class GoalsEntry(Record):
     """Least singular value of the Jacobian, with lengths divided by the arm's reach."""
     travel_deg: float
     footprint_m2: float
+    time_s: Optional[float]
+    """Least time of the motions and the operations; absent if a joint has no greatest speed."""
     cost: Optional[float]
     """Cost of the cheapest tolerances that keep every limit; absent if the search does not price tolerances."""
 
@@ -918,6 +953,10 @@ class JointSheet(Record):
     limits: _Numbers
     """Least and greatest coordinate, in `unit`."""
     unit: Literal['share', 'cost', 'mm', 'deg']
+    max_velocity: Optional[float]
+    """Greatest speed, in `unit` per s; null if the robot file states none."""
+    max_acceleration: Optional[float]
+    """Greatest acceleration, in `unit` per s^2; null if the robot file states none."""
 
     _nested = {
         'limits': ('numbers', ''),
@@ -1030,6 +1069,8 @@ class MapDocument(Record):
     """Motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion prevents
     them. Left out if the cell does not check motions.
     """
+    cycle_time: Optional[CycleTimeEntry]
+    """Cycle time of the layout; left out if it is not feasible."""
     layout: Dict[str, PlacementEntry]
     """Placement of every piece of equipment, without obstacles."""
     operations: Table[OperationMapEntry]
@@ -1043,6 +1084,7 @@ class MapDocument(Record):
         'cell_yield': ('record', 'CellYieldEntry'),
         'assumed': ('table', 'AssumedEntry'),
         'transfers': ('table', 'TransferEntry'),
+        'cycle_time': ('record', 'CycleTimeEntry'),
         'layout': ('named', 'PlacementEntry'),
         'operations': ('table', 'OperationMapEntry'),
         'measured': ('table', 'ComparedFile'),
@@ -1781,7 +1823,7 @@ class ResolvedSettings(Record):
     """Relative gap between the best layout and the proven lower bound at which a search ends."""
     stagnation: Optional[int]
     """Number of evaluations without a better layout after which a search ends."""
-    pareto: List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'cost']]
+    pareto: List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'time', 'cost']]
     """Goals of a Pareto search; empty for a search that minimizes only the objective."""
     keep: int
     """Number of layouts to keep; 0 if the cell states none."""
@@ -1994,7 +2036,7 @@ class SearchResult(Record):
     """Largest number of layouts to evaluate, or to evaluate on each island."""
     robust: bool
     """Whether the worst case over the placement tolerances was minimized."""
-    pareto: Optional[List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'cost']]]
+    pareto: Optional[List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'time', 'cost']]]
     """Goals of a Pareto search; null for a search that minimizes only the objective."""
     keep: Optional[int]
     """Number of layouts to keep; null if the cell states none."""
@@ -2028,6 +2070,8 @@ class SearchResult(Record):
     """Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
     statistical, every operation has a spot, and at least one operation has a limit.
     """
+    cycle_time: Optional[CycleTimeEntry]
+    """Cycle time of the best layout; left out if that layout is not feasible."""
     start: StartEntry
     front: Optional[Table[AlternativeEntry]]
     """Pareto front or shortlist of layouts; null if the search was not asked to keep layouts."""
@@ -2049,6 +2093,7 @@ class SearchResult(Record):
         'attitudes': ('named', 'AttitudeEntry'),
         'operations': ('table', 'SpotEntry'),
         'cell_yield': ('record', 'CellYieldEntry'),
+        'cycle_time': ('record', 'CycleTimeEntry'),
         'start': ('record', 'StartEntry'),
         'front': ('table', 'AlternativeEntry'),
         'islands': ('table', 'IslandEntry'),
@@ -2288,6 +2333,8 @@ class StartEntry(Record):
     """Overall yield: share of sampled arms that keep the limits of all operations. Present if the reading is
     statistical, every operation has a spot, and at least one operation has a limit.
     """
+    cycle_time: Optional[CycleTimeEntry]
+    """Cycle time; left out if the layout is not feasible."""
 
     _nested = {
         'layout': ('named', 'PlacementEntry'),
@@ -2295,6 +2342,7 @@ class StartEntry(Record):
         'attitudes': ('named', 'AttitudeEntry'),
         'operations': ('table', 'SpotEntry'),
         'cell_yield': ('record', 'CellYieldEntry'),
+        'cycle_time': ('record', 'CycleTimeEntry'),
     }
 
 

@@ -34,7 +34,7 @@ pub struct SearchArguments {
     #[arg(long)]
     pub robust: bool,
     /// Find the Pareto front of two or more goals: error, clearance, joint-limits, singularity, travel,
-    /// footprint, cost
+    /// footprint, time, cost
     #[arg(
         long,
         value_name = "GOAL,GOAL,...",

@@ -49,6 +49,7 @@ use ending_tolerance::ending_tolerances;
 
 use crate::cell::{Cell, Goals, Layout, Unit};
 
+use crate::cycle_time::CycleTime;
 use crate::error_map::{NodeRecord, OperationMap, PostureRecord};
 use crate::layout::{Evaluation, LayoutCertificate, Refined, Robustness, Workcell, evaluate, separated};
 use crate::proof::Proof;
@@ -219,6 +220,13 @@ impl<'a> Assessment<'a> {
     /// Returns None if the layout is infeasible.
     pub fn goals(&self) -> Option<Vec<f64>> {
         self.workcell.goals(&self.layout, &self.evaluation, &Goals::all())
+    }
+
+    /// Computes the cycle time with its steps.
+    ///
+    /// Returns None if the layout is infeasible, or if a joint has no greatest speed.
+    pub fn cycle_time(&self) -> Option<CycleTime> {
+        self.workcell.cycle_time(&self.layout, &self.evaluation)
     }
 
     /// Returns the objective in mm, degrees or as a share; None if the layout is infeasible.

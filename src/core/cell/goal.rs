@@ -23,19 +23,22 @@ pub enum Goal {
     Travel,
     /// Area of the convex hull of all floor spaces (robot base and equipment), m^2, minimized.
     Footprint,
+    /// Least time of the motions from operation to operation and of the operations themselves, s, minimized.
+    Time,
     /// Cost of the cheapest tolerances with which every operation keeps its limit, minimized.
     Cost,
 }
 
 impl Goal {
     /// All goals.
-    pub const ALL: [Goal; 7] = [
+    pub const ALL: [Goal; 8] = [
         Goal::Error,
         Goal::Clearance,
         Goal::JointLimits,
         Goal::Singularity,
         Goal::Travel,
         Goal::Footprint,
+        Goal::Time,
         Goal::Cost,
     ];
 
@@ -48,6 +51,7 @@ impl Goal {
             Goal::Singularity => "singularity",
             Goal::Travel => "travel",
             Goal::Footprint => "footprint",
+            Goal::Time => "time",
             Goal::Cost => "cost",
         }
     }

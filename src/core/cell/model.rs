@@ -210,6 +210,10 @@ pub struct Operation {
     /// Length of the straight retract along the tool axis from the spot, m; 0 means that no retract is
     /// checked.
     pub retract: f64,
+    /// Time that the robot rests at the spot, or at every listed point, s.
+    pub dwell: f64,
+    /// Greatest speed of the TCP on the approach and the retract, m/s; None if only the joints limit it.
+    pub line_speed: Option<f64>,
 }
 
 impl Operation {
@@ -291,11 +295,22 @@ impl Cell {
         }
     }
 
-    /// Returns the goals that are measured for layouts of this cell. The cost of tolerances is among them only if the
-    /// search prices tolerances.
+    /// Returns the goals that are measured for layouts of this cell.
+    ///
+    /// The cost of tolerances is among them only if the search prices tolerances, and the time only if every joint has
+    /// a greatest speed.
     pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
-        let has_cost = self.search.prices_tolerances();
-        Goal::ALL.into_iter().filter(move |goal| has_cost || *goal != Goal::Cost)
+        let (has_cost, has_time) = (self.search.prices_tolerances(), self.has_speeds());
+        Goal::ALL.into_iter().filter(move |goal| match goal {
+            Goal::Cost => has_cost,
+            Goal::Time => has_time,
+            _ => true,
+        })
+    }
+
+    /// Returns whether every joint with an actuator has a greatest speed, as cycle times need.
+    pub fn has_speeds(&self) -> bool {
+        self.robot.joints_without_speed().is_empty()
     }
 
     /// Returns whether errors are read as the share of arms that exceed a limit.

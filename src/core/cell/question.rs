@@ -5,8 +5,11 @@
 
 use super::choices::{Model, NodeAggregation, Objective, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
+use super::goal::Goal;
 use super::model::*;
+use super::robot_model::JointKind;
 use super::sense::Sense;
+use crate::safe_text::shown;
 
 /// Interpretation of the errors of a cell: error model, reading, quantity, registration and sense.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,8 +27,10 @@ pub struct Interpretation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
     Reading,
-    /// Objective or goals of the search.
+    /// Objective of the search.
     Objective,
+    /// Goals of the search.
+    Goals,
     /// Limit of the operation with this index.
     Operation(usize),
     Sense(usize),
@@ -139,6 +144,7 @@ impl Cell {
         if self.search.prices_tolerances() {
             faults.extend(self.pricing_faults(interpretation));
         }
+        faults.extend(self.time_fault());
         if interpretation.is_yield() {
             let unlimited = |o: &Operation| interpretation.limit_of(o).is_none();
             for (k, operation) in self.operations.iter().enumerate().filter(|(_, o)| unlimited(o)) {
@@ -202,6 +208,29 @@ impl Cell {
             }
         }
         faults
+    }
+
+    /// Returns why the search cannot minimize the cycle time; None if it can, or does not.
+    fn time_fault(&self) -> Option<QuestionFault> {
+        let missing = self.robot.joints_without_speed();
+        if missing.is_empty() || !self.search.pareto.iter().any(|goal| goal == Goal::Time) {
+            return None;
+        }
+        let names = missing.iter().map(|&k| format!("`{}`", shown(&self.robot.joints[k].name)));
+        let names = names.collect::<Vec<_>>().join(", ");
+        let message =
+            format!("the goal time needs the greatest speed of every joint, but none is stated for {names}");
+        Some(QuestionFault { about: About::Goals, message, help: self.speed_remedy().unwrap_or_default() })
+    }
+
+    /// Returns how to state the speeds that cycle times need; None if none is missing.
+    pub fn speed_remedy(&self) -> Option<String> {
+        let first = *self.robot.joints_without_speed().first()?;
+        let key = match self.robot.joints[first].kind {
+            JointKind::Revolute => "max_velocity_deg_s = 180",
+            JointKind::Prismatic => "max_velocity_mm_s = 500",
+        };
+        Some(format!("add [[robot.rate]] with joint = {} and {key}, for each of them", first + 1))
     }
 
     /// Returns one text for each error set in use that states tolerances.

@@ -180,6 +180,13 @@ impl Robot {
         self.joints.len()
     }
 
+    /// Returns the indices of the joints that have an actuator but no greatest speed.
+    pub fn joints_without_speed(&self) -> Vec<usize> {
+        let lacks_speed = |joint: &Joint| !joint.is_passive() && joint.rates.velocity.is_none();
+        let numbered = self.joints.iter().enumerate();
+        numbered.filter(|(_, joint)| lacks_speed(joint)).map(|(k, _)| k).collect()
+    }
+
     /// Returns theta, r, l and alpha (rad, m) of every row in the convention of the robot file.
     ///
     /// Theta and r are the values at joint coordinate 0.

@@ -3,8 +3,9 @@
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
 use super::workspace::MapperWorkspace;
-use crate::cell::JointVector;
+use crate::cell::{Cell, JointVector};
 use crate::clearance::Load;
+use crate::cycle_time::{CycleTime, MotionSequence, RateBounds};
 use crate::motion::{Blocked, OperationPosture, Transfer};
 
 impl PlacedLayout<'_> {
@@ -22,22 +23,44 @@ impl PlacedLayout<'_> {
         let Some(guard) = self.mapper.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
         };
-        let stops: Option<Vec<Vec<OperationPosture>>> =
-            (0..spots.len()).map(|k| self.stops(k, spots)).collect();
-        stops.map_or(Ok(Vec::new()), |stops| {
+        self.stops(spots).map_or(Ok(Vec::new()), |stops| {
             let check = |ends: [usize; 2], path: &[JointVector], load: Load| match self.demand {
                 Some(demand) => self.certify_transfer(ends, path, load, spots, &demand),
                 None => Ok(()),
             };
-            guard.transfers(&self.mapper.scene, &self.solids, &stops.concat(), &check)
+            guard.transfers(&self.mapper.scene, &self.solids, &stops, &check)
         })
+    }
+
+    /// Returns the postures of all operations in their order; None if an operation has no spot.
+    ///
+    /// An operation has one posture at its spot, or one at every listed point.
+    pub fn stops(&self, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
+        let stops: Option<Vec<Vec<OperationPosture>>> =
+            (0..spots.len()).map(|k| self.stops_of(k, spots)).collect();
+        Some(stops?.concat())
+    }
+
+    /// Computes the least time of the motions and operations at these spots; `transfers` are the moves between them.
+    ///
+    /// Returns None if an operation has no spot, or if the arm cannot follow an approach or a retract.
+    pub fn cycle_time(
+        &self,
+        cell: &Cell,
+        spots: &[Option<Spot>],
+        transfers: &[Transfer],
+        bounds: &RateBounds,
+    ) -> Option<CycleTime> {
+        let stops = self.stops(spots)?;
+        let (chain, guard) = (self.mapper.chain(), self.mapper.guard.as_ref());
+        MotionSequence { cell, chain, guard, stops: &stops, transfers }.time(bounds)
     }
 
     /// Returns the postures of an operation in their order: at its spot, or at every listed point.
     ///
     /// The nodes of a grid have no order. So an operation at every node of a grid has only one posture here:
     /// the posture at its spot, which is the node with the largest value.
-    fn stops(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
+    fn stops_of(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
         let (setup, spot) = (&self.mapper.setups[operation], spots[operation]?);
         if !setup.over.needs_every_node() || !setup.grid.is_listed() {
             return Some(vec![self.operation_posture(operation, &spot)?]);

@@ -39,6 +39,8 @@ impl Workcell {
     /// - travel: the joint travel (rad) of the transfers or, if they are not checked, of direct moves from
     ///   spot to spot.
     /// - footprint: area (m^2) of the convex hull of the floor spaces of robot base and equipment.
+    /// - time: the least time (s) of the motions and operations, see [`crate::cycle_time`]; NaN if a joint has no
+    ///   greatest speed.
     /// - cost: cost of the cheapest tolerances with which every operation keeps its limit at its spot; NaN if the
     ///   search does not price tolerances.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
@@ -51,6 +53,7 @@ impl Workcell {
             Goal::Singularity => worked.least(|m| m.singularity),
             Goal::Travel => worked.travel(),
             Goal::Footprint => footprint(&self.cell, layout),
+            Goal::Time => worked.time(),
             Goal::Cost => worked.cost(),
         };
         Some(goals.iter().map(value).collect())
@@ -97,6 +100,11 @@ impl<'a> WorkingPostures<'a> {
         }
         let mut memory = MapperWorkspace::default();
         self.placed.joint_price(&self.found, &mut memory).unwrap_or(f64::NAN)
+    }
+
+    fn time(&self) -> f64 {
+        let cycle = self.workcell.cycle_at(&self.placed, self.evaluation, &self.found);
+        cycle.map_or(f64::NAN, |cycle| cycle.total())
     }
 
     fn travel(&self) -> f64 {

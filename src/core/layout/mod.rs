@@ -1,6 +1,7 @@
 //! Evaluation of one candidate layout: search, what-if questions and reports all call [`evaluate`].
 
 mod certify;
+mod cycle;
 mod evaluation;
 mod goals;
 mod held_layout;

@@ -3,6 +3,7 @@
 use crate::cell::{Cell, Interpretation, Layout, Parameter, QuestionFault};
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 use crate::clearance::{FloorPlan, Remember, Scene, SelfCollisionPair};
+use crate::cycle_time::RateBounds;
 use crate::error_map::{Demand, Mapper, PlacedLayout, PostureOrder};
 use crate::reach::Inverse;
 use crate::reading::ErrorEvaluator;
@@ -14,6 +15,8 @@ pub struct Workcell {
     pub(super) mapper: Mapper,
     pub(super) plan: Arc<FloorPlan>,
     certifies: bool,
+    /// Greatest speeds and accelerations of the joints, or the indices of the joints that lack a speed.
+    pub(super) rates: Result<RateBounds, Vec<usize>>,
     /// Floor plan with room for misplacements.
     pub(super) wide: Arc<FloorPlan>,
     /// Upper bound of the value of each operation over all misplacements, or the reason why there is none.
@@ -39,7 +42,8 @@ impl Workcell {
         let wide = Arc::new(FloorPlan::with_tolerances(&cell));
         let value_bounds = value_bounds(&cell, &mapper);
         let certifies = certifies(&cell);
-        Ok(Self { cell, mapper, plan, certifies, wide, value_bounds })
+        let rates = RateBounds::new(&cell.robot);
+        Ok(Self { cell, mapper, plan, certifies, rates, wide, value_bounds })
     }
 
     /// Returns this workcell under another interpretation of its errors; the solids are shared.
@@ -77,7 +81,8 @@ impl Workcell {
         let mapper = Mapper::new(&cell, self.mapper.scene().clone())?;
         let value_bounds = value_bounds(&cell, &mapper);
         let (plan, wide, certifies) = (self.plan.clone(), self.wide.clone(), certifies(&cell));
-        Ok(Self { cell, mapper, plan, certifies, wide, value_bounds })
+        let rates = RateBounds::new(&cell.robot);
+        Ok(Self { cell, mapper, plan, certifies, rates, wide, value_bounds })
     }
 
     /// Switches off the ranking of nodes. Every node is then judged, which is slower; the result is the same,

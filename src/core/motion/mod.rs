@@ -16,4 +16,6 @@ pub use continuous_collision::{PathHit, PathSlack, RESOLUTION, first_hit};
 pub use guard::{Guard, Hindrance, PostureRefusal};
 pub use measures::{Measures, measures, singularity};
 pub use straight_line::{DEVIATION, Stopped, straight};
-pub use transfer::{Blocked, OperationPosture, PathCheck, Transfer, TransferRoute, direct_travel};
+pub use transfer::{
+    Blocked, OperationPosture, PathCheck, Transfer, TransferRoute, direct_travel, nearest_turns,
+};

@@ -39,6 +39,10 @@ pub struct Transfer {
     pub way: TransferRoute,
     /// Joint vectors (rad or m) of the path, which consists of straight moves between them.
     pub path: Vec<JointVector>,
+    /// Indices of the joint vectors at which the arm stops, the ends of the path among them.
+    ///
+    /// Between two of them lies one straight move in joint coordinates, or one straight line of the TCP.
+    pub corners: Vec<usize>,
     /// Measure of the transfer time, rad: the largest joint travel of each move, summed over all moves.
     ///
     /// The measure is proportional to the time if all joints start and stop together with equal top speeds. A
@@ -128,8 +132,8 @@ impl Guard {
         // Without a retract or an approach, a part rests on the surface at that end of the transfer.
         let load = Load::between((from.operation, away == 0.0), (to.operation, towards == 0.0));
         for way in self.ways() {
-            let path = match self.path(way, &start, &end) {
-                Ok(path) => path,
+            let (path, corners) = match self.path(way, &start, &end) {
+                Ok(found) => found,
                 Err(why) => {
                     tries.push((way, why));
                     continue;
@@ -144,7 +148,7 @@ impl Guard {
                 None => {
                     let (travel, arrival) = (travel(&self.chain, &path, self.reach), to.joints);
                     let (from, to) = (from.operation, to.operation);
-                    return Ok(Transfer { from, to, way, path, travel, arrival });
+                    return Ok(Transfer { from, to, way, path, corners, travel, arrival });
                 }
             }
         }
@@ -167,13 +171,14 @@ impl Guard {
         ways
     }
 
+    /// Returns the joint vectors of a route, and the indices of those at which the arm stops.
     fn path(
         &self,
         way: TransferRoute,
         start: &JointVector,
         end: &JointVector,
-    ) -> Result<Vec<JointVector>, Hindrance> {
-        let Some(rules) = &self.transfer else { return Ok(vec![*start, *end]) };
+    ) -> Result<(Vec<JointVector>, Vec<usize>), Hindrance> {
+        let Some(rules) = &self.transfer else { return Ok((vec![*start, *end], vec![0, 1])) };
         let up = Vector3::z() * rules.lift;
         let raised = |q: &JointVector| straight(&self.chain, q, &up, self.reach).map_err(Hindrance::Stopped);
         let (mut path, last) = match way {
@@ -184,11 +189,16 @@ impl Guard {
                 (raised(start)?, down)
             }
         };
+        let mut corners = vec![0, path.len() - 1];
         if let TransferRoute::Via(k) | TransferRoute::LiftVia(k) = way {
+            corners.push(path.len());
             path.push(rules.via[k]);
         }
+        corners.extend([path.len(), path.len() + last.len() - 1]);
         path.extend(last);
-        Ok(path)
+        // Without a lift, the line at an end has no length.
+        corners.dedup();
+        Ok((path, corners))
     }
 }
 
@@ -218,7 +228,7 @@ pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
 
 /// Returns the joint vector `to` with angles changed by whole turns to come nearest to `from`, within the
 /// joint limits.
-fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
+pub fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
     let mut near = *to;
     for j in 0..chain.axes() {
         let link = &chain.links[j];

@@ -15,6 +15,9 @@ pub const MAX_SPINS: usize = 72;
 /// Largest tolerance on the direction of the tool axis, degrees.
 pub const MAX_TOLERANCE: f64 = 45.0;
 
+/// Longest time of an operation at its spot, s: a day.
+const MAX_DWELL: f64 = 86_400.0;
+
 /// Largest elevation of the tool axis, up or down, degrees. Beyond 90 degrees the tool leans back.
 pub const MAX_BEND: f64 = 135.0;
 
@@ -71,6 +74,8 @@ key_table! {
         TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach its frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
         APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "Length of the straight approach along the tool axis.");
         RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "Length of the straight retreat along the tool axis.");
+        DWELL = number_or_zero("dwell_s", NumberRange::UpTo(MAX_DWELL), "Time that the operation takes at its spot, or at every listed point, with the robot at rest; it counts in the cycle time.");
+        LINE_SPEED = number("line_speed_mm_s", NumberRange::Positive, "Greatest speed of the TCP on the approach and the retract, such as that of an insertion; if left out, only the joints limit it.").example("50");
         WEIGHT = number("weight", NumberRange::Positive, "Weight of the operation's error in the objective.").default(Literal::Number(1.0));
         HELD = table("held", &held::TABLE, "Part that the robot holds at the operation; it is checked for collision, too.");
     }

@@ -25,16 +25,14 @@ impl KeyUnit {
     pub fn si(self, value: f64) -> f64 {
         match self {
             KeyUnit::None | KeyUnit::Kilograms | KeyUnit::Seconds => value,
-            KeyUnit::Millimetres
-            | KeyUnit::MillimetresPerSecond
-            | KeyUnit::MillimetresPerSecondSquared => units::m_from_mm(value),
+            KeyUnit::Millimetres | KeyUnit::MillimetresPerSecond | KeyUnit::MillimetresPerSecondSquared => {
+                units::m_from_mm(value)
+            }
             KeyUnit::Degrees
             | KeyUnit::DegreesPerMetre
             | KeyUnit::DegreesPerNewtonMetre
             | KeyUnit::DegreesPerSecond
-            | KeyUnit::DegreesPerSecondSquared => {
-                units::rad_from_deg(value)
-            }
+            | KeyUnit::DegreesPerSecondSquared => units::rad_from_deg(value),
             KeyUnit::Percent => units::share_from_percent(value),
             KeyUnit::MillimetresPerDegree => units::m_from_mm(value) / units::rad_from_deg(1.0),
         }

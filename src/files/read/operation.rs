@@ -85,6 +85,8 @@ fn read(name: &str, t: &mut Table, around: &References<'_>) -> Option<Operation>
     let relative_to = t.if_given(&operation::RELATIVE_TO, |t, _| read_relative(name, t, around));
     let teach = t.if_given(&operation::TEACH, |t, _| teach::read(t, surface));
     let (approach, retract) = (t.number(&operation::APPROACH), t.number(&operation::RETRACT));
+    let dwell = t.number(&operation::DWELL);
+    let line_speed = t.if_given(&operation::LINE_SPEED, Table::number);
     let weight = t.number(&operation::WEIGHT);
     let held = t.table_or(&operation::HELD, HeldPart::default(), tool::read_held);
     let ((place, over), (attitude, angles)) = (place?, attitude?);
@@ -104,6 +106,8 @@ fn read(name: &str, t: &mut Table, around: &References<'_>) -> Option<Operation>
         held: held?,
         approach: approach?,
         retract: retract?,
+        dwell: dwell?,
+        line_speed: line_speed?,
     })
 }
 

@@ -17,6 +17,9 @@ pub fn check(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
                 let keys = ["robust", "objective", "pareto"].into_iter();
                 search.and_then(|s| keys.filter_map(|key| s.value.get(key)).next()).map(|n| n.at)
             }
+            About::Goals => {
+                root.value.get("search").and_then(|search| search.value.get("pareto")).map(|n| n.at)
+            }
             About::Operation(k) => {
                 let flag = root.value.get("quantity").map(|node| node.at).filter(|at| lib.is_flag(*at));
                 flag.or_else(|| operation(cell, root, k).map(|node| node.at))

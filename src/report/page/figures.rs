@@ -2,6 +2,7 @@
 
 use super::allocated;
 use super::content::{PageFigure, PageTable, Section};
+use super::cycle;
 use super::places::titled;
 use super::quantities::{down, quantity};
 use super::subject::{Subject, si};
@@ -31,6 +32,7 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
         discrepancies(subject),
         distributions(subject),
         convergence(subject),
+        cycle::section(subject),
         pareto(subject),
         misplacement(subject),
     ];

@@ -10,6 +10,7 @@ pub mod assets;
 mod assumptions;
 mod compare;
 mod content;
+mod cycle;
 mod figures;
 #[cfg(feature = "view")]
 mod live;

@@ -21,6 +21,7 @@ pub fn answer(a: &Assessment<'_>) -> String {
     }
     let mut out = format!("\n{}\n{}\n", placements(a), operations(a));
     out.push_str(&super::yield_lines(a));
+    out.push_str(&super::cycle_time(a));
     out.push_str(&room(a));
     out
 }

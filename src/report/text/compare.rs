@@ -50,6 +50,11 @@ pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
         let cells = (0..columns.len()).map(|c| with_change(comparison, c, &share));
         table.labelled("all operations", "yield of the samples", cells);
     }
+    let time = |a: &Assessment<'_>| a.cycle_time().map(|cycle| cycle.total());
+    if columns.iter().any(|c| time(c).is_some()) {
+        let cells = (0..columns.len()).map(|c| with_change(comparison, c, &time));
+        table.labelled("cycle", "time s", cells);
+    }
     let label = columns.first().map_or(String::new(), |c| objective_label(c.cell));
     table.labelled("optimizer", &label, cells);
     table

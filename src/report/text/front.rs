@@ -3,15 +3,17 @@
 use super::fixed;
 use super::table::TextTable;
 use crate::assess::Assessment;
-use crate::cell::Cell;
+use crate::cell::{Cell, Goal};
 use crate::record::goals;
 use crate::search::SearchRecord;
 
 /// Largest number of rows in the terminal; front.csv has all rows.
 const MAX_ROWS_SHOWN: usize = 40;
 
+/// Returns the values of the goals that the layouts of the cell have, from values in the order of [`Goal::ALL`].
 fn cells<'a>(cell: &'a Cell, values: &'a [f64]) -> impl Iterator<Item = String> + 'a {
-    cell.measured_goals().zip(values).map(|(goal, si)| fixed(goals::value(cell, goal, *si), 4))
+    let of = |goal: Goal| Goal::ALL.iter().position(|g| *g == goal).and_then(|k| values.get(k));
+    cell.measured_goals().filter_map(move |goal| Some(fixed(goals::value(cell, goal, *of(goal)?), 4)))
 }
 
 /// Returns the goals of a layout other than the error, in one line; empty if the layout is not feasible.

@@ -27,6 +27,7 @@ pub fn maps(a: &Assessment<'_>) -> String {
         let travel = deg_from_rad(t.travel);
         let _ = writeln!(out, "from {from} to {to}: {}, {travel:.1} deg of joint travel", t.way.in_words());
     }
+    out.push_str(&super::cycle_time(a));
     out.push_str(&yield_lines(a));
     out.push_str(&super::assumptions(a.cell));
     out

@@ -85,7 +85,7 @@ fn the_requested_number_of_layouts_is_kept() {
 fn invalid_pareto_goals_are_refused() {
     let shop = Sandbox::new();
     for (wrong, said) in [
-        ("--pareto=error", "2 to 7 goals"),
+        ("--pareto=error", "2 to 8 goals"),
         ("--pareto=error,error", "must not name a goal twice"),
         ("--pareto=error,price", "invalid value 'price'"),
         ("--pareto=error,clearence", "'clearance'"),

@@ -70,7 +70,10 @@ fn joint_speeds_of_a_urdf_are_checked() {
     assert_eq!(faults(&[(limit, &with("0"))], ""), []);
     assert_eq!(faults(&[(limit, &with("3.14"))], ""), []);
     let warned = faults(&[(limit, &with("180"))], "");
-    assert!(warned.len() == 1 && !warned[0].is_error() && warned[0].help.contains("degrees/s"), "{warned:#?}");
+    assert!(
+        warned.len() == 1 && !warned[0].is_error() && warned[0].help.contains("degrees/s"),
+        "{warned:#?}"
+    );
 }
 
 #[test]

@@ -23,7 +23,16 @@ pub fn robot(rows: &[Row]) -> Robot {
     let joint = |(k, &(kind, [theta, r, l, alpha])): (usize, &Row)| {
         let limits = if kind == Revolute { (-PI, PI) } else { (-0.5, 0.8) };
         let (theta, alpha) = (theta.to_radians(), alpha.to_radians());
-        Joint { name: format!("q{k}"), kind, theta, r: r / 1e3, l: l / 1e3, alpha, limits, rates: Default::default() }
+        Joint {
+            name: format!("q{k}"),
+            kind,
+            theta,
+            r: r / 1e3,
+            l: l / 1e3,
+            alpha,
+            limits,
+            rates: Default::default(),
+        }
     };
     let n = rows.len();
     let joints = rows.iter().enumerate().map(joint).collect();

@@ -1,0 +1,18 @@
+//! Cycle time: the least time of the motions of a layout under speeds and accelerations of the joints.
+//!
+//! Every motion has a trapezoidal speed profile or the time-optimal one. A straight move in joint coordinates has a
+//! trapezoidal profile with synchronised joints ([`straight_move_time`]). A straight line of the TCP, such as an
+//! approach, is parameterised time-optimally ([`line_time`]). The robot stops between lines and moves, because it does
+//! not blend them: the direction of the motion jumps there. Torques and jerk are not limited.
+
+mod line_time;
+mod path_timing;
+mod rate_bounds;
+mod sequence;
+mod spline;
+mod straight_move;
+
+pub use line_time::{line_time, path_of_legs_time};
+pub use rate_bounds::{ASSUMED_FULL_SPEED_AFTER, RateBounds};
+pub use sequence::{CyclePhase, CycleStep, CycleTime, MotionSequence};
+pub use straight_move::{rest_to_rest, straight_move_time};
