@@ -104,11 +104,11 @@ const BEYOND: [(&str, &str); 6] = [
     ),
     (
         "the question has no answer",
-        "equipment_tolerance_read_signed robust_against_nothing robust_and_ideal senses_of_two_units tolerance_cost_of_a_sample tolerance_cost_without_limits tolerance_read_signed yield_without_limit",
+        "equipment_tolerance_read_signed pareto_time_without_speeds robust_against_nothing robust_and_ideal senses_of_two_units tolerance_cost_of_a_sample tolerance_cost_without_limits tolerance_read_signed yield_without_limit",
     ),
     (
         "it is odd, not wrong",
-        "compliance_in_wrong_unit compliance_without_masses equipment_in_metres equipment_too_large keep_out_in_metres limits_in_radians plan_with_open_lines robot_in_metres tolerance_in_metres tolerance_too_large",
+        "compliance_in_wrong_unit compliance_without_masses equipment_in_metres equipment_too_large keep_out_in_metres limits_in_radians plan_with_open_lines rates_in_radians robot_in_metres tolerance_in_metres tolerance_too_large",
     ),
 ];
 

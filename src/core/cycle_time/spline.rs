@@ -74,9 +74,8 @@ fn second_derivatives(at: &[f64], values: &[JointVector]) -> Vec<JointVector> {
     for k in 1..inner {
         let factor = low[k] / middle[k - 1];
         middle[k] -= factor * high[k - 1];
-        for j in 0..MAX_JOINTS {
-            right[k][j] -= factor * right[k - 1][j];
-        }
+        let before = right[k - 1];
+        right[k].iter_mut().zip(before).for_each(|(value, before)| *value -= factor * before);
     }
     for k in (0..inner).rev() {
         for j in 0..MAX_JOINTS {
@@ -84,9 +83,10 @@ fn second_derivatives(at: &[f64], values: &[JointVector]) -> Vec<JointVector> {
             second[k + 1][j] = (right[k][j] - beyond) / middle[k];
         }
     }
-    for j in 0..MAX_JOINTS {
-        second[0][j] = (1.0 + first) * second[1][j] - first * second[2][j];
-        second[count - 1][j] = (1.0 + last) * second[inner][j] - last * second[inner - 1][j];
-    }
+    let beyond = |near: &JointVector, far: &JointVector, ratio: f64| {
+        std::array::from_fn(|j| (1.0 + ratio) * near[j] - ratio * far[j])
+    };
+    second[0] = beyond(&second[1], &second[2], first);
+    second[count - 1] = beyond(&second[inner], &second[inner - 1], last);
     second
 }
