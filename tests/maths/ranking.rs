@@ -1,6 +1,6 @@
 //! Tests the ranked node loop of planar arms against the loop that judges every node: the bits are equal.
 
-use crate::common::{data, shipped};
+use crate::common::{cases, data, shipped};
 use nalgebra::Vector3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -296,11 +296,11 @@ fn bounds_do_not_change_worst_cases_and_operations_at_every_node() {
     let mut rng = ChaCha8Rng::seed_from_u64(26);
     let mut counts = [0; 3];
     let cells = [
-        ("ur_cell.toml", 2),
-        ("scara_cell.toml", 3),
-        ("five_axis_cell.toml", 3),
+        ("ur_cell.toml", cases(1, 2)),
+        ("scara_cell.toml", cases(1, 3)),
+        ("five_axis_cell.toml", cases(1, 3)),
         ("wrist_cell.toml", 1),
-        ("hitachi_cell.toml", 12),
+        ("hitachi_cell.toml", cases(6, 12)),
     ];
     for (name, layouts) in cells {
         for form in 0..8 {

@@ -34,7 +34,13 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     } else {
         draw(a)?
     }
-    let next = if a.to == ExportFormat::Glb { ExportFormat::Dxf } else { ExportFormat::Glb };
+    use ExportFormat::{Dxf, Fanuc, Glb, Krl, Pdf, Rapid, Urscript};
+    let next = match a.to {
+        Glb => Dxf,
+        // The drawing by which the fitter places what the controller has frames of.
+        Krl | Rapid | Urscript | Fanuc => Pdf,
+        _ => Glb,
+    };
     suggest_with(&format!("export {} --to {}", path_word(&a.of), next.name()), &a.packages);
     Ok(Exit::Done)
 }

@@ -177,7 +177,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     hall("abb_irb6700", "six axes (ABB IRB 6700), worktable and conveyor", [0, 1700, 1700, 800, 2600]),
     hall("comau_ns16", "six axes (Comau NS16), worktable and conveyor", [0, 1150, 1100, 700, 1900]),
     bench("denso_vs060", "six axes (DENSO VS-060), bench and feeder", [500, 450, 700, 500, 900, 750]),
-    hall("doosan_m1013", "six axes (Doosan M1013), worktable and conveyor", [700, 960, 800, 750, 1400]),
+    hall("doosan_m1013", "six axes (Doosan M1013), worktable and conveyor", [700, 980, 800, 750, 1400]),
     bench(
         "fanuc_lrmate200id",
         "six axes (FANUC LR Mate 200iD), bench and feeder",
@@ -212,9 +212,9 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     bench(
         "ufactory_xarm6",
         "six axes with an offset wrist (xArm 6), bench and feeder",
-        [700, 450, 750, 600, 900, 700],
+        [700, 470, 750, 600, 900, 700],
     ),
     bench("ur16e", "six axes of Universal Robots, bench and feeder", [700, 550, 750, 600, 900, 900]),
     hall("ur20", "six axes of Universal Robots, worktable and conveyor", [700, 1000, 950, 750, 1700]),
-    bench("ur3e", "six axes of Universal Robots, bench and feeder", [700, 410, 750, 600, 900, 600]),
+    bench("ur3e", "six axes of Universal Robots, bench and feeder", [700, 430, 750, 600, 900, 600]),
 ];

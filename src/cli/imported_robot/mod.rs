@@ -80,7 +80,7 @@ pub fn import(query: ImportQuery<'_>) -> Result<ImportedRobot, Exit> {
 
 /// Reads a robot file or a URDF, and everything that it refers to, without printing.
 ///
-/// The warnings of a URDF say what [`ImportedRobot::tell`] prints about it.
+/// The warnings of a URDF say what the command line prints about its import.
 ///
 /// # Errors
 /// Returns the faults of the files.

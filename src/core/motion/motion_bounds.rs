@@ -99,13 +99,14 @@ impl<'c> MotionBounds<'c> {
     ) -> f64 {
         let centre = frames[sphere.frame].transform(&sphere.centre);
         let (mut velocity, mut rotation, mut turned) = (Vector3::zeros(), Vector3::zeros(), 0.0);
-        for i in first..sphere.frame {
-            let by: Vector3<f64> = frames[i].rotation.column(2) * self.travel[i];
-            match self.chain.links[i].kind {
+        let joints = frames.iter().zip(&self.travel).zip(&self.chain.links);
+        for ((frame, travel), link) in joints.take(sphere.frame).skip(first) {
+            let by: Vector3<f64> = frame.rotation.column(2) * *travel;
+            match link.kind {
                 JointKind::Revolute => {
-                    velocity += by.cross(&(centre - frames[i].translation));
+                    velocity += by.cross(&(centre - frame.translation));
                     rotation += by;
-                    turned += self.travel[i].abs();
+                    turned += travel.abs();
                 }
                 JointKind::Prismatic => velocity += by,
             }

@@ -12,9 +12,9 @@ const ROUNDING: f64 = 1e-12;
 /// The factors describe the part of these sources that is independent of the elastic ones: their conditional
 /// covariance `C_rr - C_re C_ee^+ C_er`. Without elastic sources they are [`ErrorSources::factors`].
 ///
-/// Let x be the other sources, y the elastic ones, and `A x + B y` the error. With M = `C_re C_ee^+`, it equals `A (x
-/// - M y) + (A M + B) y`. The two terms are independent, so every figure is at least the figure of the first term (T.
-/// W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
+/// Let x be the other sources, y the elastic ones, and `A x + B y` the error. With M = `C_re C_ee^+`, it equals
+/// `A (x - M y) + (A M + B) y`. The two terms are independent, so every figure is at least the figure of the first term
+/// (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
 pub(super) fn rigid_factors(sources: &ErrorSources) -> Vec<Vec<(usize, f64)>> {
     let is_elastic = |k: usize| sources.list[k].parameter.is_elastic();
     let mut correlated: Vec<usize> = sources.factors.iter().flatten().map(|&(k, _)| k).collect();

@@ -3,7 +3,7 @@
 use crate::cell::{Quantity, Reading};
 use crate::pose::Displacement;
 
-/// Error figures of one sense at one posture, m or rad; NaN where the errors are no tolerances.
+/// Error figures of one sense at one posture, m or rad; infinite where the errors are no tolerances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// Error of the signed sample in the signed reading. In the other readings, it is the error at the corner of the
@@ -20,9 +20,9 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Returns the figures of a signed sample without a worst case or statistics, which are NaN.
+    /// Returns the figures of a signed sample without a worst case or statistics, which are infinite.
     pub fn of_sample(error: f64) -> Self {
-        let [worst_linear, worst, rms, mean, p95, p99] = [f64::NAN; 6];
+        let [worst_linear, worst, rms, mean, p95, p99] = [f64::INFINITY; 6];
         Self { error, worst_linear, worst, rms, mean, p95, p99 }
     }
 

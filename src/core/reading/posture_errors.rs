@@ -12,7 +12,7 @@ use crate::robot::Frames;
 impl ErrorEvaluator {
     /// Returns the error figures of a posture that a map shows.
     ///
-    /// They are those of [`Self::judge`], but the worst case and the statistics are NaN if the errors of the signed
+    /// They are those of [`Self::judge`], but the worst case and the statistics are infinite if the errors of the signed
     /// sample compensate each other ([`crate::cell::Cell::errors_compensate`]).
     pub fn judge_for_map(
         &self,

@@ -269,6 +269,9 @@ fn help_of_every_command_begins_with_an_example() {
         assert!(args.len() == 1 || first.contains(args[0]), "{args:?}: {first}");
         assert!(ran.out.contains("Usage:") && ran.err.is_empty(), "{args:?}");
     }
+    assert_eq!(shop.done(&["help"]).out, shop.done(&["--help"]).out);
+    assert_eq!(shop.done(&["help", "search"]).out, shop.done(&["search", "--help"]).out);
+    assert_eq!(shop.run(&["help", "serch"]).code, Some(2));
     assert_eq!(shop.done(&["--version"]).out, format!("sweetspot {}\n", env!("CARGO_PKG_VERSION")));
 }
 

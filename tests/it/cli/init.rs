@@ -21,6 +21,22 @@ fn next(ran: &RunOutput) -> Vec<String> {
 }
 
 #[test]
+fn an_unknown_name_lists_the_names_that_contain_it() {
+    let shop = Sandbox::new();
+    let ran = shop.run(&["init", "abb"]);
+    let line = ran.err.lines().next().unwrap();
+    assert_eq!(ran.code, Some(2));
+    assert!(line.contains("names that contain it: ") && line.contains("abb_irb140"), "{line}");
+    assert!(!line.contains("ur10e"), "{line}");
+    let ran = shop.run(&["init", "nonesuch"]);
+    let line = ran.err.lines().next().unwrap();
+    let (_, known) = line.split_once("known: ").unwrap();
+    let known: Vec<_> = known.split(", ").collect();
+    let unique: std::collections::BTreeSet<_> = known.iter().collect();
+    assert!(known.len() > 30 && unique.len() == known.len(), "{line}");
+}
+
+#[test]
 fn init_leads_to_the_first_error_map_in_two_commands() {
     let shop = Sandbox::new();
     let mut args = vec!["init".to_string()];

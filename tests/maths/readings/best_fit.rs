@@ -51,7 +51,7 @@ fn the_best_fit_agrees_with_kabsch_over_the_workspace() {
         let chain = Chain::new(&cell.robot);
         let fit = BestFit::new(&chain, &ErrorSources::new(&cell, 0, None), false);
         let errors = Perturbation::new(&chain, signed(&cell));
-        let postures = spread_postures(&cell.robot, &chain, cases(10_000, 100_000));
+        let postures = spread_postures(&cell.robot, &chain, cases(30_000, 100_000));
         for model in [Model::Nonlinear, Model::SecondOrder] {
             let motion = fit.motion(&errors, model);
             let nominal: Vec<_> = postures.iter().map(|f| f.tcp.translation).collect();
@@ -79,7 +79,7 @@ fn the_fitted_effects_agree_with_least_squares_over_the_workspace() {
         let chain = Chain::new(&cell.robot);
         let sources = ErrorSources::new(&cell, 0, None);
         let fit = BestFit::new(&chain, &sources, true);
-        let postures = spread_postures(&cell.robot, &chain, cases(10_000, 100_000));
+        let postures = spread_postures(&cell.robot, &chain, cases(30_000, 100_000));
         let count = postures.len() as f64;
         let centre = postures.iter().map(|f| f.tcp.translation).sum::<Vector3<f64>>() / count;
         let (mut inertia, mut expansion) = (Matrix3::zeros(), sources.expansion(&chain));
