@@ -37,7 +37,7 @@ STATED = {
     "ur20": (1750, UR),
     "ur3e": (500, UR),
 }
-MAKERS = {"denso": "DENSO", "motoman": "Yaskawa", "ufactory": "UFACTORY", "ur": "Universal Robots"}
+MAKERS = {"denso": "DENSO", "motoman": "Yaskawa", "puma": "Unimation", "ufactory": "UFACTORY", "ur": "Universal Robots"}
 
 
 def maker(robot, name):
