@@ -19,14 +19,12 @@ pub struct ArrayOptions<'a> {
     pub flags: &'a EngineFlags,
     /// Time limit of a task in the notation of Slurm.
     pub time: Option<&'a str>,
-    /// Seconds without a heartbeat after which a combination is taken over.
-    pub lease: u16,
 }
 
 /// Returns the script of all jobs of a sweep. Its argument is the list of an [`ArrayJob`].
 fn script(folder: &Path, options: ArrayOptions<'_>) -> Result<String, Exit> {
-    let ArrayOptions { flags, time, lease } = options;
-    let cpus = flags.cpus;
+    let ArrayOptions { flags, time } = options;
+    let EngineFlags { cpus, lease, .. } = flags;
     let mut options = vec!["--job-name=sweetspot".to_string(), format!("--cpus-per-task={cpus}")];
     options.extend(flags.partition.as_ref().map(|partition| format!("--partition={partition}")));
     options.extend(time.map(|time| format!("--time={time}")));

@@ -1,4 +1,4 @@
-//! Arguments of `sweep` and `search` that name a batch system.
+//! Arguments of `sweep` and `search` about workers that share the work, and about batch systems.
 
 use clap::{Args, ValueEnum};
 
@@ -19,6 +19,15 @@ pub enum ChunkSize {
 
 #[derive(Args, Default)]
 pub struct EngineFlags {
+    /// Seconds without a heartbeat after which other workers take over a combination or an island of this worker
+    #[arg(
+        long,
+        value_name = "LEASE",
+        default_value_t = 60,
+        value_parser = clap::value_parser!(u16).range(1..=3600),
+        requires = "shared"
+    )]
+    pub lease: u16,
     /// Submit the combinations or islands to this batch system, follow them, and write the result
     #[arg(long, value_name = "ENGINE")]
     pub on: Option<BatchEngine>,

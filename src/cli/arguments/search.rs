@@ -70,15 +70,6 @@ pub struct SearchArguments {
         conflicts_with_all = ["out", "resume", "time", "checkpoint", "progress"]
     )]
     pub claim: Option<PathBuf>,
-    /// Seconds without a heartbeat after which other workers take over an island of this worker
-    #[arg(
-        long,
-        value_name = "LEASE",
-        default_value_t = 60,
-        value_parser = clap::value_parser!(u16).range(1..=3600),
-        requires = "shared"
-    )]
-    pub lease: u16,
     #[command(flatten)]
     pub engine: EngineFlags,
     /// Time limit of a task in the notation of Slurm, for example 30, 2:00:00 or 1-12 [default: the limit of the

@@ -1,12 +1,12 @@
 //! `compare --calibrated`: answers whether to calibrate a measured robot, to move the equipment, or both.
 
-use super::search::stop_at_signals;
 use super::{suggest_with, workcell};
 use crate::assess::{Assessment, Remedies};
 use crate::cell::{Cell, Interpretation, Reading, SearchSettings};
 use crate::cli::arguments::{CompareArguments, RemedySearchFlags};
 use crate::cli::output::path_word;
 use crate::cli::progress::Reporter;
+use crate::cli::signals::stop_at_signals;
 use crate::cli::{Exit, asked, json_text, output};
 use crate::files::{Loaded, shown};
 use crate::layout::Workcell;

@@ -5,8 +5,6 @@ mod one;
 mod outcome;
 mod session;
 
-pub use session::stop_at_signals;
-
 use crate::cli::Exit;
 use crate::cli::arguments::SearchArguments;
 

@@ -15,13 +15,12 @@ use crate::cli::arguments::{IndexRanges, SweepArguments};
 use crate::cli::output::path_word;
 use crate::cli::output_folder::Sharing;
 use crate::cli::results::keep_inputs;
+use crate::cli::signals::stop_at_signals;
 use crate::cli::slurm::ArrayOptions;
 use crate::cli::sweep::{StoredRow, asked_plan, continuing, number, open, row, stored_cell_name};
 use crate::cli::{Exit, loading, output};
 use combination::CheckedSweep;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use workforce::{Workforce, jobs};
 
 /// Runs `sweetspot sweep`.
@@ -47,19 +46,11 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
         return Ok(Exit::Done);
     }
     let missing: Vec<usize> = asked.into_iter().filter(|k| is_missing(&folder, *k)).collect();
-    let stop = Arc::new(AtomicBool::new(false));
-    let signal = stop.clone();
-    let _ = ctrlc::set_handler(move || signal.store(true, Ordering::Relaxed));
-    let mut sweep = CheckedSweep { plan, kept, folder, cell_name, stop, proof: None };
-    let options = ArrayOptions { flags: &a.engine, time: a.time.as_deref(), lease: a.lease };
+    let mut sweep = CheckedSweep { plan, kept, folder, cell_name, stop: stop_at_signals(), proof: None };
+    let options = ArrayOptions { flags: &a.engine, time: a.time.as_deref() };
     let workforce = Workforce { claims: a.claim.is_some(), jobs, options };
-    if a.engine.dry_run {
-        return workforce.show(&sweep, missing);
-    }
-    workforce.process(&sweep, missing)?;
-    if sweep.stop.load(Ordering::Relaxed) {
-        suggest(&workforce.again(&sweep));
-        return Ok(Exit::Interrupted);
+    if let Some(exit) = workforce.process(&sweep, missing)? {
+        return Ok(exit);
     }
     if let Some(only) = &a.only {
         tell_part(&sweep, only);

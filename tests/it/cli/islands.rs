@@ -2,10 +2,10 @@
 //! on the workers nor on the order in which they finish.
 
 use crate::cli::sandbox::*;
+use crate::cli::worker::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const BUDGET: [&str; 2] = ["--budget", "300"];
 
@@ -144,36 +144,10 @@ fn the_merged_front_is_that_of_all_fronts() {
     assert_eq!(items(&kept["front"]).len(), 4);
 }
 
-/// Running worker. It is killed when the value is dropped.
-struct Worker(Option<Child>);
-
-impl Worker {
-    fn start(shop: &Sandbox, args: &[&str]) -> Self {
-        Self(Some(shop.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()))
-    }
-
-    fn ended(mut self) -> RunOutput {
-        ran(self.0.take().unwrap().wait_with_output().unwrap())
-    }
-}
-
-impl Drop for Worker {
-    fn drop(&mut self) {
-        if let Some(child) = &mut self.0 {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
-    }
-}
-
 /// Waits until this many islands are searched.
 fn wait_for(shop: &Sandbox, folder: &str, islands: usize) {
-    let clock = Instant::now();
     let done = || (0..99).filter(|k| shop.path(&format!("{folder}/islands/{k:04}.json")).exists()).count();
-    while done() < islands {
-        assert!(clock.elapsed() < Duration::from_secs(120), "waited in vain for {islands} islands");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until("islands", || done() >= islands);
 }
 
 #[test]
@@ -229,15 +203,26 @@ fn killed_workers_end_in_the_bytes_of_a_straight_run() {
 
 #[cfg(unix)]
 #[test]
+fn islands_on_a_full_disk_or_a_read_only_share_exit_3() {
+    let shop = Sandbox::new();
+    let islands = ["search", CELL, "--budget", "60", "--islands", "3"];
+    // The plan, and no island.
+    shop.done(&[&islands[..], &["--on", "slurm", "--chunk", "1", "--dry-run", "--out", "spread"]].concat());
+    assert_no_room_exits_3(&shop, "spread", "islands/claims", &["search", "--claim", "spread"]);
+    shop.done(&["search", "--claim", "spread"]);
+    shop.done(&[&islands[..], &["--out", "straight"]].concat());
+    assert_same(&shop, "straight", "spread");
+}
+
+#[cfg(unix)]
+#[test]
 fn interrupted_islands_go_on() {
     let shop = Sandbox::new();
     let islands = ["search", CELL, "--budget", "500", "--islands", "6", "--threads", "1"];
     let worker = Worker::start(&shop, &[&islands[..], &["--out", "found"]].concat());
     wait_for(&shop, "found", 2);
-    let id = worker.0.as_ref().unwrap().id().to_string();
-    assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
-    let ended = worker.ended();
-    assert_eq!((ended.code, ended.out.as_str()), (Some(130), ""), "{}", ended.err);
+    let ended = worker.stopped();
+    assert_eq!(ended.out, "", "{}", ended.err);
     assert!(ended.err.contains("next: sweetspot search --resume found\n"), "{}", ended.err);
     assert!(!shop.path("found/search.json").exists());
     let kept = shop.read("found/islands/0000.json");

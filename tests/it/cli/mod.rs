@@ -42,4 +42,5 @@ mod urdf;
 mod view;
 mod view_server;
 mod viewer;
+mod worker;
 mod yields;

@@ -2,12 +2,12 @@
 //! result has the bytes of a straight run.
 
 use crate::cli::sandbox::*;
+use crate::cli::worker::*;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const HEIGHTS: &str = "equipment.worktable.placement.z_mm=";
 
@@ -42,41 +42,6 @@ fn assert_whole(shop: &Sandbox, count: usize) {
     let (shared, straight) = (result(shop, "shared"), result(shop, "straight"));
     assert_eq!(shared.keys().collect::<Vec<_>>(), straight.keys().collect::<Vec<_>>());
     straight.iter().for_each(|(name, bytes)| assert!(shared[name] == *bytes, "{name} differs"));
-}
-
-/// Running worker. It is killed when the value is dropped.
-struct Worker(Option<Child>);
-
-impl Worker {
-    fn start(shop: &Sandbox, args: &[&str]) -> Self {
-        Self(Some(shop.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()))
-    }
-
-    fn id(&self) -> u32 {
-        self.0.as_ref().unwrap().id()
-    }
-
-    /// Waits for the end of the worker.
-    fn ended(mut self) -> RunOutput {
-        ran(self.0.take().unwrap().wait_with_output().unwrap())
-    }
-}
-
-impl Drop for Worker {
-    fn drop(&mut self) {
-        if let Some(child) = &mut self.0 {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
-    }
-}
-
-fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
-    let clock = Instant::now();
-    while !holds() {
-        assert!(clock.elapsed() < Duration::from_secs(120), "{what}: waited in vain");
-        std::thread::sleep(Duration::from_millis(5));
-    }
 }
 
 fn rows(shop: &Sandbox) -> usize {
@@ -244,9 +209,7 @@ fn a_worker_keeps_its_combination_until_it_is_stopped() {
     let status = shop.json(&["sweep", "--status", "shared"]);
     assert_eq!(status["running"][0]["process"], first.id(), "{status}");
     let stop = |worker: Worker| {
-        assert!(Command::new("kill").args(["-TERM", &worker.id().to_string()]).status().unwrap().success());
-        let ended = worker.ended();
-        assert_eq!(ended.code, Some(130), "{}", ended.err);
+        let ended = worker.stopped();
         assert!(ended.err.contains("next: sweetspot sweep --claim shared"), "{}", ended.err);
         ended.err
     };
@@ -319,45 +282,94 @@ fn a_worker_refuses_another_plan_other_inputs_and_another_version() {
     refused(&["sweep", "--claim", "cells"], "cells has no plan.json");
 }
 
-/// Runs the script of a shell with a file system of its own on `shared`. Returns None where users may not mount.
-#[cfg(unix)]
-fn mounted(shop: &Sandbox, script: &str) -> Option<RunOutput> {
-    let mut command = Command::new("unshare");
-    command.args(["-Urm", "sh", "-c", script]).current_dir(shop.dir.path()).env("SWEETSPOT_CACHE", "off");
-    let ran = command.output().ok().map(ran)?;
-    (ran.code != Some(77)).then_some(ran)
-}
-
-/// A full disk and a read-only share are stated in plain words with exit code 3, and no file is half written.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_and_a_read_only_share_exit_3() {
-    let program = env!("CARGO_BIN_EXE_sweetspot");
     let shop = planned(3);
-    let files = shop.files("shared");
-    let mount = |options: &str| {
-        format!(
-            "cp -r shared kept; mount -t tmpfs -o {options} none shared || exit 77; cp -r kept/* shared; "
-        )
-    };
-    let full = format!(
-        "{}mkdir shared/claims; dd if=/dev/zero of=shared/.sweetspot-filling bs=4096 2>/dev/null; \
-         {program} sweep --claim shared; code=$?; cat shared/claims/* >&2; exit $code",
-        mount("size=1m")
-    );
-    let Some(ran) = mounted(&shop, &full) else {
-        return println!("SKIPPED: this system lets no user mount a file system, so no disk can be full");
-    };
-    ran.no_panic();
-    assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
-    assert!(ran.err.contains("cannot write shared/") && ran.err.contains("the disk is full"), "{}", ran.err);
-    std::fs::remove_dir_all(shop.path("kept")).unwrap();
-    let read_only = format!("{}mount -o remount,ro shared; {program} sweep --claim shared", mount("size=1m"));
-    let ran = mounted(&shop, &read_only).unwrap();
-    ran.no_panic();
-    assert_eq!((ran.code, ran.out.as_str()), (Some(3), ""), "{}", ran.err);
-    assert!(ran.err.contains("the file system is mounted read-only"), "{}", ran.err);
-    assert_eq!(shop.files("shared"), files);
+    assert_no_room_exits_3(&shop, "shared", "claims", &["sweep", "--claim", "shared"]);
     shop.done(&["sweep", "--claim", "shared"]);
     assert_whole(&shop, 3);
+}
+
+/// Starts a worker whose only combination takes some seconds.
+fn start_long(shop: &Sandbox, more: &[&str]) -> Worker {
+    let height = format!("{HEIGHTS}600");
+    let args = ["sweep", CELL, "--budget", LONG_BUDGET, "--set", &height];
+    Worker::start(shop, &[&args[..], more].concat())
+}
+
+/// Number of layouts of a combination that takes some seconds.
+const LONG_BUDGET: &str = "100000";
+
+/// Name of the checkpoint of the first combination.
+const FIRST_CHECKPOINT: &str = "shared/.sweetspot-0000.checkpoint";
+
+/// Returns after how many layouts a worker has continued a combination.
+fn continued(worker: &RunOutput) -> u64 {
+    let (_, count) = worker.err.split_once("note: combination 0 continues after ").unwrap_or_else(|| {
+        panic!("it did not continue: {}", worker.err);
+    });
+    count.split(' ').next().unwrap().parse().unwrap()
+}
+
+/// A worker is killed with -9 and another one is stopped. The next ones continue where they have ended, and nothing of
+/// their checkpoints remains.
+#[cfg(unix)]
+#[test]
+fn a_killed_combination_continues_from_its_checkpoint() {
+    let shop = Sandbox::new();
+    let first = start_long(&shop, &["--claim", "shared", "--lease", "1"]);
+    wait_until("a checkpoint", || shop.path(FIRST_CHECKPOINT).exists());
+    // Dropping a worker kills it.
+    drop(first);
+    let second = Worker::start(&shop, &["sweep", "--claim", "shared", "--lease", "1"]);
+    wait_until("the successor", || shop.path("shared/claims/0000-2").exists());
+    std::thread::sleep(Duration::from_millis(500));
+    let stopped = second.stopped();
+    let third = shop.done(&["sweep", "--claim", "shared"]);
+    assert!(continued(&third) > continued(&stopped), "{} {}", stopped.err, third.err);
+    let straight = start_long(&shop, &["--out", "straight"]).ended();
+    assert_eq!(straight.code, Some(0), "{}", straight.err);
+    assert_eq!(result(&shop, "shared"), result(&shop, "straight"));
+}
+
+/// A checkpoint that is damaged, or that belongs to another search, costs time but changes no byte.
+#[cfg(unix)]
+#[test]
+fn a_useless_checkpoint_is_ignored_with_a_note() {
+    let shop = Sandbox::new();
+    let height = format!("{HEIGHTS}600,610");
+    let args = ["sweep", CELL, "--budget", "2000", "--jobs", "1", "--set", &height];
+    shop.done(&[&args[..], &["--out", "straight"]].concat());
+    let put = |said: &str, text: &[u8]| {
+        let folder = format!("shared{}", text.len());
+        shop.done(&[&args[..], &["--out", &folder, "--plan-only"]].concat());
+        shop.write_bytes(&format!("{folder}/.sweetspot-0000.checkpoint"), text);
+        let ran = shop.done(&["sweep", "--claim", &folder]);
+        assert!(
+            ran.err.contains("note: combination 0 begins again, because ") && ran.err.contains(said),
+            "{}",
+            ran.err
+        );
+        assert_eq!(result(&shop, &folder), result(&shop, "straight"), "{said}");
+    };
+    put("its text does not match the hash", b"{}");
+    let worker = start_long(&shop, &["--claim", "shared", "--lease", "1"]);
+    wait_until("a claim", || shop.path("shared/claims/0000-1").exists());
+    std::thread::sleep(Duration::from_millis(500));
+    worker.stopped();
+    let text = shop.text(FIRST_CHECKPOINT);
+    put("its text does not match the hash", &text.as_bytes()[..text.len() - 9]);
+    put("it is from another search", text.as_bytes());
+    // The record of a step that the search does not repeat.
+    let hash = text.split_once("\"asked\": [\n").unwrap().1.split_once(',').unwrap().0.trim();
+    shop.write(FIRST_CHECKPOINT, &resealed(&text.replacen(hash, "7", 1)));
+    let ran = shop.done(&["sweep", "--claim", "shared"]);
+    assert!(
+        ran.err.contains("begins again") && ran.err.contains("does not reproduce its steps"),
+        "{}",
+        ran.err
+    );
+    assert_eq!(start_long(&shop, &["--out", "long"]).ended().code, Some(0));
+    assert_eq!(result(&shop, "shared"), result(&shop, "long"));
 }

@@ -2,16 +2,17 @@
 //! `islands` of the result. When none is missing, they are merged into the result of one search.
 
 use super::outcome::SearchOutcome;
-use super::session::{proven, stop_at_signals, threads};
+use super::session::{proven, threads};
 use crate::cli::arguments::SearchArguments;
 use crate::cli::commands::sweep::combination::CheckedSweep;
 use crate::cli::commands::sweep::workforce::{Workforce, jobs};
 use crate::cli::commands::sweep::{is_missing, table};
-use crate::cli::commands::{stem, suggest, warn_of_hopeless, workcell};
+use crate::cli::commands::{stem, warn_of_hopeless, workcell};
 use crate::cli::island_plan::{ISLANDS, IslandPlan, joined, parent_folder, planned};
 use crate::cli::output::path_word;
 use crate::cli::output_folder::Sharing;
 use crate::cli::results::{RunDescription, keep_inputs};
+use crate::cli::signals::stop_at_signals;
 use crate::cli::slurm::ArrayOptions;
 use crate::cli::sweep::{has_plan, island_name, open, stored_cell_name, stored_plan};
 use crate::cli::{Exit, loading, output};
@@ -20,7 +21,6 @@ use crate::layout::Workcell;
 use crate::record::IslandEntry;
 use crate::search::{Island, merged};
 use std::path::Path;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Returns whether the command line asks for islands, or resumes some.
@@ -49,15 +49,10 @@ pub fn search_islands(a: &SearchArguments) -> Result<Exit, Exit> {
     let missing: Vec<usize> = (0..plan.combinations).filter(|k| is_missing(&folder, *k)).collect();
     let (cell_name, stop) = (stored_cell_name(&plan), stop_at_signals());
     let mut sweep = CheckedSweep { plan, kept, folder, cell_name, stop, proof: Some(proof) };
-    let options = ArrayOptions { flags: &a.engine, time: a.task_time.as_deref(), lease: a.lease };
+    let options = ArrayOptions { flags: &a.engine, time: a.task_time.as_deref() };
     let workforce = Workforce { claims: a.claim.is_some(), jobs: jobs(a.threads), options };
-    if a.engine.dry_run {
-        return workforce.show(&sweep, missing);
-    }
-    workforce.process(&sweep, missing)?;
-    if sweep.stop.load(Ordering::Relaxed) {
-        suggest(&workforce.again(&sweep));
-        return Ok(Exit::Interrupted);
+    if let Some(exit) = workforce.process(&sweep, missing)? {
+        return Ok(exit);
     }
     sweep.folder.sweep_when_last();
     table::written(&sweep)?;

@@ -1,7 +1,7 @@
 //! Search with one seed, which can be stopped and resumed.
 
 use super::outcome::SearchOutcome;
-use super::session::{proven, stop_at_signals, threads};
+use super::session::{proven, threads};
 use crate::cli::Exit;
 use crate::cli::arguments::SearchArguments;
 use crate::cli::checkpoint;
@@ -12,6 +12,7 @@ use crate::cli::output_folder::{Sharing, new_folder};
 use crate::cli::progress::Reporter;
 use crate::cli::results::RunDescription;
 use crate::cli::search_request::SearchRequest;
+use crate::cli::signals::stop_at_signals;
 use crate::files::Loaded;
 use crate::layout::Workcell;
 use crate::search;

@@ -1,23 +1,9 @@
-//! What every search needs: a flag that signals set, threads, and the proof of a lower bound.
+//! What every search needs: threads, and the proof of a lower bound.
 
 use crate::cli::{Exit, output};
 use crate::layout::Workcell;
 use crate::proof::{Proof, ProofOptions, prove};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Returns a flag that Ctrl-C or SIGTERM sets. A second signal ends the program at once; the last checkpoint
-/// remains.
-pub fn stop_at_signals() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = stop.clone();
-    let _ = ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(Exit::Interrupted as u8));
-        }
-    });
-    stop
-}
+use std::sync::atomic::AtomicBool;
 
 /// Starts a pool of threads, one per core if no number is given.
 pub fn threads(count: Option<u16>) -> Result<rayon::ThreadPool, Exit> {

@@ -2,6 +2,7 @@
 
 use crate::assess::Assessment;
 use crate::cell::SearchSettings;
+use crate::cli::combination_checkpoint::{CombinationCheckpoint, SearchState};
 use crate::cli::commands::workcell;
 use crate::cli::json_text::{line, sealed};
 use crate::cli::loading::FileSnapshot;
@@ -15,7 +16,7 @@ use crate::proof::{Proof, ProofOptions, prove};
 use crate::record::{HashedFile, SweepPlan, SweepRow};
 use crate::report;
 use crate::search;
-use crate::search::{Island, SearchEnd, SearchJob, SearchRecord, Watch};
+use crate::search::{Checkpoint, Island, SearchEnd, SearchJob, SearchRecord, Watch};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -39,8 +40,9 @@ pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
         Exit::BadInput
     })?;
     let workcell = workcell(loaded.cell, &plan.cell)?;
+    let checkpoint = CombinationCheckpoint::new(folder, index);
     let record = if plan.search {
-        let Some(record) = searched(&workcell, sweep) else { return Ok(false) };
+        let Some(record) = searched(&workcell, sweep, &checkpoint) else { return Ok(false) };
         Some(record)
     } else {
         None
@@ -54,18 +56,40 @@ pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
         row.files = write_cell(sweep, index, &assessment)?;
     }
     loading::write_whole(&folder.join(number(index) + ".json"), &sealed(&row)?)?;
+    checkpoint.remove();
     Ok(true)
 }
 
-/// Proves the lower bound and then searches, as `search` does. Returns None if the sweep is stopped.
-fn searched(workcell: &Workcell, sweep: &CheckedSweep) -> Option<SearchRecord> {
+/// Proves the lower bound and then searches, as `search` does, or continues from the checkpoint. Returns None if the
+/// sweep is stopped.
+fn searched(
+    workcell: &Workcell,
+    sweep: &CheckedSweep,
+    checkpoint: &CombinationCheckpoint<'_>,
+) -> Option<SearchRecord> {
     let stop = &sweep.stop;
-    let proof = sweep.proof.clone().unwrap_or_else(|| prove(workcell, &ProofOptions::default(), stop));
-    let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
-    let watch = Watch { progress: &|_| {}, stop };
-    let record = search::search_job(workcell, &workcell.cell.search, &watch, &job);
-    // An interrupted proof would give another bound.
-    (!proof.interrupted && record.ended != SearchEnd::Interrupted).then_some(record)
+    let known = sweep.proof.as_ref().map(|proof| proof.bound);
+    let stored = checkpoint.read(workcell, known);
+    let bound = match known.or(stored.as_ref().map(|stored| stored.bound)) {
+        Some(bound) => bound,
+        None => {
+            let proof = prove(workcell, &ProofOptions::default(), stop);
+            // An interrupted proof would give another bound.
+            (!proof.interrupted).then_some(proof.bound)?
+        }
+    };
+    let (settings, watch) = (&workcell.cell.search, Watch { progress: &|_| {}, stop });
+    let keep = |state: &Checkpoint, moment| checkpoint.keep(&SearchState { bound, state }, moment);
+    let search_from = |from: Option<&Checkpoint>| {
+        search::search_job(workcell, settings, &watch, &SearchJob { bound, from, keep: &keep })
+    };
+    let mut record = search_from(stored.as_ref().map(|stored| &stored.state));
+    if record.ended == SearchEnd::Diverged {
+        checkpoint
+            .tell_useless("this program does not reproduce its steps; another build or machine wrote it");
+        record = search_from(None);
+    }
+    (record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
 /// Writes NNNN.island.json, from which islands are merged. Returns the file with its hash.

@@ -94,7 +94,7 @@ impl<'s> ClusterRun<'s> {
         let asked = match flags.chunk {
             ChunkSize::Combinations(count) => count,
             ChunkSize::Auto => {
-                let seconds = measured(sweep, &missing, options.lease)?;
+                let seconds = measured(sweep, &missing, flags.lease)?;
                 (TASK_SECONDS / seconds * f64::from(flags.cpus)).ceil() as usize
             }
         };

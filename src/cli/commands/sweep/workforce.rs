@@ -8,6 +8,7 @@ use crate::cli::Exit;
 use crate::cli::commands::suggest;
 use crate::cli::slurm::ArrayOptions;
 use crate::cli::sweep::continuing;
+use std::sync::atomic::Ordering;
 
 /// Who processes the combinations of a sweep.
 pub struct Workforce<'a> {
@@ -19,24 +20,29 @@ pub struct Workforce<'a> {
 }
 
 impl Workforce<'_> {
-    /// Processes the missing combinations, or returns early if a signal stops this program.
-    pub fn process(&self, sweep: &CheckedSweep, missing: Vec<usize>) -> Result<(), Exit> {
-        match (self.claims, self.options.flags.on) {
-            (true, _) => run_shared(sweep, missing, self.jobs, self.options.lease),
+    /// Processes the missing combinations, or only shows what would be submitted.
+    ///
+    /// Returns the exit code of the command if combinations are still missing: they were only shown, or a signal
+    /// has stopped this program.
+    pub fn process(&self, sweep: &CheckedSweep, missing: Vec<usize>) -> Result<Option<Exit>, Exit> {
+        let flags = self.options.flags;
+        match (self.claims, flags.on) {
+            _ if flags.dry_run => show_script(sweep, missing, self.options),
+            (true, _) => run_shared(sweep, missing, self.jobs, flags.lease),
             (false, Some(_)) => run_on_slurm(sweep, missing, self.options),
             (false, None) => run_all(sweep, &missing, self.jobs),
-        }
-    }
-
-    /// Shows what would be submitted.
-    pub fn show(&self, sweep: &CheckedSweep, missing: Vec<usize>) -> Result<Exit, Exit> {
-        show_script(sweep, missing, self.options)?;
+        }?;
+        let exit = match sweep.stop.load(Ordering::Relaxed) {
+            _ if flags.dry_run => Exit::Done,
+            true => Exit::Interrupted,
+            false => return Ok(None),
+        };
         suggest(&self.again(sweep));
-        Ok(Exit::Done)
+        Ok(Some(exit))
     }
 
     /// Returns the command that continues a stopped sweep.
-    pub fn again(&self, sweep: &CheckedSweep) -> String {
+    fn again(&self, sweep: &CheckedSweep) -> String {
         let option = if self.claims { "--claim" } else { "--resume" };
         let engine = if self.options.flags.on.is_some() { " --on slurm" } else { "" };
         continuing(&sweep.plan, &sweep.folder, option) + engine

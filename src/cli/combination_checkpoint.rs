@@ -1,0 +1,109 @@
+//! Checkpoint of the search of one combination of a sweep, from which any worker continues it.
+//!
+//! The file counts as unfinished ([`UNFINISHED`]), so what removes the files of killed programs removes it, too. It is
+//! sealed, and a file that is damaged or does not fit the search is ignored: the search then begins again.
+
+use super::json_text::{DAMAGED, sealed, unsealed};
+use super::loading::{UNFINISHED, read_inside, replace};
+use super::{output, sweep};
+use crate::layout::Workcell;
+use crate::search::{Checkpoint, Moment, SearchSpace, Stopping};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Least time between two checkpoints, out of consideration for file servers.
+const LEAST_PERIOD: Duration = Duration::from_secs(2);
+
+/// Time between two checkpoints, as a multiple of the time that writing one takes: checkpoints cost 2 % at most.
+const PERIOD_PER_WRITE: u32 = 50;
+
+/// State of a search, and the proven bound of its objective, so that the proof is not repeated.
+#[derive(Serialize, Deserialize)]
+pub struct SearchState<S = Checkpoint> {
+    pub bound: Option<f64>,
+    pub state: S,
+}
+
+/// Checkpoint of the search of one combination.
+pub struct CombinationCheckpoint<'f> {
+    folder: &'f Path,
+    index: usize,
+    /// When the next checkpoint is due; None after a failed write.
+    due: Mutex<Option<Instant>>,
+}
+
+impl<'f> CombinationCheckpoint<'f> {
+    /// Describes the checkpoint of combination `index` in the folder of a sweep.
+    pub fn new(folder: &'f Path, index: usize) -> Self {
+        Self { folder, index, due: Mutex::new(Instant::now().checked_add(LEAST_PERIOD)) }
+    }
+
+    fn name(&self) -> String {
+        format!("{UNFINISHED}{}.checkpoint", sweep::number(self.index))
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.join(self.name())
+    }
+
+    /// Reads the state from which the search continues; None if there is none that fits. `bound` is the proven bound
+    /// if the caller knows it.
+    pub fn read(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Option<SearchState> {
+        if !self.path().is_file() {
+            return None;
+        }
+        let stored = self.stored(workcell, bound);
+        match &stored {
+            Ok(stored) => output::talk(&format!(
+                "note: combination {} continues after {} layouts",
+                self.index,
+                stored.state.evaluations()
+            )),
+            Err(why) => self.tell_useless(why),
+        }
+        stored.ok()
+    }
+
+    fn stored(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Result<SearchState, String> {
+        let bytes = read_inside(self.folder, &self.name(), "the sweep")?;
+        let text = unsealed(&bytes).ok_or(DAMAGED)?;
+        let mut stored: SearchState = serde_json::from_slice(&text).map_err(|e| e.to_string())?;
+        stored.bound = bound.unwrap_or(stored.bound);
+        let rules = Stopping::new(&workcell.cell.search, stored.bound);
+        let fit = stored.state.check(SearchSpace::new(&workcell.cell).dimensions(), &rules);
+        fit.map_err(|_| "it is from another search".to_string())?;
+        Ok(stored)
+    }
+
+    /// Reports that the search begins again.
+    pub fn tell_useless(&self, why: &str) {
+        let (index, path) = (self.index, output::path_word(&self.path()));
+        output::talk(&format!(
+            "note: combination {index} begins again, because {path} cannot be used: {why}"
+        ));
+    }
+
+    /// Writes the state if a checkpoint is due. A checkpoint only saves time, so a failure is ignored: files that must
+    /// be written report it.
+    pub fn keep(&self, state: &SearchState<&Checkpoint>, moment: Moment) {
+        let mut due = self.due.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let now = Instant::now();
+        let is_due = match moment {
+            Moment::Begun => false,
+            Moment::Going => due.is_some_and(|due| now >= due),
+            Moment::Stopped => due.is_some(),
+        };
+        if is_due {
+            let written = sealed(state).is_ok_and(|bytes| replace(&self.path(), &bytes).is_ok());
+            let period = LEAST_PERIOD.max(now.elapsed() * PERIOD_PER_WRITE);
+            *due = Instant::now().checked_add(period).filter(|_| written);
+        }
+    }
+
+    /// Removes the checkpoint of a finished combination.
+    pub fn remove(&self) {
+        let _ = std::fs::remove_file(self.path());
+    }
+}
