@@ -67,8 +67,8 @@
 //! All these modules may also use [`units`] for conversions, `safe_text`, `geometry` for plane geometry and
 //! [`pose`] for rigid transforms.
 //!
-//! The modules up to [`raster`] compute. They are the package `sweetspot-core`, which the compiler optimises
-//! fully; this package re-exports them under the same names.
+//! The modules from [`cell`] to [`raster`] do all computation. They form the package `sweetspot-core`, which the
+//! compiler optimises fully; this package re-exports them under the same names.
 //!
 //! `evaluate` takes a [`layout::Workcell`]: a cell with its kinematic chain, inverse kinematics and parry3d
 //! shapes prepared. A search prepares the workcell once and evaluates hundreds of thousands of layouts.

@@ -247,8 +247,11 @@ impl Study {
         let job = SearchJob { bound: proof.bound, from: None, keep: &|_, _| () };
         let record = search_job(&workcell, &workcell.cell.search, &Watch { progress, stop }, &job);
         let compared = Comparison::of_search(&workcell, &record);
-        let result = SearchResult::of_comparison(&record, &proof, &compared)
-            .ok_or_else(|| StudyError::Unsolved("a search compares two layouts".into()))?;
+        let result = SearchResult::of_comparison(&record, &proof, &compared).ok_or_else(|| {
+            StudyError::Unsolved(
+                "the result of the search does not contain the start layout and the best layout".into(),
+            )
+        })?;
         let best = record.found().then(|| self.at(&record.best.layout)).transpose()?;
         Ok(SearchedStudy { result, best })
     }

@@ -120,7 +120,9 @@ impl Cell {
         packages: Option<Vec<(String, PathBuf)>>,
     ) -> PyResult<Self> {
         if Path::new(name).components().count() != 1 {
-            return Err(PyValueError::new_err("name is the bare name of a file; state its folder as folder"));
+            return Err(PyValueError::new_err(
+                "`name` must be a file name without a folder; give the folder as `folder`",
+            ));
         }
         let path = folder.map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
         let files = FileSnapshot::with([(name.to_string(), text.into_bytes())]);

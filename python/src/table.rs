@@ -25,7 +25,7 @@ pub fn table(columns: Vec<(String, ArrayRef)>) -> PyResult<RecordBatch> {
         .map_err(|why| PyValueError::new_err(why.to_string()))
 }
 
-/// Returns a column of a table as a numpy array. A missing number is NaN, a missing text is None.
+/// Returns a column of a table as a numpy array. A missing number is NaN; a missing text is None.
 pub fn column<'py>(py: Python<'py>, table: &RecordBatch, name: &str) -> PyResult<Bound<'py, PyAny>> {
     let schema = table.schema();
     let names = || schema.fields().iter().map(|field| field.name().as_str());

@@ -1,4 +1,4 @@
-"""Records beside the documents of the commands: every number has the same bits."""
+"""Tests that every number of a record has the same bits as in the document of the command."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ pub fn check_best(file: &Path, packages: &PackageFolders, best: &Assessment<'_>)
     is_same.then_some(()).ok_or_else(|| refused(file, "it gives another error map"))
 }
 
-/// Refuses the file of an alternative layout unless its evaluation equals that of the search in every bit.
+/// Refuses the file of an alternative layout unless its evaluation equals that of the search bit for bit.
 pub fn check_alternative(
     file: &Path,
     packages: &PackageFolders,

@@ -68,7 +68,11 @@ pub fn read(file: &str, text: &str) -> Result<Vec<TargetRow>, Vec<Fault>> {
                 _ => {
                     let message =
                         format!("`{}` in column `{}` is not a number", shown(field), header[*place]);
-                    faults.push(fault(line, message, "write mm or degrees, from -1000000 to 1000000"));
+                    faults.push(fault(
+                        line,
+                        message,
+                        "write a number of mm or degrees, from -1000000 to 1000000",
+                    ));
                 }
             }
         }

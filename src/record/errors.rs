@@ -30,15 +30,15 @@ pub struct ErrorsDocument {
     pub origin_name: String,
     /// Frame to which the accuracy refers.
     pub base: BaseChoice,
-    /// Pose accuracy of the data sheet.
+    /// Pose accuracy AP that the data sheet states; null if none is stated.
     pub wanted_ap_mm: Option<f64>,
-    /// Pose repeatability of the data sheet.
+    /// Pose repeatability RP that the data sheet states; null if none is stated.
     pub wanted_rp_mm: Option<f64>,
     /// Factor by which the tolerances of the origin are multiplied.
     pub scale: f64,
     /// Number of predictions that the search for the factor took.
     pub steps: usize,
-    /// Predicted accuracy of the constant errors.
+    /// Predicted pose accuracy AP from the constant errors alone.
     pub ap: AccuracyQuantiles,
     /// Predicted accuracy of the tolerances as printed, random errors included.
     pub ap_of_set: AccuracyQuantiles,

@@ -76,9 +76,9 @@ pub struct SpotRankingEntry {
     pub predicted_best: MeasuredSpotEntry,
     /// Mean of the measured errors of all spots.
     pub mean_mm: f64,
-    /// Least measured error of a spot.
+    /// Least measured error over all spots.
     pub least_mm: f64,
-    /// Greatest measured error of a spot.
+    /// Greatest measured error over all spots.
     pub greatest_mm: f64,
 }
 

@@ -117,7 +117,7 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
     let drawn = value(Remedy::AsDrawn);
     let to = |remedy| format!("from {drawn} to {}", value(remedy));
     let said = match (&remedies.advised()[..], remedies.has_limits()) {
-        ([], true) => "Neither calibrating, nor moving, nor both keep every limit.".to_string(),
+        ([], true) => "No remedy keeps every limit: neither calibrating, nor moving, nor both.".to_string(),
         ([], false) => "No remedy gives a feasible layout.".into(),
         ([Remedy::AsDrawn, ..], true) => "The cell keeps every limit as it stands.".into(),
         ([Remedy::AsDrawn, ..], false) => {

@@ -30,7 +30,7 @@ pub fn tables(problem: &CellAllocation<'_>, scales: &[f64], document: &Allocatio
                 own.map(|(k, spread)| if is_correlated(k) { none(spread) } else { *spread }).collect();
             let _ = write!(out, "{}", table(&cell.robot, "allocated", &source, &own));
             if tolerance.covariance.is_some() {
-                let _ = writeln!(out, "# Add the covariance of [errors.{}], which stays.", tolerance.name);
+                let _ = writeln!(out, "# Copy the covariance of [errors.{}] unchanged.", tolerance.name);
             }
         }
         set => {

@@ -100,7 +100,7 @@ fn is_given(spread: &Spread) -> bool {
     spread.plus_minus > 0.0
 }
 
-/// Returns the place of a parameter in the file, whose rows are standard or modified; None if it has none.
+/// Returns where the robot file states a parameter, by the D-H convention of its rows; None if it cannot.
 fn place(robot: &Robot, parameter: Parameter) -> Option<FilePlace> {
     let modified = robot.convention == Convention::Modified;
     // A modified row begins with the common normal at the end of the standard row before it.

@@ -68,7 +68,7 @@ class Record:
 class Table(Generic[Row]):
     """Rows of one kind. A data frame takes it as it is: `polars.DataFrame(table)`, `pyarrow.table(table)`.
 
-    A column of a nested record has its path as name, such as `before.rms_mm`. Rows inside of rows are left out.
+    A column of a nested record has its path as name, such as `before.rms_mm`. Nested rows are left out.
     """
 
     # No subclass of Sequence, because polars would then not ask for Arrow.

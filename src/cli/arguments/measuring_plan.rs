@@ -42,7 +42,7 @@ pub struct MeasuringPlanFlags {
     /// it is visible from every side]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "tracker")]
     pub opening: Option<[f64; 3]>,
-    /// State the largest angle between the opening of the reflector and the line of sight, deg
+    /// State the largest angle between the direction of --opening and the line of sight, deg
     #[arg(long, value_name = "DEG", value_parser = measure, default_value = "30", requires = "opening")]
     pub opening_angle: f64,
     /// Choose among this many postures

@@ -57,7 +57,9 @@ pub fn correct(a: &CorrectArguments) -> Result<Exit, Exit> {
 fn say_picks(cell: &Cell) {
     for operation in cell.operations.iter().filter(|operation| operation.relative_to.is_some()) {
         let name = shown(&operation.name);
-        output::talk(&format!("note: {name} is corrected without its pick: correct the pick, too"));
+        output::talk(&format!(
+            "note: the correction of {name} does not include its pick operation: correct the pick, too"
+        ));
     }
 }
 

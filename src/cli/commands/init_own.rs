@@ -46,7 +46,7 @@ struct OwnRobot {
     /// Name of an error set of the robot, and comment on it.
     errors: String,
     about_errors: String,
-    /// Whether the error set is that of one robot, with signs.
+    /// Whether the error set holds the signed errors of one robot.
     is_signed: bool,
     /// Whether a part of the robot file is guessed.
     is_guessed: bool,
@@ -163,7 +163,8 @@ fn of_robot_file(path: &Path, a: &InitArguments) -> Result<OwnRobot, Exit> {
     let files: Vec<_> =
         sources.into_iter().map(|source| (format!("robots/{}", source.path), source.bytes)).collect();
     let file = files.first().map_or(String::new(), |(name, _)| name.clone());
-    let about_errors = "# The first set of tolerances of the robot file, or its first set.".into();
+    let about_errors =
+        "# The first error set of the robot file that is a tolerance, or else its first error set.".into();
     Ok(OwnRobot { robot, file, files, errors, about_errors, is_signed, is_guessed: false })
 }
 

@@ -1,4 +1,4 @@
-//! `calibrate --plan` and `calibrate --choose`: the measuring poses that are most informative about the
+//! `calibrate --plan` and `calibrate --choose`: the measuring poses that best determine the errors at the
 //! operations.
 
 use super::assumed::assumed;

@@ -44,8 +44,9 @@ const fn small(
     sketch([name, about, robot, "placeholder"], pedestal, bench, stand("feeder", (far, -100, z), 90, within))
 }
 
-/// Returns a first cell with a bench and a feeder, named after its robot. The numbers are those of [`small`]:
-/// pedestal, far, start, least and greatest height of both, and how far from the origin they may be placed.
+/// Returns a first cell with a bench and a feeder, named after its robot. The numbers are the arguments of
+/// [`small`], mm: pedestal height, distance `far`, three heights of the equipment (start, least, greatest)
+/// and its largest distance from the origin.
 const fn bench(robot: &'static str, about: &'static str, of: [i32; 6]) -> Sketch {
     let [pedestal, far, z, low, high, within] = of;
     small([robot, about, robot], (pedestal, far), (z, low, high), within)

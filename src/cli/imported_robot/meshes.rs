@@ -98,7 +98,7 @@ fn inside_of(folder: &Path, inside: &str) -> Result<PathBuf, MeshRefusal> {
     }
 }
 
-/// Returns the file name and the bytes of a mesh, or of its conversion beside it.
+/// Returns the file name and the bytes of a mesh, or of a converted mesh in the same folder.
 fn taken(path: &Path) -> Result<(String, Vec<u8>), MeshRefusal> {
     let ending = path.extension().map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase());
     if ending == "dae" {

@@ -18,7 +18,7 @@ const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
 pub enum Unsaved {
     /// The file exists. The page may repeat the request with the permission to overwrite the file.
     FileExists,
-    /// The request is refused, with the reason for the page.
+    /// The request is refused. The text is the reason that the page shows.
     Refused(String),
     /// The file cannot be written.
     Io,

@@ -34,15 +34,15 @@ const RIDGE_GROWTH: f64 = 1000.0;
 const CONVERGED: f64 = 1e-12;
 /// Derivative of the dual, which is the relative violation of a limit, at which a coarse ascent ends.
 const COARSE: f64 = 1e-2;
-/// Derivative at which the last ascent ends, as a share of the requested gap. It is also the violation below which no
-/// sign pattern is added.
+/// Derivative at which the last ascent ends, as a share of the requested gap.
 const FINE: f64 = 0.1;
+/// Violation below which the last ascent adds no sign pattern, as a share of the requested gap.
 const VIOLATION: f64 = 0.01;
 
 /// Cheapest scales by dual ascent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PricedScales {
-    /// Scale of every tolerance; they keep every limit.
+    /// Scales of the tolerances, which keep every limit.
     pub scales: Vec<f64>,
     pub cost: f64,
     /// Lower bound of the cost of all scales that keep the limits.
@@ -124,7 +124,7 @@ pub fn priced_scales(
 }
 
 /// Returns multipliers with which the violated constraint `cut` reaches its limit along its direction at the scales
-/// `u`. The terms `others` stay unchanged. The result is None if they already keep the constraint.
+/// `u`. The terms `others` stay unchanged. The result is None if the scales already keep the constraint.
 fn first_multipliers(
     costs: &[ToleranceCost],
     others: &[DualTerm],

@@ -31,7 +31,7 @@ impl ErrorDistribution {
         let cell = a.cell;
         if cell.errors_compensate() {
             return Err(
-                "the errors compensate each other in one calibrated arm, so they are no tolerances".into()
+                "the errors compensate each other in one calibrated arm, so they are not tolerances".into()
             );
         }
         let (_, posture) = a.spot(operation).ok_or("the operation has no usable node")?;

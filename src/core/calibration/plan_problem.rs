@@ -41,7 +41,7 @@ pub struct IntendedCalibration<'a> {
     pub unknowns: &'a [Unknown],
     /// Standard deviations of the unknowns before the measurement.
     pub priors: &'a [f64],
-    /// Reflector in the frame of the mechanical interface, m.
+    /// Position of the reflector in the frame of the mechanical interface, m.
     pub reflector: Vector3<f64>,
     pub error: UnmodelledError,
 }

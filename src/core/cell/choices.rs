@@ -271,7 +271,7 @@ pub struct Resolution {
 impl Resolution {
     /// Resolution that a fitter can set.
     pub const BUILDABLE: Self = Self { mm: 1.0, deg: 0.1 };
-    /// Resolution of an ideal layout, at which a file holds exactly the coordinates that were evaluated.
+    /// Resolution of an ideal layout, so fine that a layout file states the evaluated coordinates exactly.
     pub const IDEAL: Self = Self { mm: 1e-3, deg: 1e-4 };
 }
 

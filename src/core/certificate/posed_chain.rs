@@ -60,7 +60,7 @@ pub struct Piece {
     pub length: f64,
     /// Bit mask of the coordinates that rotate the piece.
     pub turning: u8,
-    /// Whether the coordinate with the index of the piece lengthens it.
+    /// Whether the piece begins at a prismatic joint, whose coordinate lengthens the piece.
     pub slides: bool,
 }
 

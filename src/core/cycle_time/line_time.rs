@@ -38,8 +38,9 @@ pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, spee
 
 /// Returns the least time, s, of a path of straight moves and straight lines of the TCP.
 ///
-/// `corners` holds the indices of the joint vectors at which the arm stops, the ends of the path among them. Two
-/// neighbouring vectors between corners are a straight move in joint coordinates; more are a straight line of the TCP.
+/// `corners` holds the indices of the joint vectors at which the arm stops, including both ends of the path. Between
+/// two corners, two joint vectors are a straight move in joint coordinates. More vectors are a straight line of the
+/// TCP.
 pub fn path_of_legs_time(chain: &Chain, path: &[JointVector], corners: &[usize], bounds: &RateBounds) -> f64 {
     let leg = |ends: &[usize]| match path.get(ends[0]..=ends[1]) {
         Some([from, to]) => limited_move_time(from, to, bounds, f64::INFINITY),

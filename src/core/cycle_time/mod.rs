@@ -2,8 +2,8 @@
 //!
 //! Every motion has a trapezoidal speed profile or the time-optimal one. A straight move in joint coordinates has a
 //! trapezoidal profile with synchronised joints ([`straight_move_time`]). A straight line of the TCP, such as an
-//! approach, is parameterised time-optimally ([`line_time`]). The robot stops between lines and moves, because it does
-//! not blend them: the direction of the motion jumps there. Torques and jerk are not limited.
+//! approach, is parameterised time-optimally ([`line_time`]). The robot stops at every corner between a line and a
+//! move, because the direction of motion jumps there. Blending is not modelled. Torques and jerk are not limited.
 
 mod line_time;
 mod path_timing;

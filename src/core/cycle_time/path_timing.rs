@@ -7,8 +7,9 @@
 //! ```
 //!
 //! and along a step h of s, x grows by 2 h u (J. E. Bobrow, S. Dubowsky, J. S. Gibson, "Time-optimal control of robotic
-//! manipulators along specified paths", IJRR 4(3), 1985). A backward pass computes the greatest x at every sample from
-//! which the end can be reached at rest. A forward pass then accelerates as much as these bounds allow (reachability
+//! manipulators along specified paths", IJRR 4(3), 1985). At every sample, a backward pass computes the greatest x
+//! from which the end can be reached at rest.
+//! A forward pass then accelerates as much as these bounds allow (reachability
 //! analysis: H. Pham, Q.-C. Pham, "A new approach to time-optimal path parameterization based on reachability
 //! analysis", IEEE Transactions on Robotics 34(3), 2018). Each bound is a linear program in two variables, solved
 //! exactly over pairs of its constraints.

@@ -4,7 +4,7 @@ use super::node_record::OperationMap;
 use crate::cell::{Cell, ErrorSet, JointKind, JointVector};
 use std::f64::consts::TAU;
 
-/// Slack of a range: the rounding of its file, rad or m.
+/// Tolerance of a measured range, rad or m, for the rounding of its numbers in the file.
 const ROUNDING: f64 = 1e-6;
 
 /// Usable nodes whose postures lie outside the measured joint ranges: their errors are extrapolated.

@@ -2,8 +2,8 @@
 //!
 //! The rows of the Jacobian are the pose errors at every posture: position in m, rotation in rad times a
 //! length. The columns are the parameters of a [`ParameterSet`]. They are scaled to unit length, so m and
-//! rad have equal weight. Driels and Pathre (1990) use the condition number of this matrix; Schroer et al.
-//! ask for less than 100.
+//! rad have equal weight. Driels and Pathre (1990) judge a set of poses by the condition number of this
+//! matrix. Schroer et al. require a value below 100.
 //!
 //! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett, Driels
 //! and Mooring 1987). The links alone have 4 n parameters in each of the following two sets:

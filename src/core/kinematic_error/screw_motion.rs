@@ -26,8 +26,8 @@ pub struct ScrewMotion {
 
 /// Returns the small motions that one unit of an error parameter causes in the chain.
 ///
-/// A parameter of the equipment causes no motion of the chain. An elastic parameter causes none of constant
-/// size: [`largest_deflection`] bounds it.
+/// A parameter of the equipment causes no motion of the chain. The motion of an elastic parameter depends on
+/// the posture and is left out. [`largest_deflection`] bounds it.
 pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usize) -> Vec<ScrewMotion> {
     let one = |link: usize, frame: &Pose, axis: usize, turns: bool, factor: f64| ScrewMotion {
         link,

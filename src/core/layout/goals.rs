@@ -27,8 +27,8 @@ impl Workcell {
     /// Computes the value of each goal for a layout; None if the layout is not feasible.
     ///
     /// - error: the objective (m, rad, or share of failures).
-    /// - clearance: the least distance (m) from the robot and the parts it holds to floor, equipment and
-    ///   fence. The minimum is taken over all nodes where an operation happens. Distances between floor
+    /// - clearance: the least distance (m) of the robot and its held parts from floor, equipment and fence.
+    ///   The minimum is taken over all nodes where an operation happens. Distances between floor
     ///   spaces, in plan and height, count, too. The value is at most [`MAX_CLEARANCE`], which is also the
     ///   value if collision is not checked. Three kinds of distances do not count. The first is between a
     ///   solid after the last joint and the equipment of the operation, because the standoff sets this

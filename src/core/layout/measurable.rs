@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// Place of the measuring instrument, and directions in which the reflector can be seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sightline {
-    /// Instrument, world frame, m.
+    /// Position of the instrument, world frame, m.
     pub instrument: Vector3<f64>,
     /// Direction in which the reflector opens (interface frame), and the largest angle (rad) between this direction
     /// and the line of sight. It is None if the reflector is visible from every side.

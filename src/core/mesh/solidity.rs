@@ -20,8 +20,8 @@ impl Solidity {
     pub fn warning(self) -> Option<(String, &'static str)> {
         match self {
             Self::Solid => None,
-            Self::Hollow(1) => Some(("has a hollow inside".into(), HOLLOW)),
-            Self::Hollow(n) => Some((format!("has {n} hollows inside"), HOLLOW)),
+            Self::Hollow(1) => Some(("encloses a cavity".into(), HOLLOW)),
+            Self::Hollow(n) => Some((format!("encloses {n} cavities"), HOLLOW)),
             Self::Open => Some(("is not a closed surface".into(), OPEN)),
         }
     }

@@ -26,7 +26,9 @@ pub fn is_beyond(coordinate: f64) -> bool {
 
 /// Returns the message for a mesh with too many triangles.
 pub fn too_many() -> String {
-    format!("more than {MAX_TRIANGLES} triangles: simplify the mesh, then collision checks are much faster")
+    format!(
+        "more than {MAX_TRIANGLES} triangles: simplify the mesh, which also makes collision checks much faster"
+    )
 }
 
 /// Merges vertices at the same place, and keeps the order in which each place first occurs.

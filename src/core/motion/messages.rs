@@ -59,6 +59,11 @@ impl Blocked {
         let tries =
             self.tries.iter().map(|(way, what)| format!("{}: {}", way.in_words(), what.in_words(cell)));
         let tries: Vec<_> = tries.collect();
-        format!("no free transfer from {} to {}: {}", name(self.from), name(self.to), tries.join("; "))
+        format!(
+            "no collision-free transfer from {} to {}: {}",
+            name(self.from),
+            name(self.to),
+            tries.join("; ")
+        )
     }
 }

@@ -39,7 +39,7 @@ pub struct Transfer {
     pub way: TransferRoute,
     /// Joint vectors (rad or m) of the path, which consists of straight moves between them.
     pub path: Vec<JointVector>,
-    /// Indices of the joint vectors at which the arm stops, the ends of the path among them.
+    /// Indices of the joint vectors at which the arm stops, including both ends of the path.
     ///
     /// Between two of them lies one straight move in joint coordinates, or one straight line of the TCP.
     pub corners: Vec<usize>,

@@ -218,7 +218,7 @@ impl Proof {
             })
             .collect();
         let mut relaxed =
-            "each operation alone at its best spot in any layout, without collisions and overlaps"
+            "each operation alone at its best spot in any layout; collisions and overlaps are ignored"
                 .to_string();
         let percentiles = [Quantity::P95, Quantity::P99].contains(&workcell.cell.quantity);
         if workcell.cell.reading == Reading::Statistical && percentiles {

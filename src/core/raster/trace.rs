@@ -53,7 +53,7 @@ fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoin
     sides
 }
 
-/// Joins directed sides to closed rings. Where two areas of equal value meet only in a corner, their rings
+/// Joins directed sides into closed rings. Where two areas of equal value meet only in a corner, their rings
 /// stay separate.
 fn rings(sides: &[(GridPoint, GridPoint)]) -> Vec<Vec<GridPoint>> {
     let way = |k: usize| {

@@ -17,7 +17,7 @@ const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 /// Violation of limits (rad, m or cosine) above which no usable posture is expected within one step of the scan.
 const HOPELESS: f64 = 0.5;
 
-/// Number of times that the search for a reached value divides an interval.
+/// Largest number of bisections in the search for a joint value at which the target is in reach.
 const MAX_PARTS: usize = 128;
 
 /// Share of an interval that the golden section cuts off: the smaller part.

@@ -9,7 +9,7 @@
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
 //! | `tool_task` | the components of the TCP motion that a branch controls |
-//! | `limits` | joint limits, also of angles that repeat after a turn |
+//! | `limits` | joint limits, including limits of angles that repeat after a turn |
 //! | `shell` | a bounding shell of the reach, a cheap test before any inverse kinematics |
 //! | `envelope` | sections, volume and extent of the reach |
 //! | `planar_geometry`, `limit_cones` | the planar arm as plain data, to solve many targets at once |

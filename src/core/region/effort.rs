@@ -3,7 +3,7 @@
 use crate::layout::Workcell;
 use crate::reach::Cost;
 
-/// Resolution of regions and rooms.
+/// Sampling effort for a region and for the room to place a piece.
 #[derive(Debug, Clone, Copy)]
 pub struct RegionEffort {
     /// Spacing of the fine lattice, and step of a scan along z, mm.

@@ -51,7 +51,7 @@ fn domain(cell: &Cell, body: MovableBody, axis: usize) -> Option<((f64, f64), Ro
 /// One piece of a layout whose region is to be found.
 pub struct MovablePiece<'a> {
     held: &'a HeldLayout<'a>,
-    /// Largest objective in the region.
+    /// Upper limit of the objective in the region.
     most: f64,
     body: MovableBody,
     /// Placement in the frame that the cell file uses.
@@ -130,7 +130,7 @@ impl<'a> MovablePiece<'a> {
         domain(&self.held.workcell().cell, self.body, axis).map(|(interval, _)| interval)
     }
 
-    /// Returns the placement in the world of the frame that the cell file uses.
+    /// Returns the world placement of the frame in which the cell file states the placement of the piece.
     fn carrier(&self) -> Placement {
         let under = match self.body {
             MovableBody::Base => None,

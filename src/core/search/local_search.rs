@@ -10,7 +10,7 @@ use super::problem::Problem;
 use super::search_space::NeighbourChange;
 use std::collections::BTreeSet;
 
-/// Changes in the order in which they are tried.
+/// Neighbour changes, in the order in which the search tries them.
 ///
 /// Large changes find other layouts for the shortlist; small changes improve a member.
 const CHANGES: [NeighbourChange; 7] = [

@@ -28,7 +28,7 @@ words!(
 const DEFAULT_SEARCH: SearchSettings = SearchSettings::DEFAULT;
 
 key_table! {
-    search, "search settings", "How the layout is searched.", {
+    search, "search settings", "Settings of the search for a layout.", {
         SOLVER = word::<Solver>("solver", "Global solver.").default(Literal::Word(DEFAULT_SEARCH.solver.name()));
         OBJECTIVE = word::<Objective>("objective", "Objective: how the weighted errors of the operations are combined into one number.").default(Literal::Word(DEFAULT_SEARCH.objective.name()));
         INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Difference below which two values count as equal in the lexicographic objective.").default(Literal::Number(1.0));
@@ -83,7 +83,7 @@ key_table! {
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
         TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");
         FENCE = table("fence", &fence::TABLE, "Fence around the equipment and the robot base.");
-        SEARCH = table("search", &search::TABLE, "How the layout is searched.");
+        SEARCH = table("search", &search::TABLE, "Settings of the search for a layout.");
         TITLE_BLOCK = table("title_block", &title_block::TABLE, "Title block of the drawings that `export` makes (ISO 7200).");
     }
 }

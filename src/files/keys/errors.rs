@@ -47,7 +47,7 @@ impl ErrorSetForm {
         }
     }
 
-    /// Returns the meaning of the numbers in the lists of the set: those of measured errors have signs.
+    /// Returns the form of the numbers in the lists of the set. Measured errors are signed numbers.
     pub fn of_lists(self) -> ErrorForm {
         match self {
             Self::Plain(form) => form,
@@ -151,7 +151,7 @@ key_table! {
 pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2)";
 
 key_table! {
-    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters. In a tolerance, their plus-or-minus values must be 0.", {
+    covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters. In a set of tolerances, these parameters must have plus-or-minus values of 0.", {
         PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
         MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, one row for each of the parameters: products of mm, degrees, degrees per m and degrees per N m.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }

@@ -65,7 +65,7 @@ key_table! {
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");
         BEND = Key::new("bend_deg", ValueKind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
         AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Azimuth: heading of the tool axis in the surface, or of the tool's x axis if the tool is vertical; a number, a range, a list, \"radial\" (in the vertical plane through the axis of the robot base) or \"free\".").default(Literal::Word("free"));
-        SPIN = Key::new("spin_deg", super::SPIN, "Spin: right-handed turn of the reference axis about the tool axis, counted from the upward direction, or from the azimuth if the tool points down. The reference axis is the first TCP axis perpendicular to the tool axis. A number, a range, a list, or \"free\" (every 30 degrees).").default(Literal::Word("free"));
+        SPIN = Key::new("spin_deg", super::SPIN, "Spin: right-handed rotation of the reference axis about the tool axis. At spin 0 the reference axis points upward, or along the azimuth if the tool points down. The reference axis is the first TCP axis perpendicular to the tool axis. A number, a range, a list, or \"free\" (every 30 degrees).").default(Literal::Word("free"));
         TOLERANCE = number_or_zero("tolerance_deg", NumberRange::UpTo(MAX_TOLERANCE), "Angle by which the tool axis may be tilted from the attitude.");
         SENSE = Key::new("sense", ValueKind::Either(&[ValueKind::Word(plain_senses), OWN_SENSE]), "Sense in which the error is measured: x, y, z, xy, xyz, rx, ry, rz or rotation, with @surface or @tool in the axes of the surface or the tool, or a sense that the cell defines.").required().example("\"xy\"").remedy("add sense = \"xy\", or another of x, y, z, xy, xyz, rx, ry, rz, rotation");
         LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in mm.").example("0.5");
@@ -73,7 +73,7 @@ key_table! {
         RELATIVE_TO = text("relative_to", "Earlier operation that picked the part placed here: errors common to both cancel.").example("\"picking\"");
         TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach its frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
         APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "Length of the straight approach along the tool axis.");
-        RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "Length of the straight retreat along the tool axis.");
+        RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "Length of the straight retract along the tool axis.");
         DWELL = number_or_zero("dwell_s", NumberRange::UpTo(MAX_DWELL), "Time that the operation takes at its spot, or at every listed point, with the robot at rest; it counts in the cycle time.");
         LINE_SPEED = number("line_speed_mm_s", NumberRange::Positive, "Greatest speed of the TCP on the approach and the retract, such as that of an insertion; if left out, only the joints limit it.").example("50");
         WEIGHT = number("weight", NumberRange::Positive, "Weight of the operation's error in the objective.").default(Literal::Number(1.0));

@@ -78,7 +78,7 @@ pub fn pair(
     }
     if all.len() != positions.lines.len() {
         let message = format!(
-            "the table has {} postures, the table of positions {} rows, and no column identifies them",
+            "the table has {} postures, but the table of positions has {} rows, and no column matches them",
             all.len(),
             positions.lines.len()
         );

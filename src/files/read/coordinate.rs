@@ -38,7 +38,7 @@ fn read_range(node: &Node, key: &Key, t: &mut Table) -> Option<Coordinate> {
             t.error(t.at, message, "give the lower end as min, or write one number to fix it");
         } else if !(min..=max).contains(&start) {
             let message = format!("start {} of `{name}` is outside {low} to {high}", plain(start));
-            t.error(start_at, message, "start inside the range");
+            t.error(start_at, message, "give a start value inside the range");
         }
         let si = |value| key.unit().si(value);
         Some(Coordinate::Range { min: si(min), max: si(max), start: si(start) })

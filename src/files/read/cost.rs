@@ -271,7 +271,11 @@ impl StatedLaw {
                             "the grade `{grade_name}` is {} times the tolerance of `{name}`",
                             plain(rounded(scale, 9))
                         );
-                        t.error(grade.at, message, "it must be 0.01 to 100 times: is the unit right?");
+                        t.error(
+                            grade.at,
+                            message,
+                            "it must be 0.01 to 100 times that tolerance: is the unit right?",
+                        );
                         return None;
                     }
                     grades.push((grade, scale));

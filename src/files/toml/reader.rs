@@ -117,7 +117,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
         }
     }
 
-    /// Excludes the keys that the rules of the table forbid together with the key `given`.
+    /// Excludes every key that the rules of the table forbid beside the key `given`.
     pub fn exclude_beside(&mut self, given: &Key) {
         for rule in self.keys.rules_of_keys() {
             if let Rule::Excludes(key, others) = rule

@@ -13,7 +13,7 @@ use toml::de::{DeString, DeTable, DeValue};
 /// Deepest nesting at which recursion over the tree is safe.
 const MAX_NESTING: usize = 32;
 
-const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file is nested that deep");
+const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file is nested so deeply");
 
 /// Largest number of syntax faults that are examined.
 const MAX_SLIPS: usize = 5_000;

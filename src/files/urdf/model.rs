@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Name in a file, with the place where it stands.
+/// Name read from a file, with its position in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Named {
     pub name: String,

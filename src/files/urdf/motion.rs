@@ -194,8 +194,10 @@ fn read_mimic(
     let name = shown(&joint.name.name);
     let followed = before.len().min(i);
     let Some(j) = moving[..followed].iter().position(|other| other.name.name == mimic.joint.name) else {
-        let message =
-            format!("joint `{name}` mimics `{}`, which is not a joint before it", shown(&mimic.joint.name));
+        let message = format!(
+            "joint `{name}` mimics `{}`, which does not precede it in the chain",
+            shown(&mimic.joint.name)
+        );
         let help = "a joint can only follow one that comes before it in the chain from base to tip link";
         lib.error(mimic.joint.at, message, help);
         return None;

@@ -63,7 +63,7 @@ fn walk(text: &str) -> Result<(), Refusal> {
             }
             if depth > MAX_NESTING {
                 let message = format!("nested deeper than {MAX_NESTING} elements");
-                return Err((start, message, "no element of a URDF is nested that deep"));
+                return Err((start, message, "no element of a URDF is nested so deeply"));
             }
             end
         };

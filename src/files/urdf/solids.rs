@@ -19,7 +19,7 @@ pub struct Carried {
     pub link: usize,
     /// Index of the D-H frame with which the link moves: the number of moving joints between base and link.
     pub frame: usize,
-    /// Pose of the link in the frame of the base link while all joint coordinates are 0.
+    /// Pose of the link in the base-link frame with all joint coordinates at 0.
     pose: Pose,
 }
 

@@ -98,7 +98,7 @@ fn is_short_slide(joint: &UrdfJoint) -> bool {
 
 /// Returns whether branches are fingers: several are driven, or one is driven and others mimic a joint of it.
 ///
-/// Passive bars of a parallelogram, in contrast, mimic joints before the branching.
+/// The passive bars of a parallelogram, in contrast, mimic joints that come before the branching.
 fn are_fingers(urdf: &Urdf, tree: &Tree<'_>, branches: &[usize]) -> bool {
     let inside: Vec<Vec<&UrdfJoint>> = branches.iter().map(|&j| moving_of_branch(urdf, tree, j)).collect();
     let is_driven = |joints: &&Vec<&UrdfJoint>| joints.iter().any(|joint| joint.mimic.is_none());

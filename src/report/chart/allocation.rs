@@ -41,7 +41,7 @@ pub fn allocation(d: &AllocationDocument) -> String {
     canvas.path(&format!("M{0:.1} {top:.1}V{bottom:.1}", x.at(1.0)), &Ink::Axis.line(1.0));
     canvas.y = bottom + 40.0;
     if d.parameters.len() > bars.len() {
-        canvas.paragraph(&format!("{} more tolerances change less", d.parameters.len() - bars.len()));
+        canvas.paragraph(&format!("{} other tolerances change by less", d.parameters.len() - bars.len()));
     }
     canvas.finish()
 }

@@ -26,7 +26,7 @@ pub fn residuals(file: &ComparedFile) -> String {
     let heading = format!("{}: residuals of the prediction", shown(&file.file));
     let mut told = vec!["size of measured minus predicted error, base frame of the robot".to_string()];
     if every > 1 {
-        told.push(format!("one of {every} positions is drawn"));
+        told.push(format!("one in {every} positions is drawn"));
     }
     let mut canvas = ChartCanvas::new(&heading, &told);
     let views = PLANES.map(|(_, across, up)| view(&drawn, across, up, (WIDTH - EDGE - LEFT - BAR, TALLEST)));

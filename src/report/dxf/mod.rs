@@ -198,7 +198,8 @@ fn titles(
             rounded(drawing.exaggeration(0), 6),
             if drawing.lenses[0].is_signed() { "" } else { ", plus or minus" }
         ),
-        "large circles: nodes that cannot be used; frozen layers have the rest".to_string(),
+        "large circles: nodes that cannot be used; thaw the frozen layers to see the other entities"
+            .to_string(),
     ];
     for (k, line) in lines.iter().rev().enumerate() {
         let y = high.y + file.height * (5.0 + 1.7 * k as f64);

@@ -112,7 +112,7 @@ fn collision(cell: &Cell) -> String {
     }
     match cell.clearance {
         c if c > 0.0 => format!("checked with a clearance of {} mm", rounded(mm_from_m(c), 3)),
-        _ => "checked; touching counts as collision".into(),
+        _ => "checked; contact counts as a collision".into(),
     }
 }
 

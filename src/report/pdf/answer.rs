@@ -48,7 +48,7 @@ pub fn page(
         scale: "none".into(),
         notes: vec![
             crate::report::text::headline(drawing.cell),
-            "placements are seen from the robot base; set them out by the drawing on sheet 2".into(),
+            "placements are in the frame of the robot base; set them out from the drawing on sheet 2".into(),
         ],
     };
     block(&mut svg, &Paper::A4, &entries);

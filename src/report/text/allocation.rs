@@ -18,7 +18,8 @@ pub fn allocation(d: &AllocationDocument) -> String {
     out.push_str(&table(d));
     // Writing to a String cannot fail.
     if !d.fixed.is_empty() {
-        let _ = writeln!(out, "  not to order, because measured or correlated: {}", few(&d.fixed));
+        let _ =
+            writeln!(out, "  cannot be ordered, because they are measured or correlated: {}", few(&d.fixed));
     }
     if d.status == AllocationStatus::Infeasible {
         d.shortfalls.iter().take(MAX_LISTED).for_each(|s| out.push_str(&shortfall(s)));

@@ -91,7 +91,7 @@ fn totals(a: &BudgetReport<'_>) -> String {
     )
 }
 
-/// Returns a line on the limit, and a line on the Monte Carlo check of the first-order figures.
+/// Returns one text line about the limit and one about the Monte Carlo check of the first-order figures.
 fn verdicts(a: &BudgetReport<'_>) -> String {
     let unit = a.context.evaluator.sense.unit;
     let limit = a.context.requirement(a.judged.value).map(|r| requirement_line(r, unit));

@@ -1,4 +1,4 @@
-//! What every search needs: threads, and the proof of a lower bound.
+//! Set-up of every search: the thread pool and the proof of a lower bound.
 
 use crate::cli::{Exit, output};
 use crate::layout::Workcell;
