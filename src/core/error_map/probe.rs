@@ -113,6 +113,16 @@ impl<'a> Probe<'a> {
         self.query.hold(at, branch)
     }
 
+    /// Returns the postures at the same point whose redundant joint is moved by `share` of the distance between its
+    /// sampled values, in either direction. An arm without such a joint has none.
+    pub fn beside(&self, held: &HeldPosture, share: f64) -> impl Iterator<Item = HeldPosture> + use<> {
+        let moved = [-share, share].map(|share| {
+            let branch = self.inverse().with_held_joint_moved(held.branch, share)?;
+            self.hold(held.at, branch)
+        });
+        moved.into_iter().flatten()
+    }
+
     /// Certifies a held posture if the layout demands it. Returns an upper bound of its value over all misplacements,
     /// if `value` asks for one and one is known.
     ///

@@ -7,7 +7,8 @@
 //! Only gains are accepted, so the refined spot is never worse than the best node. If the layout must work at
 //! every misplacement inside the placement tolerances, only certified spots are accepted.
 //!
-//! The branch of the posture stays the same during a search. At the end point every branch is judged, as at a
+//! The redundant joint of an arm is refined, too: each poll also tries it on both sides of its value, first by half
+//! the distance between its sampled values. Otherwise, the branch of the posture stays the same during a search. At the end point every branch is judged, as at a
 //! node. If another branch is better there, a search with that branch follows. Only one operation is refined
 //! at a time, and all others stay at their best nodes. For an operation that places a part, the part is
 //! therefore picked at the best node of the pick, not at its refined spot.
@@ -155,20 +156,29 @@ fn starts(map: &OperationMap) -> Vec<usize> {
 ///
 /// A certificate is expensive, so only points that improve the value are certified. Points nearer than `apart` (m) to
 /// a touched point do not count.
-fn descend(from: PointSpot, area: &Rectangle, mut step: f64, probe: &mut Probe<'_>, apart: f64) -> PointSpot {
+fn descend(
+    from: PointSpot,
+    area: &Rectangle,
+    first_step: f64,
+    probe: &mut Probe<'_>,
+    apart: f64,
+) -> PointSpot {
     let inside = |v: f64, centre: f64, size: f64| v.clamp(centre - size / 2.0, centre + size / 2.0);
-    let (mut best, mut failures) = (from, 0);
+    let (mut best, mut step, mut failures) = (from, first_step, 0);
     for poll in 0..MAX_POLLS {
         if step < LEAST_STEP {
             break;
         }
         let gained = |value: f64| value < best.value - LEAST_GAIN * best.value.abs();
-        let candidates = (0..DIRECTIONS).filter_map(|k| {
+        let around = (0..DIRECTIONS).map(|k| {
             let turn = std::f64::consts::TAU * k as f64 / DIRECTIONS as f64;
             let (sin, cos) = (GOLDEN_ANGLE * poll as f64 + turn).sin_cos();
             let x = inside(best.posture.at.0 + step * cos, area.centre.0, area.size.0);
             let y = inside(best.posture.at.1 + step * sin, area.centre.1, area.size.1);
-            let posture = from.posture.at_point((x, y));
+            best.posture.at_point((x, y))
+        });
+        let beside = probe.beside(&best.posture, step / first_step / 2.0);
+        let candidates = around.chain(beside).filter_map(|posture| {
             let is_apart = probe.distance_from_touched(posture.at) >= apart;
             let value = is_apart.then(|| probe.holding(&posture).ok()).flatten()?;
             Some(PointSpot { posture, value }).filter(|_| gained(value))

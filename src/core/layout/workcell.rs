@@ -147,7 +147,7 @@ impl Workcell {
     }
 
     /// Poses the solids of a layout.
-    pub(super) fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
+    pub fn placed<'a>(&'a self, layout: &'a Layout) -> PlacedLayout<'a> {
         PlacedLayout::new(&self.mapper, layout)
     }
 }

@@ -7,6 +7,9 @@ use crate::robot::Posture;
 /// Bits of a branch index that number the attitude, for a closed form that solves for a whole pose.
 const ATTITUDE_BITS: u64 = 0xfff0;
 
+/// Position of the lowest bit that numbers the value of the held joint of a redundant arm.
+const SAMPLE_SHIFT: u32 = 16;
+
 /// Returns the number of the attitude in a branch index.
 pub(super) fn attitude_of(index: u64) -> usize {
     ((index & ATTITUDE_BITS) >> 4) as usize
@@ -15,6 +18,16 @@ pub(super) fn attitude_of(index: u64) -> usize {
 /// Returns a branch index with another attitude.
 pub(super) fn with_attitude(index: u64, attitude: usize) -> u64 {
     index & !ATTITUDE_BITS | (attitude as u64) << 4
+}
+
+/// Returns the number of the held joint's value in a branch index of a redundant arm.
+pub(super) fn sample_of(index: u64) -> u32 {
+    (index >> SAMPLE_SHIFT) as u32
+}
+
+/// Returns a branch index of a redundant arm with another value of the held joint.
+pub(super) fn with_sample(index: u64, number: u32) -> u64 {
+    index & ((1 << SAMPLE_SHIFT) - 1) | u64::from(number) << SAMPLE_SHIFT
 }
 
 /// Class of the computing time that the inverse kinematics of one target takes.

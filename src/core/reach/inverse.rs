@@ -2,7 +2,7 @@
 //!
 //! The inverse kinematics covers all attitudes of an operation, the joint limits, and redundancy resolution.
 
-use super::branch::{Branch, Cost, Gap, Reach, attitude_of};
+use super::branch::{Branch, Cost, Gap, Reach, attitude_of, sample_of};
 use super::fixed_elevation::fixed_elevation;
 use super::limits::Limits;
 use super::solver::ChainSolver;
@@ -202,7 +202,7 @@ impl Inverse {
             }
             ChainSolver::Redundant(joint) => {
                 let turn = attitudes.set.spin_turns.get(attitude_of(wanted))?;
-                let sample = joint.sample((wanted >> 16) as u32);
+                let sample = joint.sample(sample_of(wanted));
                 self.solve_held_spins(&sample, turn.first, target, attitudes, &mut keep);
             }
             ChainSolver::Numeric(_) => {
@@ -248,7 +248,7 @@ impl Inverse {
                 self.solve_spins(turn.first, target, attitudes, &mut self.scratch(), &mut keep)
             }),
             ChainSolver::Redundant(joint) => turns.get(attitude_of(wanted)).map_or(0.0, |turn| {
-                let sample = joint.sample((wanted >> 16) as u32);
+                let sample = joint.sample(sample_of(wanted));
                 let bound = self.solve_held_spins(&sample, turn.first, target, attitudes, &mut keep);
                 if bound > 0.0 { self.held_distance(&sample, turn.first, target, attitudes) } else { 0.0 }
             }),

@@ -2,9 +2,10 @@
 //!
 //! If no sample has a usable posture, values between samples are searched.
 
-use super::branch::{Gap, with_attitude};
+use super::branch::{Gap, sample_of, with_attitude, with_sample};
 use super::held_joint::{HeldJoint, HeldSample};
 use super::inverse::Inverse;
+use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
 use crate::pose::Pose;
 use crate::robot::Posture;
@@ -22,6 +23,17 @@ pub(super) struct HeldTarget<'a> {
 }
 
 impl Inverse {
+    /// Returns the branch index with the held joint of a redundant arm moved by `share` of the distance between two
+    /// sampled values, rounded to the lattice of the held joint.
+    ///
+    /// Returns None if the arm has no held joint, or if the value lies outside its range.
+    pub fn with_held_joint_moved(&self, branch: u64, share: f64) -> Option<u64> {
+        let ChainSolver::Redundant(_) = &self.solver else { return None };
+        let number = f64::from(sample_of(branch)) + (share * f64::from(HeldJoint::SAMPLE_STEP)).round();
+        let is_inside = (0.0..=f64::from(HeldJoint::LATTICE)).contains(&number);
+        is_inside.then(|| with_sample(branch, number as u32))
+    }
+
     /// Solves the inverse kinematics for all attitudes, with the redundant joint held at one value.
     pub(super) fn solve_held(
         &self,
@@ -73,7 +85,7 @@ impl Inverse {
         let (mut part, mut posture) = (joint.template, self.template);
         joint.fast.solve(&flange, &mut part, &mut |branch, part| {
             joint.join(part, &held, &mut posture);
-            found(u64::from(sample.number) << 16 | (first as u64) << 4 | u64::from(branch), &posture);
+            found(with_sample((first as u64) << 4 | u64::from(branch), sample.number), &posture);
         })
     }
 

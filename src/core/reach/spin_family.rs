@@ -3,7 +3,7 @@
 //! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates in a family.
 //! Whatever depends on these joints alone is computed once per family.
 
-use super::branch::{attitude_of, with_attitude};
+use super::branch::{attitude_of, sample_of, with_attitude};
 use super::held_joint::HeldJoint;
 use super::inverse::Inverse;
 use super::solver::ChainSolver;
@@ -132,7 +132,7 @@ impl Inverse {
         found: &mut impl FnMut(u64, &Posture),
     ) {
         let attitude = attitude_of(first);
-        let sample = joint.sample((first >> 16) as u32);
+        let sample = joint.sample(sample_of(first));
         self.solve_held_one(&sample, attitude, target, attitudes, &mut |index, posture| {
             if index == first {
                 self.spin(attitude, attitudes, posture, &mut |k, posture| {

@@ -1,7 +1,6 @@
 //! Page that compares layouts side by side.
 
 use super::content::{NOTHING, PageFigure, PageTable, Section};
-use super::quantities::up;
 use super::{assets, places, script_json, shell};
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Goal, Goals};
@@ -154,7 +153,7 @@ fn side_by_side(comparison: &Comparison<'_>, told: &[SearchFacts]) -> Section {
         value.map_or(NOTHING.to_string(), |v| format!("{:.1}", rounded(v, 1)))
     };
     row("clearance mm", &clearance);
-    let gap = |k: usize| told(k).gap_percent.map_or(NOTHING.to_string(), |g| format!("{} %", up(g)));
+    let gap = |k: usize| told(k).gap_percent.map_or(NOTHING.to_string(), text::gap);
     row("proven gap", &gap);
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     let mut table = PageTable::new("", &head, rows);

@@ -24,8 +24,18 @@ pub fn down(unit: Unit, bound: f64) -> String {
     }
 }
 
-/// Returns a percentage rounded up, so that the printed gap is never too small.
-pub fn up(percent: f64) -> f64 {
-    let digits = if percent < 0.1 { 1e4 } else { 1e1 };
-    (percent * digits).ceil() / digits
+/// Largest number of decimals of two values that are told apart.
+const MAX_DECIMALS: usize = 9;
+
+/// Returns two different SI values as texts in `unit`, with as many decimals as tell them apart.
+pub fn apart(unit: Unit, a: f64, b: f64) -> [String; 2] {
+    let with = |decimals: usize| {
+        [a, b].map(|si| match unit {
+            Unit::Share => format!("{:.decimals$} %", percent_from_share(si)),
+            _ => format!("{:.decimals$} {}", unit.from_si(si), unit.word()),
+        })
+    };
+    let least = if unit == Unit::Share { 4 } else { 3 };
+    let first = (least..MAX_DECIMALS).map(with).find(|[a, b]| a != b);
+    first.unwrap_or_else(|| with(MAX_DECIMALS))
 }

@@ -1,6 +1,6 @@
 //! Runner-up: the next best layout, or the next best spot in the same layout.
 
-use super::quantities::quantity;
+use super::quantities::{apart, quantity};
 use super::subject::Subject;
 use crate::assess::Assessment;
 use crate::error_map::{NodeRecord, PostureRecord};
@@ -46,12 +46,10 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     let all = (0..a.maps.len()).map(|o| if o == k { Some(posture.value) } else { a.maps[o].value });
     let total = combined(a.cell, &all.collect::<Option<Vec<f64>>>()?);
     let name = shown(&a.cell.operations[k].name);
+    let [next, spot] = apart(unit, posture.value, best);
     let note = format!(
-        "the next best spot in the same layout: {name} at node ({}, {}) with {} instead of {}; no other layout was kept",
-        node.i,
-        node.j,
-        quantity(unit, posture.value),
-        quantity(unit, best)
+        "the next best spot in the same layout: {name} at node ({}, {}) with {next} instead of {spot}; no other layout was kept",
+        node.i, node.j,
     );
     let value = rounded(unit.from_si(total), 9);
     Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })

@@ -1,7 +1,7 @@
 //! Verdict: the answer at the top of a report.
 
 use super::content::{NOTHING, plain};
-use super::quantities::{down, quantity, told, up};
+use super::quantities::{down, quantity, told};
 use super::runner_up::runner_up;
 use super::subject::Subject;
 use crate::assess::Assessment;
@@ -14,7 +14,7 @@ use crate::record::{
     VerdictPlacement, VerdictSpot, VerdictSubject, reading_word, value_word,
 };
 use crate::region::MovableBody;
-use crate::report::text::yield_in_words;
+use crate::report::text::{self, yield_in_words};
 use crate::units::{mm_from_m, percent_from_share, rounded};
 
 fn nine(value: f64) -> f64 {
@@ -310,7 +310,7 @@ fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
     let (text, note) = match (found.gap_percent, found.bound) {
         (Some(gap), Some(bound)) => (
             // Rounded up, so that the printed gap is never too small.
-            if gap <= 0.0 { "0 %".into() } else { format!("{} %", up(gap)) },
+            text::gap(gap),
             format!(
                 "it is proven that no layout within the ranges has less than {}{covers}",
                 down(unit, bound)

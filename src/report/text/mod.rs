@@ -104,6 +104,12 @@ fn percent(share: f64) -> String {
     format!("{} %", rounded(percent_from_share(share), 3))
 }
 
+/// Returns the gap between an objective and its proven bound, percent. It is rounded up, so that it is never too small.
+pub fn gap(percent: f64) -> String {
+    let digits = if percent < 0.1 { 1e4 } else { 1e1 };
+    format!("{} %", (percent.max(0.0) * digits).ceil() / digits)
+}
+
 /// Returns a share as percent with one decimal.
 fn percent1(share: f64) -> String {
     format!("{} %", fixed(percent_from_share(share), 1))

@@ -1,9 +1,9 @@
 //! The proven lower bound of the objective.
 
-use super::percent1;
 use crate::files::shown;
 use crate::layout::Workcell;
 use crate::proof::Proof;
+use crate::units::percent_from_share;
 use std::fmt::Write;
 
 /// Returns the lower bound, the gap from it to the best layout found, and what the bound covers.
@@ -15,8 +15,7 @@ pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
     let down = |v: f64| format!("{:.4} {}", (unit.from_si(v) * 1e4).floor() / 1e4, unit.word());
     let mut out = format!("proven lower bound: no layout in these ranges has less than {}", down(bound));
     if let Some(gap) = gap {
-        let gap = gap.max(0.0);
-        let gap = if gap < 1e-3 { format!("{:.3} %", 100.0 * gap) } else { percent1(gap) };
+        let gap = super::gap(percent_from_share(gap));
         let _ = write!(out, "; the best found is {gap} above it");
     }
     let _ = writeln!(out, "\n  the bound covers {covers}");
