@@ -1,8 +1,8 @@
 //! Torques of gravity about the joint axes.
 //!
-//! Gravity points along -z of the robot base frame. A cell turns the base about the vertical alone, so this is
-//! also -z of the world. An arm on a wall or a gantry has its tilt in [`Chain::mount`](super::Chain::mount),
-//! which is part of every frame used here.
+//! Gravity points along -z of the robot base frame. A cell rotates the base about the vertical only, so this
+//! is also -z of the world frame. An arm on a wall or a gantry has its tilt in
+//! [`Chain::mount`](super::Chain::mount), which is part of every frame used here.
 
 use super::Frames;
 use super::loads::Loads;
@@ -21,7 +21,7 @@ pub fn lever(frames: &Frames, joint: usize, link: usize) -> f64 {
     about_axis(frames, joint, &along)
 }
 
-/// Returns the torque of gravity about the axis of a joint by all masses that the joint carries, N m.
+/// Returns the gravity torque of all masses that a joint carries, about the axis of the joint, N m.
 pub fn gravity_torque(frames: &Frames, loads: &Loads, joint: usize) -> f64 {
     let origin = frames.links[joint].translation;
     let carried = loads.iter().zip(&frames.links).skip(joint + 1).filter(|(load, _)| load.mass > 0.0);
