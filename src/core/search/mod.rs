@@ -13,10 +13,10 @@
 //! therefore of every checkpoint. At the end a local search explores the neighbours of the layouts in the
 //! front or shortlist. Polish and local search together use a quarter of the budget.
 //!
-//! At the end, a search for one layout takes the layout with the most room among those with nearly the least
-//! objective. This phase evaluates further layouts, at most a quarter of the budget.
+//! At the end, a search for one layout selects the layout with the most room among those with nearly the
+//! least objective. This phase evaluates further layouts; their number is at most a quarter of the budget.
 //!
-//! Searches that differ only in their seeds ([`Island`]) are merged into one result.
+//! Searches that differ only in their seeds ([`Island`]) can be merged into one result.
 
 mod cma_es;
 mod islands;
@@ -177,7 +177,7 @@ pub fn search_job(
     }
     let least = best.evaluation.objective.filter(|_| best.evaluation.is_accepted());
     if let Some(least) = least.filter(|_| !stopped) {
-        // The room must not cost the gap that the user asks for.
+        // A layout with more room must not exceed the gap that the user requests.
         let gap =
             settings.gap.zip(bound).map(|(gap, bound)| bound * (1.0 + gap)).filter(|most| least <= *most);
         let found = (&space.point(&best.layout)[..], least, gap);

@@ -57,7 +57,7 @@ impl Anthropomorphic {
 
     /// Calls `found` with every solution (branch index, theta_1 to theta_3) for the wrist centre `p`.
     ///
-    /// `p` is in frame 0, m. Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if
+    /// `p` is in frame 0, m. Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if
     /// the arm leans back over its base. If the wrist centre lies on axis 1, theta_1 is free and becomes 0.
     ///
     /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast` is set,
