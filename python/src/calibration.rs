@@ -25,7 +25,7 @@ pub struct Errors {
     pub name: String,
     /// Table of the robot file.
     pub toml: String,
-    /// The same table on one line.
+    /// Table of the robot file, on one line.
     pub inline: String,
 }
 

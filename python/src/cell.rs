@@ -22,7 +22,7 @@ use sweetspot::files::{Loaded, Setting, shown};
 use sweetspot::layout::Workcell;
 use sweetspot::record::{BudgetDocument, RobustDocument, caveats};
 
-/// Origin of a cell: its file, its package folders, and the bytes of the files that are not read from disk.
+/// Origin of a cell: its file, its package folders, and the bytes of all files read so far.
 pub struct CellOrigin {
     pub path: PathBuf,
     pub packages: PackageFolders,

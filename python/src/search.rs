@@ -171,7 +171,7 @@ impl Search {
         self.document.getattr(py, "operations")
     }
 
-    /// The Pareto front or the shortlist; None if the search was not asked to keep layouts.
+    /// The Pareto front or the shortlist; None unless the search keeps layouts.
     #[getter]
     fn front(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.document.getattr(py, "front")

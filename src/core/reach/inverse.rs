@@ -364,8 +364,8 @@ impl Inverse {
         }
     }
 
-    /// Solves attitude `first` of an arm whose closed form solves for the full pose of the flange, and the
-    /// attitudes that follow from it by a rotation of the last joint.
+    /// Solves attitude `first` of an arm whose closed form solves for the full pose of the flange. Also
+    /// derives the attitudes that follow from attitude `first` by a rotation of the last joint.
     ///
     /// Returns the distance of the target from the nearest reachable point, m.
     #[inline]

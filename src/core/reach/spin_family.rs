@@ -1,7 +1,7 @@
 //! Spin families: the postures of one solution that differ only by the rotation of the tool about its axis.
 //!
 //! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates in a family.
-//! Whatever depends on these joints alone is computed once per family.
+//! Every quantity that depends only on these joints is computed once per family.
 
 use super::branch::{attitude_of, with_attitude};
 use super::held_joint::HeldJoint;

@@ -45,9 +45,11 @@ pub struct ToolTask {
 impl Inverse {
     /// Returns the tool task of a posture with the frames `frames`; None if no square system describes it.
     ///
-    /// There is no such system in three cases: the arm has to keep a heading that its joints do not control, the
-    /// numeric solver chooses between several redundant joints, or the numeric solver tilts the tool within a
-    /// tolerance.
+    /// There is no such system in three cases:
+    ///
+    /// - The arm has to keep a heading that its joints do not control.
+    /// - The numeric solver chooses between several redundant joints.
+    /// - The numeric solver tilts the tool within a tolerance.
     pub fn tool_task(&self, attitudes: &ToolAttitudes, frames: &Frames) -> Option<ToolTask> {
         let (set, axes) = (&attitudes.set, self.chain.axes());
         let along = |e: Vector3<f64>| (RotationRow::Along(e), e.z);

@@ -13,9 +13,10 @@ pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Returns the horizontal lever of a link about the axis of a joint, m: `z . (l x g)`.
 ///
-/// Here z is the joint axis, l the vector from the frame before the link to the frame after it, and g the unit vector
-/// of gravity. The lever is the torque about the joint axis of a unit weight at the end of the link, minus the torque
-/// of a unit weight at its start.
+/// Here z is the joint axis, l the vector from the frame before the link to the frame after it, and g the
+/// unit vector of gravity. A unit weight at the end of the link causes a torque about the joint axis, and so
+/// does a unit weight at the start of the link. The lever is the difference of these torques, end minus
+/// start.
 pub fn lever(frames: &Frames, joint: usize, link: usize) -> f64 {
     let along = frames.links[link + 1].translation - frames.links[link].translation;
     about_axis(frames, joint, &along)

@@ -4,7 +4,7 @@
 //! cost of a point is the cost of [`crate::layout::evaluate`], which includes a penalty for infeasible
 //! layouts. A global solver with restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish
 //! of the best layout uses the remaining evaluations. The record keeps the best feasible layout of all
-//! evaluated points, even if the solver reports another layout. The same cell, seed and budget give the same
+//! evaluated points, even if the solver reports another layout. Equal cells, seeds and budgets give the same
 //! bytes for any number of threads.
 //!
 //! A Pareto search minimizes a different scalarization of its goals in every run, and offers every feasible

@@ -97,7 +97,7 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
 /// A global run has a large first step and finds wide minima of the cost. The populations of successive
 /// global runs are 1, 2, 4 and 8 times the default, and then the cycle begins again.
 ///
-/// A local run has the default population. Its first step is [`SIGMA`] times a random factor from 0.01 to 1.
+/// A local run has the default population. The first step is [`SIGMA`] times a random factor from 0.01 to 1.
 /// A run with a small first step can explore a small feasible region beside an obstacle.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {

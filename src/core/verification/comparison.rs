@@ -31,7 +31,7 @@ pub struct MeasuredComparison {
     /// predicted.
     pub coverage: Option<f64>,
     /// Share of the poses whose measured error is inside the 95 % ellipsoid of deviations that change from
-    /// pose to pose; None unless the errors of the error set are measured.
+    /// pose to pose. None unless the errors of the error set are measured.
     ///
     /// The covariance of a calibration contains its misfit, which changes with the posture.
     pub coverage_varying: Option<f64>,

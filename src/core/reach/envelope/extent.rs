@@ -26,8 +26,8 @@ pub struct EnvelopeExtent {
     pub radius: (f64, f64),
     /// Least and greatest height of the envelope.
     pub height: (f64, f64),
-    /// Height at which the distance from the base axis is greatest. Its error can be as large as the distance between
-    /// sampled points, because the envelope is often round there.
+    /// Height at which the distance from the base axis is greatest. The error of this height can be as large
+    /// as the distance between sampled points, because the envelope is often round there.
     pub widest: f64,
     /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance between
     /// sampled points may be missed.
