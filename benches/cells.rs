@@ -23,7 +23,7 @@ const LAYOUTS: usize = 60;
 const ROUNDS: usize = 5;
 /// Number of evaluations of the search for the plausible layouts.
 const BUDGET: u64 = 200;
-/// Cells of the folder cells, and one of this folder in two readings.
+/// Cells of the folder `cells`, and a cell of this folder in two readings.
 const CELLS: [&str; 14] = [
     "hitachi_cell",
     "ur_cell",

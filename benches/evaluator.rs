@@ -1,4 +1,5 @@
-//! Speed of `evaluate` on 100 000 layouts of a cell on all cores, to compare with the evaluator of the Python package:
+//! Speed of `evaluate` for 100 000 layouts of a cell on all cores, for comparison with the evaluator of the
+//! Python package:
 //!
 //!     cargo bench --bench evaluator -- cells/hitachi_cell.toml
 //!

@@ -1,7 +1,7 @@
 //! Closed-form inverse kinematics: all postures of six-axis arms at 1000 reachable poses (tests/data/b_*).
 //!
-//! One iteration solves all 1000 poses on one thread, so its microseconds are nanoseconds per pose. The same run
-//! solves the PUMA 560 with the crate rs-opw-kinematics, for comparison.
+//! One iteration solves all 1000 poses on one thread, so its microseconds are nanoseconds per pose. This run
+//! also solves the PUMA 560 with the crate rs-opw-kinematics, for comparison.
 
 #![allow(clippy::expect_used)] // without its data, a benchmark has nothing to measure
 

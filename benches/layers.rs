@@ -175,8 +175,8 @@ fn collision(c: &mut Criterion) {
 
 /// Measures `evaluate` on 1000 layouts per iteration, so that the order of the layouts does not matter.
 ///
-/// Without collision checks, inverse kinematics, limits and errors remain. The "judged" case also switches off
-/// the ranking of nodes, so that every node is judged.
+/// The cases without collision checks measure inverse kinematics, limits and errors. The "judged" case also
+/// switches off the ranking of nodes, so that every node is judged.
 fn evaluate(c: &mut Criterion) {
     let ready = |collision: bool, times: usize| {
         let mut cell = shipped("hitachi_ideal.toml");

@@ -1,9 +1,15 @@
 //! Figures of results/measured, from the tracker data of a real UR10: `cargo bench --bench measured [-- STUDY ...]`.
 //!
-//! The studies are `transfer` (one series predicts the others), `terms` (what elastic terms, harmonics and priors buy
-//! and cost), `pooled` (all four series), `rank` (does the error map name the accurate spots), `plan` (do chosen poses
-//! tell more than random ones) and `speed`. Poses are drawn with the seeds 1 to 20, or 1 to 5 where a fit is slow;
-//! medians are printed.
+//! | study | question |
+//! |---|---|
+//! | `transfer` | How well does one series predict the others? |
+//! | `terms` | How do elastic terms, harmonics and priors change the errors? |
+//! | `pooled` | How large are the errors after a fit to all four series? |
+//! | `rank` | Does the error map find the accurate spots? |
+//! | `plan` | Are chosen poses more informative than random poses? |
+//! | `speed` | How long does a fit take? |
+//!
+//! Poses are drawn with the seeds 1 to 20, or 1 to 5 if a fit is slow. Medians are printed.
 
 #![allow(clippy::expect_used, clippy::print_stdout)] // without the data there is nothing to measure
 
@@ -89,7 +95,8 @@ impl Data {
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
 
-    /// Prints for every series but `without` the median error of predictions, and how many its ellipsoids contain.
+    /// Prints, for every series but `without`, medians over the results: the mean error of the predictions,
+    /// and the share of positions inside the 95 % ellipsoids.
     fn print_tests(&self, results: &[Calibration], without: Option<usize>) {
         for (other, name) in SERIES.iter().enumerate().filter(|(other, _)| Some(*other) != without) {
             let tested = results.iter().map(|r| r.tested(&self.series[other]).expect("a test"));
@@ -101,7 +108,8 @@ impl Data {
         println!();
     }
 
-    /// Returns the mean measured error of every spot of series A with enough poses, by a function of its poses.
+    /// Returns the mean of `errors` at every spot of series A with enough poses; `errors` has one value per
+    /// pose.
     fn of_spots(&self, errors: &[f64]) -> Vec<f64> {
         let mut sums: BTreeMap<[i64; 3], (f64, usize)> = BTreeMap::new();
         for (spot, error) in self.spots.iter().zip(errors) {
@@ -114,7 +122,8 @@ impl Data {
             .collect()
     }
 
-    /// Returns the errors of the nominal arm at postures of series A whose positions are `positions`.
+    /// Returns the errors of the nominal arm, mm, at the postures of series A if their positions are
+    /// `positions`.
     fn nominal_errors(&self, positions: impl Iterator<Item = Vector3<f64>>) -> Vec<f64> {
         let a = &self.series[0];
         let measured: Vec<_> =
@@ -125,14 +134,14 @@ impl Data {
     }
 }
 
-/// What a fit identifies beside the base and the reflectors.
+/// Parameters that a fit identifies in addition to the base and the reflectors.
 #[derive(Clone, Copy)]
 struct Terms {
     name: &'static str,
     is_elastic: bool,
-    /// Largest order of the harmonics; 0: none.
+    /// Largest order of the harmonics; 0 for no harmonics.
     orders: usize,
-    /// Factor of the standard deviations before the measurement, of all unknowns but harmonics.
+    /// Factor of the prior standard deviations of all unknowns but harmonics.
     prior_factor: f64,
 }
 
@@ -166,7 +175,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Prints how a calibration with some poses of one series predicts the other series.
+/// Prints how well a calibration with some poses of one series predicts the other series.
 fn transfer(data: &Data) {
     println!("\ntransfer: mean error in mm | share in the 95 % ellipsoid in %, least to largest");
     for terms in [ROWS, ELASTIC] {
@@ -185,7 +194,7 @@ fn transfer(data: &Data) {
     }
 }
 
-/// Prints what elastic terms, harmonics and priors buy and cost, from poses of series C.
+/// Prints how elastic terms, harmonics and priors change the errors of calibrations with poses of series C.
 fn terms(data: &Data) {
     println!("\nterms: mean error in mm | share in the 95 % ellipsoid in %, 5 draws");
     for count in [300, 50] {
@@ -279,7 +288,8 @@ fn rank(data: &Data) {
     }
 }
 
-/// Prints what chosen poses of series C tell about the other series, beside random draws of as many.
+/// Prints the errors on the other series after a calibration with chosen poses of series C, and after
+/// calibrations with as many random poses.
 fn plan(data: &Data) {
     println!("\nplan: poses of series C, mean error in mm on A, B and D");
     let others = [0, 1, 3];

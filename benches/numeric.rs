@@ -1,4 +1,4 @@
-//! Numeric inverse kinematics at the 1000 poses each of PUMA 560 and UR5 in tests/data.
+//! Numeric inverse kinematics of the robots PUMA 560 and UR5, at 1000 poses each (tests/data).
 //!
 //! If one iteration solves several poses, the name of the benchmark states how many.
 

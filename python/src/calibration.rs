@@ -1,4 +1,4 @@
-//! Calibration from arrays: measured positions to the errors of a robot.
+//! Calibration from arrays: identifies the errors of a robot from measured positions.
 
 use crate::interrupt::all_or_nothing;
 use crate::robot::Robot;
@@ -25,7 +25,7 @@ pub struct Errors {
     pub name: String,
     /// Table of the robot file.
     pub toml: String,
-    /// The same table on one line.
+    /// Table of the robot file, on one line.
     pub inline: String,
 }
 
@@ -48,7 +48,7 @@ impl Errors {
 }
 
 impl Errors {
-    /// Reads the table `errors.NAME` of a text that has no other.
+    /// Reads the table `errors.NAME` of a text that has no other table of errors.
     fn new(toml: String) -> Result<Self, String> {
         let table: toml::Table = toml.parse().map_err(|e: toml::de::Error| e.to_string())?;
         let sets = table.get("errors").and_then(toml::Value::as_table);
@@ -77,7 +77,9 @@ fn several<'py>(q: &Bound<'py, PyAny>, measured: &Bound<'py, PyAny>) -> PyResult
         return Ok(vec![(q.extract()?, measured.extract()?)]);
     }
     let measured: Vec<Numbers<'_>> = measured.extract().map_err(|_| {
-        PyTypeError::new_err("q is a list of arrays, one for each session, so measured must be one, too")
+        PyTypeError::new_err(
+            "q is a list of arrays, one per session, so measured must be a list of arrays, too",
+        )
     })?;
     if arrays.len() != measured.len() {
         let message = format!("q has {} sessions, but measured has {}", arrays.len(), measured.len());
@@ -114,7 +116,7 @@ pub fn calibrate(
     let of_file: fn(f64) -> f64 = match unit {
         "m" => |length| length,
         "mm" => m_from_mm,
-        _ => return Err(PyValueError::new_err("unit is \"m\" or \"mm\"")),
+        _ => return Err(PyValueError::new_err("`unit` must be \"m\" or \"mm\"")),
     };
     let model = &robot.model;
     let read = |word: &str, sessions: &[Session<'_>]| {
@@ -223,13 +225,13 @@ impl Calibration {
         self.document.clone_ref(py)
     }
 
-    /// The identified parameters, a table.
+    /// The identified parameters, as a table.
     #[getter]
     fn parameters(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.document.getattr(py, "parameters")
     }
 
-    /// Covariance of the unknowns in m, rad and rad/m, harmonics last.
+    /// Covariance of the unknowns, which are in m, rad and rad/m; harmonics come last.
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         PyArray2::from_vec2(py, &self.covariance).map_err(|e| PyValueError::new_err(e.to_string()))

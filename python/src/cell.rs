@@ -22,7 +22,7 @@ use sweetspot::files::{Loaded, Setting, shown};
 use sweetspot::layout::Workcell;
 use sweetspot::record::{BudgetDocument, RobustDocument, caveats};
 
-/// Where a cell comes from: its file, packages, and the bytes of all files read so far.
+/// Origin of a cell: its file, its package folders, and the bytes of all files read so far.
 pub struct CellOrigin {
     pub path: PathBuf,
     pub packages: PackageFolders,
@@ -44,7 +44,7 @@ type Pickled =
     (PathBuf, Vec<(String, PathBuf)>, Vec<(String, Vec<u8>)>, Vec<(String, String, Option<String>)>);
 
 impl Cell {
-    /// Reads a cell with settings, without the interpreter lock, and issues the warnings of the reader.
+    /// Reads a cell with settings, without the interpreter lock, and issues the warnings about its files.
     pub fn new(py: Python<'_>, origin: Arc<CellOrigin>, settings: Vec<Setting>) -> PyResult<Self> {
         let read = py.detach(|| read_cell_with(&origin.path, &origin.packages, &settings, &origin.files));
         let loaded = read.map_err(|found| faults::exception(py, &found))?;
@@ -64,7 +64,7 @@ impl Cell {
         Self::new(py, self.origin.clone(), settings::merged(self.settings.clone(), added))
     }
 
-    /// Returns the cell prepared for evaluation; it is prepared once.
+    /// Returns the cell prepared for evaluation. The preparation happens only once.
     pub fn prepared(&self, py: Python<'_>) -> PyResult<Arc<Workcell>> {
         if let Some(workcell) = self.workcell.get() {
             return Ok(workcell.clone());
@@ -160,7 +160,7 @@ impl Cell {
         let every_sense = match senses {
             "all" => true,
             "own" => false,
-            _ => return Err(PyValueError::new_err("senses is \"all\" or \"own\"")),
+            _ => return Err(PyValueError::new_err("`senses` must be \"all\" or \"own\"")),
         };
         let cell = self.changed(py, settings::of_question("map", question)?)?;
         let operation = operation.map(|name| cell.operation(py, name)).transpose()?;
@@ -242,7 +242,7 @@ impl Cell {
         View::new(py, self, port, open)
     }
 
-    /// Returns a function from layouts to costs, for an optimiser of the user's own.
+    /// Returns a function from layouts to costs, for the user's own optimiser.
     fn evaluator(&self, py: Python<'_>) -> PyResult<Evaluator> {
         Evaluator::new(py, self.clone())
     }
@@ -274,7 +274,7 @@ impl Cell {
         caveats(self.cell())
     }
 
-    /// Warnings of the reader.
+    /// Warnings about the files of the cell.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         faults::listed(py, &self.loaded.warnings)

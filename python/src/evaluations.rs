@@ -13,7 +13,7 @@ use sweetspot::error_map::Outcome;
 use sweetspot::layout::Evaluation;
 use sweetspot::record::nine_digits;
 
-/// Figures of one layout in the unit of the objective, with the digits of the documents.
+/// Figures of one layout in the unit of the objective, rounded as in the documents.
 #[derive(Default)]
 pub struct Evaluated {
     pub cost: f64,
@@ -27,7 +27,7 @@ impl Evaluated {
     pub fn new(evaluation: &Evaluation, cell: &Cell, reasons: Vec<String>) -> Self {
         let in_unit = |si: f64| nine_digits(cell.unit().from_si(si));
         let value = |(outcome, operation): (&Outcome, &Operation)| match outcome {
-            // As in a map, nothing can be done on equipment that overlaps.
+            // As in a map, an operation on equipment that overlaps has no value.
             _ if evaluation.overlaps.iter().any(|overlap| overlap.concerns(operation.equipment)) => None,
             Outcome::Found(spot) => Some(in_unit(spot.value)),
             _ => None,
@@ -78,14 +78,14 @@ impl Evaluations {
         PyArray1::from_iter(py, self.rows.iter().map(|row| row.is_accepted))
     }
 
-    /// Value of every operation at its spot, shape (n, operations); NaN without a spot.
+    /// Value of every operation at its spot, shape (n, operations); NaN if the operation has no spot.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let all = self.rows.iter().flat_map(|row| row.values.iter().map(|v| v.unwrap_or(f64::NAN)));
         PyArray1::from_iter(py, all).reshape([self.rows.len(), self.operations.len()])
     }
 
-    /// Why each layout is not feasible; None unless reasons were asked for.
+    /// Reasons why each layout is not feasible; None unless reasons were requested.
     #[getter]
     fn reasons(&self) -> Option<Vec<Vec<String>>> {
         self.has_reasons.then(|| self.rows.iter().map(|row| row.reasons.clone()).collect())
@@ -102,14 +102,14 @@ impl Evaluations {
         self.unit.word()
     }
 
-    /// Returns the evaluations as a stream of Arrow, for data frames.
+    /// Returns the evaluations as an Arrow stream, for data frames.
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,
         requested_schema: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // A producer may ignore the requested schema, which the consumer then casts.
+        // A producer may ignore the requested schema; the consumer then casts the table to this schema.
         drop(requested_schema);
         let numbers = |values: &dyn Fn(&Evaluated) -> Option<f64>| {
             let mut column = PrimitiveBuilder::<Float64Type>::with_capacity(self.rows.len());

@@ -1,4 +1,4 @@
-//! Evaluation of layouts for an optimiser of the user's own: layouts to costs.
+//! Evaluation of layouts for the user's own optimiser: a function from layouts to costs.
 
 use crate::at_layout::at_layout;
 use crate::cell::Cell;
@@ -43,7 +43,7 @@ struct Rows {
     is_one: bool,
 }
 
-/// Returns a function from layouts to costs, for an optimiser of the user's own.
+/// Returns a function from layouts to costs, for the user's own optimiser.
 #[pyfunction]
 pub fn evaluator(py: Python<'_>, cell: &Cell) -> PyResult<Evaluator> {
     Evaluator::new(py, cell.clone())
@@ -109,8 +109,8 @@ impl Evaluator {
         if rows.len() <= dim * FEW_LAYOUTS {
             return rows.chunks(dim).map(|row| one(&mut borrow(), row)).collect();
         }
-        // Reasons take much longer to compute than costs, so layouts with reasons are distributed one by
-        // one.
+        // Reasons take much longer to compute than costs, so layouts with reasons are distributed to threads
+        // one by one.
         let least =
             if reasons { 1 } else { MIN_LAYOUTS.min(rows.len() / dim / rayon::current_num_threads()).max(1) };
         rows.par_chunks(dim).with_min_len(least).map_init(borrow, one).collect()
@@ -186,7 +186,7 @@ impl Evaluator {
         matrix(py, self.free().into_iter().map(bound).collect(), 2)
     }
 
-    /// The layout as drawn, a point of the unit cube.
+    /// The layout as drawn, as a point of the unit cube.
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, SearchSpace::new(&self.workcell.cell).start())
@@ -198,7 +198,8 @@ impl Evaluator {
         self.cell.clone()
     }
 
-    /// Returns the cost of every layout; a layout that is not feasible costs at least 1000 times the weight.
+    /// Returns the cost of every layout. A layout that is not feasible costs at least 1000 times the weight
+    /// of the objective.
     #[pyo3(signature = (layouts, *, units=false))]
     fn __call__<'py>(
         &self,
@@ -214,7 +215,7 @@ impl Evaluator {
         }
     }
 
-    /// Evaluates layouts: costs, objectives, values of the operations, and on request reasons.
+    /// Evaluates layouts: costs, objectives, values of the operations and, if requested, reasons.
     #[pyo3(signature = (layouts, *, units=false, reasons=false))]
     fn evaluate(
         &self,
@@ -228,7 +229,7 @@ impl Evaluator {
         Ok(Evaluations::new(&self.workcell.cell, evaluated, reasons))
     }
 
-    /// Returns the coordinates, mm and degrees, of the layouts at points of the unit cube.
+    /// Returns the coordinates (mm and degrees) of the layouts at points of the unit cube.
     fn to_units<'py>(&self, py: Python<'py>, points: Given<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.rows(&points)?;
         let (cell, free) = (&self.workcell.cell, self.free());
@@ -239,7 +240,8 @@ impl Evaluator {
         matrix(py, rows.values.chunks(self.dim()).map(values).collect(), self.dim())
     }
 
-    /// Returns the points of the unit cube of layouts whose coordinates, mm and degrees, are inside the bounds.
+    /// Returns the points of the unit cube for layouts in mm and degrees. Their coordinates must be inside
+    /// the bounds.
     #[pyo3(name = "from_units")]
     fn points<'py>(&self, py: Python<'py>, layouts: Given<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.rows(&layouts)?;

@@ -25,7 +25,8 @@ pub fn refused(py: Python<'_>, place: &str, message: impl Into<String>, help: &s
     raised(py, "InputError", &[fault])
 }
 
-/// Returns the exception for a question whose answer is no, such as the budget at a node that no posture reaches.
+/// Returns the exception for a valid question that has no answer, such as the budget at a node that no
+/// posture reaches.
 pub fn no_answer(py: Python<'_>, place: &str, message: impl Into<String>, help: &str) -> PyErr {
     let fault = Fault { line: 0, column: 0, ..Fault::of_file(place, message, help) };
     raised(py, "NoAnswerError", &[fault])

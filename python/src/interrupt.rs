@@ -16,7 +16,7 @@ pub struct Worked<T> {
 }
 
 /// Runs `work` in another thread without the interpreter lock. A signal sets the flag that `work` receives.
-/// `tick` runs with the lock between two checks for a signal; its exception sets the flag, too.
+/// `tick` runs with the lock between two checks for a signal; an exception of `tick` sets the flag, too.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send,
@@ -48,7 +48,8 @@ pub fn interruptible<T: Send>(
     Worked { result, interrupted }
 }
 
-/// Runs `work` as [`interruptible`] does; an interruption ends it with the exception.
+/// Runs `work` as [`interruptible`] does; if the work is interrupted, returns the exception instead of the
+/// result.
 pub fn all_or_nothing<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
     let Worked { result, interrupted } = interruptible(py, work, |_| Ok(()));
     interrupted.map_or(Ok(result), Err)

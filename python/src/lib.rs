@@ -1,8 +1,8 @@
-//! Native half of the Python package `sweetspot`: classes over the library, without logic of their own.
+//! Native half of the Python package `sweetspot`: classes that wrap the library, without logic of their own.
 //!
-//! Every result is a record of the library, so its numbers have the bits of the documents that the commands print.
-//! `records` hands records to typed objects of `sweetspot.records`, `table` hands tables to Arrow, and `evaluator`
-//! hands layouts and costs to numpy. Long work runs without the interpreter lock (`interrupt`).
+//! Every result is a record of the library, so its numbers are bit for bit those that the commands print.
+//! `records` converts records to typed objects of `sweetspot.records`, `table` passes tables to Arrow, and
+//! `evaluator` passes layouts and costs to numpy. Long work runs without the interpreter lock (`interrupt`).
 
 mod at_layout;
 mod calibration;
@@ -24,7 +24,7 @@ mod workspaces;
 
 use pyo3::prelude::*;
 
-/// Module of the native classes and functions; `sweetspot/__init__.py` shows them.
+/// Module of the native classes and functions, which `sweetspot/__init__.py` exports.
 #[pymodule]
 mod _native {
     #[pymodule_export]

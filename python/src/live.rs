@@ -28,7 +28,7 @@ impl View {
         let server = BackgroundView::new(workcell, origin, port).map_err(PyOSError::new_err)?;
         let url = server.url().to_string();
         if open {
-            // The file that leads the browser to the page must outlive this call.
+            // The file that redirects the browser to the page must outlive this call.
             let redirect = open_in_browser(&url).map_err(PyOSError::new_err)?;
             let _ = redirect.keep();
         }

@@ -63,7 +63,7 @@ fn mapped(workcell: &Workcell, operation: Option<usize>, every_sense: bool) -> P
     }
     let mut document = serde_json::to_value(&document).map_err(|e| PyValueError::new_err(e.to_string()))?;
     assessment.maps.clear();
-    // The nodes are the rows of the table.
+    // The document leaves out the nodes, which are the rows of the table.
     for operation in document["operations"].as_array_mut().into_iter().flatten() {
         operation.as_object_mut().and_then(|operation| operation.remove("nodes"));
     }
@@ -72,14 +72,14 @@ fn mapped(workcell: &Workcell, operation: Option<usize>, every_sense: bool) -> P
 
 #[pymethods]
 impl Map {
-    /// Returns the nodes as a stream of Arrow, for data frames.
+    /// Returns the nodes as an Arrow stream, for data frames.
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,
         requested_schema: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // A producer may ignore the requested schema, which the consumer then casts.
+        // A producer may ignore the requested schema; the consumer then casts the table to this schema.
         drop(requested_schema);
         table::stream(py, &self.nodes)
     }
@@ -131,7 +131,7 @@ impl Map {
         self.document.getattr(py, "unit")
     }
 
-    /// The picture of the map, the text of an SVG file.
+    /// The picture of the map, as the text of an SVG file.
     #[getter]
     fn svg(&self) -> &str {
         &self.svg

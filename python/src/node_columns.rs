@@ -49,7 +49,7 @@ impl Column {
                 values.iter_mut().for_each(|column| column.append_option(*number));
                 *rows += 1;
             }
-            // A table states the kind of each column.
+            // No other pair occurs, because every value has the kind that the table states for its column.
             _ => {}
         }
     }
@@ -81,7 +81,8 @@ pub fn node_columns(document: &MapDocument<'_>, every_sense: bool) -> PyResult<R
             own.push((format!("{figure}_{unit}"), Column::new(ColumnKind::Number, all)));
         }
     }
-    // For each operation and figure of its own sense, the column with the value.
+    // This list holds, for each operation and each figure in its own sense, the index of the column with the
+    // value.
     let sources = document.operations.iter().map(|operation| {
         let source = |name: &String| {
             let (figure, unit) = name.split_once('_')?;

@@ -16,7 +16,7 @@ use sweetspot::report::page::{Manifest, Report, SizedPage, Subject, report, size
 /// Height of the frame of a page in a notebook, CSS pixels.
 const FRAME_HEIGHT: usize = 640;
 
-/// Page with the verdict that it states.
+/// HTML page, and the verdict that it states.
 pub struct Page {
     html: String,
     verdict: VerdictDocument,
@@ -42,7 +42,8 @@ pub fn plain_of_search(py: Python<'_>, search: &Search) -> PyResult<String> {
     Ok(page(py, &search.cell, Some(search), &[Detail { nodes: 400, ..Detail::PLAIN }])?.html)
 }
 
-/// Makes a page with the first of `details`; without any, the page has as much detail as its size limit allows.
+/// Makes a page with the first of `details`. If there are none, the page has as much detail as its size limit
+/// allows.
 fn page(py: Python<'_>, cell: &Cell, search: Option<&Search>, details: &[Detail]) -> PyResult<Page> {
     let workcell = cell.prepared(py)?;
     let found = search.map(|search| (search.best.clone(), search.result.clone()));
@@ -107,7 +108,7 @@ fn words(cell: &Cell) -> Vec<String> {
     words
 }
 
-/// Writes a page to a file, which is replaced as a whole, and returns the verdict of the page.
+/// Writes a page to a file and returns the verdict of the page. An existing file is replaced as a whole.
 pub fn written<'py>(py: Python<'py>, path: &Path, page: Page) -> PyResult<Bound<'py, PyAny>> {
     let is_page =
         path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
@@ -120,7 +121,8 @@ pub fn written<'py>(py: Python<'py>, path: &Path, page: Page) -> PyResult<Bound<
     records::object(py, "VerdictDocument", &page.verdict)
 }
 
-/// Returns a frame that shows a page inside a notebook. The frame runs the scripts of the page, and nothing else.
+/// Returns an HTML frame that shows a page inside a notebook. The page may run its scripts, but has no other
+/// rights.
 pub fn framed(html: &str) -> String {
     let escaped = html.replace('&', "&amp;").replace('"', "&quot;");
     format!(

@@ -15,18 +15,18 @@ use sweetspot::files::{self, FileKind};
 use sweetspot::layout::Workcell;
 use sweetspot::record::{ComparisonDocument, DocumentKind};
 
-/// Returns a record as an object of the class of `sweetspot.records` that has the name `class`.
+/// Returns a record as an object of the class `class` of `sweetspot.records`.
 pub fn object<'py>(py: Python<'py>, class: &str, record: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(record).map_err(|e| PyValueError::new_err(e.to_string()))?;
     of_json(py, class, &text)
 }
 
-/// Returns the record with this JSON text as an object of the class with the name `class`.
+/// Returns the record with the JSON text `text` as an object of the class `class` of `sweetspot.records`.
 pub fn of_json<'py>(py: Python<'py>, class: &str, text: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("sweetspot.records")?.getattr(class)?.call_method1("from_json", (text,))
 }
 
-/// Compares the layouts of cells and searches side by side; the first one is the reference.
+/// Compares the layouts of cells and searches side by side; the first layout is the reference.
 #[pyfunction]
 #[pyo3(signature = (*layouts, names=None))]
 pub fn compare<'py>(

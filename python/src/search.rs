@@ -38,7 +38,7 @@ pub fn searched(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Search> {
     if time.is_some_and(|time| time.is_nan() || time < 0.0) {
-        return Err(PyValueError::new_err("time is a number of seconds"));
+        return Err(PyValueError::new_err("`time` must be a number of seconds, not less than 0"));
     }
     let workcell = cell.prepared(py)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build();
@@ -171,7 +171,7 @@ impl Search {
         self.document.getattr(py, "operations")
     }
 
-    /// The Pareto front or the shortlist; None if the search was not asked to keep layouts.
+    /// The Pareto front or the shortlist; None unless the search keeps layouts.
     #[getter]
     fn front(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.document.getattr(py, "front")

@@ -15,7 +15,8 @@ const QUESTION: [&str; 7] = ["errors", "model", "sense", "limit", "reading", "qu
 const SEARCH: [&str; 9] =
     ["seed", "ideal", "robust", "pareto", "keep", "solver", "budget", "gap", "stagnation"];
 
-/// Returns the settings of `sets`: each a text `PATH=VALUE` as after `--set`, or a mapping of paths to values.
+/// Returns the settings of `sets`. Each entry is a text `PATH=VALUE` as after `--set`, or a mapping of paths
+/// to values.
 pub fn of_sets(sets: &Bound<'_, PyTuple>) -> PyResult<Vec<Setting>> {
     let mut settings = Vec::new();
     for set in sets {
@@ -39,13 +40,13 @@ fn of_text(py: Python<'_>, text: &str) -> PyResult<Setting> {
     match <[String; 1]>::try_from(values) {
         Ok([value]) => Ok(Setting::new(path, value)),
         Err(values) => Err(PyValueError::new_err(format!(
-            "{path} has {} values; one cell takes one value of a key: write brackets round a list",
+            "{path} has {} values, but a cell takes one value per key: write a list in brackets",
             values.len()
         ))),
     }
 }
 
-/// Returns a Python value as TOML text: None is refused, because TOML has no such value.
+/// Returns a Python value as TOML text. None is refused, because TOML has no such value.
 pub fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
     // Numbers and arrays of numpy have `tolist`.
     if let Ok(plain) = value.call_method0("tolist") {
@@ -78,7 +79,7 @@ pub fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
     Err(PyTypeError::new_err(format!("a key of a cell cannot have a value of type {kind}")))
 }
 
-/// Returns the settings of the flags in `given`, for a function `name` that takes no others.
+/// Returns the settings of the flags in `given`, for a function `name` that takes no other flags.
 pub fn of_question(name: &str, given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Setting>> {
     let Some(given) = given else { return Ok(Vec::new()) };
     refuse_others(name, given, &QUESTION)?;
@@ -125,7 +126,7 @@ fn question(given: &Bound<'_, PyDict>) -> PyResult<QuestionFlags> {
     })
 }
 
-/// Returns the value of a keyword, if it is given and not None.
+/// Returns the value of a keyword; None if the keyword is not given or has the value None.
 fn get<T: for<'a, 'py> FromPyObject<'a, 'py, Error: Into<PyErr>>>(
     given: &Bound<'_, PyDict>,
     name: &str,
@@ -147,14 +148,14 @@ fn refuse_others(name: &str, given: &Bound<'_, PyDict>, known: &[&str]) -> PyRes
     Ok(())
 }
 
-/// Adds settings to others; a setting of a key that is set already replaces it.
+/// Adds the settings `added` to others. An added setting replaces an older setting of the same key.
 pub fn merged(mut settings: Vec<Setting>, added: Vec<Setting>) -> Vec<Setting> {
     settings.retain(|old| added.iter().all(|new| new.path != old.path));
     settings.extend(added);
     settings
 }
 
-/// Returns the settings that give the robot of a cell these errors, and choose them.
+/// Returns the settings that give these errors to the robot of a cell, and choose them.
 pub fn of_errors(errors: &Errors) -> Vec<Setting> {
     let mut settings = vec![Setting::new(format!("robot.errors.{}", errors.name), errors.inline.clone())];
     let flag = format!("--errors {}", errors.name);

@@ -19,7 +19,7 @@ pub fn stream<'py>(py: Python<'py>, table: &RecordBatch) -> PyResult<Bound<'py, 
     PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(reader)), c"arrow_array_stream")
 }
 
-/// Makes a table of named columns; all columns have one length.
+/// Makes a table of named columns; all columns must have the same length.
 pub fn table(columns: Vec<(String, ArrayRef)>) -> PyResult<RecordBatch> {
     RecordBatch::try_from_iter_with_nullable(columns.into_iter().map(|(name, column)| (name, column, true)))
         .map_err(|why| PyValueError::new_err(why.to_string()))
@@ -45,7 +45,7 @@ pub fn column<'py>(py: Python<'py>, table: &RecordBatch, name: &str) -> PyResult
         return Ok(PyArray1::from_iter(py, flags.iter().map(|v| v == Some(true))).into_any());
     }
     let texts = column.as_dictionary_opt::<Int32Type>().and_then(|d| d.downcast_dict::<StringArray>());
-    let texts = texts.ok_or_else(|| PyValueError::new_err(format!("{name} is not one of our columns")))?;
+    let texts = texts.ok_or_else(|| PyValueError::new_err(format!("column `{name}` has an unknown type")))?;
     let list = PyList::new(py, texts)?;
     py.import("numpy")?.call_method1("array", (list,))
 }
@@ -63,7 +63,7 @@ pub fn arrow_stream<'py>(
     stream(py, &table(names.into_iter().zip(arrays).collect())?)
 }
 
-/// Returns a column of Python values as an Arrow array whose type fits them all.
+/// Returns a column of Python values as an Arrow array whose type fits all values.
 fn of_values(values: &Bound<'_, PyList>) -> PyResult<ArrayRef> {
     let present = || values.iter().filter(|value| !value.is_none());
     let all = |is: fn(&Bound<'_, PyAny>) -> bool| present().next().is_some() && present().all(|v| is(&v));

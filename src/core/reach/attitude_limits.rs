@@ -7,7 +7,7 @@ use crate::units::{deg_from_rad, rounded};
 
 /// Largest difference, rad, of elevations that count as equal.
 ///
-/// It is larger than the rounding of an angle that a file gives in degrees.
+/// It is larger than the rounding error of an angle that a file gives in degrees.
 const SAME_ELEVATION: f64 = 1e-6;
 
 impl Inverse {

@@ -6,7 +6,7 @@ use crate::units::wrapped;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// Attitude error, rad, that counts as rounding and therefore as 0.
+/// Largest attitude error, rad, that counts as rounding error and therefore as 0.
 const ROUNDING: f64 = 1e-9;
 
 /// Largest distance between the unit vectors of two tool axes that count as equal.
@@ -109,7 +109,7 @@ impl AttitudeSet {
     }
 
     /// Finds the attitudes that differ only by a rotation of the tool about its axis. `spins` says whether the last
-    /// joint alone can rotate the tool so.
+    /// joint alone can rotate the tool in this way.
     ///
     /// [`Self::update_columns`] must be called first.
     pub fn update_spin_turns(&mut self, spins: bool) {
@@ -129,12 +129,13 @@ impl AttitudeSet {
         self.spin_turns.extend((0..self.columns.len()).map(turn));
     }
 
-    /// Returns the attitudes that are solved; the other attitudes follow by a rotation of the last joint.
+    /// Returns the numbers of the attitudes that are solved. The other attitudes follow by a rotation of the
+    /// last joint.
     pub(super) fn solved(&self) -> impl Iterator<Item = usize> + '_ {
         self.spin_turns.iter().enumerate().filter(|(k, turn)| turn.first == *k).map(|(k, _)| k)
     }
 
-    /// Returns the attitudes that follow from the solved attitude `first`, beginning with itself.
+    /// Returns the attitudes that follow from the solved attitude `first`, beginning with `first` itself.
     pub(super) fn spun(&self, first: usize) -> impl Iterator<Item = (usize, SpinTurn)> + '_ {
         let of_same_tilt = (0..self.spins.len()).map(move |spin| first + spin * self.tilts());
         let turns = of_same_tilt.filter_map(|k| Some((k, *self.spin_turns.get(k)?)));
@@ -147,7 +148,7 @@ impl AttitudeSet {
     }
 
     /// Returns the azimuth in the base frame, rad, from which the attitudes at a target are measured. If the azimuth
-    /// is radial, it is the direction of the target.
+    /// of the attitudes is radial, the result is the direction of the target.
     pub(super) fn heading(&self, target: &Vector3<f64>) -> f64 {
         if self.radial { target.y.atan2(target.x) } else { self.zero }
     }
@@ -171,8 +172,8 @@ impl AttitudeSet {
     /// Returns the excess of the tool's attitude error over the tolerance, rad; 0 within the tolerance.
     ///
     /// `columns` is the rotation matrix of the tool in the base frame, with the columns that
-    /// [`Self::columns`] describes. Only planar arms need this check: the target decides their heading, and
-    /// some cannot choose the spin. `rolls` says whether the arm can choose the spin.
+    /// [`Self::columns`] describes. Only planar arms need this check: the target determines their heading,
+    /// and some of these arms cannot choose the spin. `rolls` says whether the arm can choose the spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);
@@ -233,7 +234,7 @@ fn sideways(columns: &Matrix3<f64>, by: f64) -> Matrix3<f64> {
 
 /// Returns the horizontal unit vector (x, y) from the base axis to the target.
 ///
-/// For a target on the base axis it is the x axis.
+/// For a target on the base axis, the result is the x axis.
 fn heading_of(target: &Vector3<f64>) -> (f64, f64) {
     let radius = target.x.hypot(target.y);
     if radius > 0.0 { (target.x / radius, target.y / radius) } else { (1.0, 0.0) }

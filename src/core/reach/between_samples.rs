@@ -1,7 +1,8 @@
 //! Search for usable postures between the sampled values of the redundant joint.
 //!
-//! A scan finds the intervals, Lipschitz bounds decide whether the target is in reach in one of them, and the golden
-//! section approaches the joint limits.
+//! The search has three steps. A scan finds intervals that may contain a usable posture. Lipschitz bounds
+//! decide whether the target is in reach somewhere in an interval. A golden-section search then reduces the
+//! violation of the joint limits.
 
 use super::branch::Gap;
 use super::held_joint::{HeldJoint, HeldSample};
@@ -44,7 +45,7 @@ impl HeldTarget<'_> {
     ///
     /// A finer scan covers the whole range of the held joint. A golden-section search narrows the interval around
     /// every value whose [`Gap`] is not larger than the gaps of its neighbours. Returns the least gap found, and
-    /// whether it found a usable posture.
+    /// whether a usable posture was found.
     pub fn search_between(&self, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let flange = self.inverse.flange(self.first, self.target, self.attitudes);
         let near = self.joint.most_travel(&flange) * f64::from(SCAN_STEP);

@@ -95,7 +95,7 @@ pub enum Reach {
     OutOfReach { by: f64 },
     /// The arm reaches the position, but not in the required attitude; `by` is the least angle error (rad).
     ///
-    /// `joint` is the joint whose limit prevents the attitude; None if the geometry does.
+    /// `joint` is the joint whose limit prevents the attitude; None if the geometry prevents it.
     Attitude { by: f64, joint: Option<usize> },
     /// The numeric solver came no nearer than `position` (m) and `angle` (rad), but a posture may exist.
     NotConverged { position: f64, angle: f64 },

@@ -5,7 +5,8 @@ use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 
-/// Redundancy resolution of one arm: one joint is held at sampled values, a closed form solves the others.
+/// Redundancy resolution of one arm: one joint is held at sampled values, and a closed form solves the other
+/// joints.
 #[derive(Debug, Clone)]
 pub(super) struct HeldJoint {
     /// Closed form that solves the joints that are not held.
@@ -43,7 +44,8 @@ impl HeldJoint {
 
     /// Number of steps of the lattice that divides the range of the held joint.
     ///
-    /// For a joint that turns by 360 degrees a step is 0.00003 degrees, and for a track of 2 m it is 0.16 micrometres.
+    /// A step is 0.00003 degrees for a joint with a range of 360 degrees, and 0.16 micrometres for a track of
+    /// 2 m.
     pub const LATTICE: u32 = (Self::SAMPLES as u32 - 1) * Self::SAMPLE_STEP;
 
     /// Prepares a chain with its first or last joint held; None if no closed form solves the other joints.
@@ -139,7 +141,8 @@ impl HeldJoint {
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
     }
 
-    /// Returns a bound of how far a lattice step of the held joint moves the point that the other joints must reach, m.
+    /// Returns an upper bound of the distance, m, by which one lattice step of the held joint moves the point
+    /// that the other joints must reach.
     ///
     /// `flange` is the pose of the last D-H frame in frame 0.
     pub fn most_travel(&self, flange: &Pose) -> f64 {

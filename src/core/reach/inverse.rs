@@ -1,6 +1,7 @@
-//! Inverse kinematics of any chain: by the closed form of its family if there is one, otherwise numerically.
+//! Inverse kinematics of any chain, with all attitudes of an operation, joint limits and redundancy
+//! resolution.
 //!
-//! The inverse kinematics covers all attitudes of an operation, the joint limits, and redundancy resolution.
+//! If the family of the chain has a closed form, the closed form is used; otherwise the solver is numeric.
 
 use super::branch::{Branch, Cost, Gap, Reach, attitude_of, sample_of};
 use super::fixed_elevation::fixed_elevation;
@@ -124,8 +125,8 @@ impl Inverse {
     ///
     /// Returns the [`Gap`] of the target: its distance from a usable posture.
     ///
-    /// `target` is the position of the TCP in the base frame, m. Closed forms do not allocate, because this
-    /// function runs for every node.
+    /// `target` is the position of the TCP in the base frame, m. This function runs for every node, so closed
+    /// forms allocate no memory.
     #[inline]
     pub fn visit(
         &self,
@@ -228,8 +229,8 @@ impl Inverse {
     /// Returns a branch that a closed form finds, within the joint limits or not; `wanted` is its index.
     ///
     /// # Errors
-    /// Returns the distance, m, by which the target is out of reach in the attitude of the branch if the branch does
-    /// not exist. The distance is 0 if other branches exist.
+    /// If the branch does not exist, returns the distance, m, by which the target is out of reach in the
+    /// attitude of the branch. The distance is 0 if other branches exist.
     pub fn branch_beyond_limits(
         &self,
         target: &Vector3<f64>,
@@ -289,7 +290,7 @@ impl Inverse {
             _ => self.solve(target, attitudes, &mut self.scratch(), &mut keep),
         };
         if self.last_joint.is_some() {
-            // All spins of one solution were found together; a stable sort puts attitude after attitude.
+            // All spins of one solution were found together; a stable sort orders the branches by attitude.
             all.sort_by_key(|branch| branch.index >> 4);
         }
         if all.is_empty() { Reach::OutOfReach { by } } else { Reach::Branches(all) }
@@ -363,8 +364,8 @@ impl Inverse {
         }
     }
 
-    /// Solves attitude `first` of an arm whose closed form solves for the full pose of the flange, and the
-    /// attitudes that follow from it by a rotation of the last joint.
+    /// Solves attitude `first` of an arm whose closed form solves for the full pose of the flange. Also
+    /// derives the attitudes that follow from attitude `first` by a rotation of the last joint.
     ///
     /// Returns the distance of the target from the nearest reachable point, m.
     #[inline]

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 /// Tolerance of the limit of a revolute joint, applied to the cosine of the angle from the middle of the
 /// range.
 ///
-/// It prevents rounding from rejecting a posture exactly at its limit.
+/// This tolerance ensures that rounding does not reject a posture exactly at its limit.
 const COSINE_TOLERANCE: f64 = 1e-12;
 
 /// Tolerance of the limit of a prismatic joint, m.
@@ -55,8 +55,8 @@ impl Limits {
     /// Prepares the limits of a chain.
     ///
     /// # Errors
-    /// Returns the reason if the sines and cosines of a posture cannot tell whether the posture keeps the
-    /// limits.
+    /// Returns the reason if the sines and cosines of a posture do not determine whether the posture keeps
+    /// the limits.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let turns_more = |j: usize| {
             let link = &chain.links[j];
@@ -99,7 +99,7 @@ impl Limits {
         self.excess_of(self.ranges.len(), whole, posture)
     }
 
-    /// Returns a measure like [`Self::excess`] of the joints before the last one; 0 if it is not known.
+    /// Returns the measure of [`Self::excess`] for all joints but the last; 0 if it is not known.
     #[inline]
     pub fn excess_before_last(&self, posture: &Posture) -> f64 {
         match &self.whole {

@@ -90,11 +90,12 @@ impl Inverse {
 
     /// Continues the posture `from` of an arm with numeric inverse kinematics to another target.
     ///
-    /// The tool rotates by `turn` (rad) about the vertical and otherwise keeps its orientation. Of seven joints, one
-    /// stays where it is, as in [`Self::tool_task`]. An arm with fewer than six joints keeps an allowed attitude.
+    /// The tool rotates by `turn` (rad) about the vertical and otherwise keeps its orientation. If the arm
+    /// has seven joints, one joint does not move, as in [`Self::tool_task`]. An arm with fewer than six
+    /// joints keeps an allowed attitude.
     ///
     /// # Errors
-    /// Returns how far the arm stays from the target if it cannot follow.
+    /// Returns the remaining errors of position and orientation if the arm cannot follow.
     pub fn continued(
         &self,
         from: &JointVector,

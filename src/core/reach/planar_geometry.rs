@@ -27,7 +27,8 @@ pub struct PlanarGeometry {
 impl PlanarGeometry {
     /// Number of axes of the arm.
     pub const AXES: usize = 4;
-    /// Excess over 1 up to which a cosine counts as 1: rounding must not make the stretched arm unreachable.
+    /// Excess over 1 up to which a cosine counts as 1, so that rounding does not lose a target of the
+    /// stretched arm.
     pub const STRETCHED: f64 = planar::STRETCHED;
 }
 

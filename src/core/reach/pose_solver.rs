@@ -40,8 +40,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a variant of the solver that computes a lower bound of the distance by which a target is out of reach,
-    /// not the distance.
+    /// Returns a variant of the solver that computes only a lower bound of the distance by which a target is
+    /// out of reach.
     pub fn fast(&self) -> Self {
         match self {
             Self::SphericalWrist(arm) => Self::SphericalWrist(Box::new(arm.fast())),
@@ -49,7 +49,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns; much cheaper than a solution.
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. It is much cheaper than a
+    /// solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
         match self {

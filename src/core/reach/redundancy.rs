@@ -1,6 +1,6 @@
 //! Redundancy resolution: one joint is held at sampled values while the other joints are solved.
 //!
-//! If no sample has a usable posture, values between samples are searched.
+//! If no sample has a usable posture, values between the samples are tried.
 
 use super::branch::{Gap, sample_of, with_attitude, with_sample};
 use super::held_joint::{HeldJoint, HeldSample};
@@ -47,8 +47,8 @@ impl Inverse {
         }
     }
 
-    /// Solves attitude `first`, and the attitudes that follow from it by a rotation of the last joint, with the
-    /// redundant joint held at one value.
+    /// Solves attitude `first` with the redundant joint held at one value. Also derives the attitudes that
+    /// follow from attitude `first` by a rotation of the last joint.
     ///
     /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a solution.
     pub(super) fn solve_held_spins(
@@ -92,7 +92,7 @@ impl Inverse {
     /// Calls `found` with the usable branches of a redundant arm, and returns the [`Gap`] of the target.
     ///
     /// The redundant joint is held at sampled values. If no sample has a usable branch, values between the
-    /// samples are searched.
+    /// samples are tried.
     pub(super) fn visit_redundant(
         &self,
         joint: &HeldJoint,
@@ -129,7 +129,7 @@ impl Inverse {
 
     /// Returns the least distance of a target from the reach, m, over all samples and attitudes.
     ///
-    /// The distance is computed only where its lower bound can still be the least.
+    /// The distance is computed only if its lower bound is below the least distance so far.
     fn least_distance(&self, joint: &HeldJoint, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         let rest = |(first, sample): (usize, HeldSample<'_>)| self.rest(&sample, first, target, attitudes);
         let rests = || {

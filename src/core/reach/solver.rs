@@ -13,7 +13,7 @@ pub(super) enum ChainSolver {
     Planar(PlanarArm),
     /// Closed form for a whole pose of the last D-H frame.
     Pose(PoseSolver),
-    /// Redundant arm: one joint is held, a closed form solves the other joints.
+    /// Redundant arm: one joint is held, and a closed form solves the other joints.
     Redundant(Box<HeldJoint>),
     /// Iterative solver for any other chain.
     Numeric(Box<Numeric>),

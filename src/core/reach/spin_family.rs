@@ -1,7 +1,7 @@
 //! Spin families: the postures of one solution that differ only by the rotation of the tool about its axis.
 //!
 //! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates in a family.
-//! Whatever depends on these joints alone is computed once per family.
+//! Every quantity that depends only on these joints is computed once per family.
 
 use super::branch::{attitude_of, sample_of, with_attitude};
 use super::held_joint::HeldJoint;
@@ -29,11 +29,12 @@ impl Inverse {
 
     /// Calls `found` with the first member of each family whose joints before the last keep their limits.
     ///
-    /// Other members, and the last joint of this one, may violate limits; [`Self::members`] checks them. The first
-    /// argument of `found` is the branch index of the member.
+    /// The last joint of the first member may violate a limit, and so may other members; [`Self::members`]
+    /// checks them. The first argument of `found` is the branch index of the first member.
     ///
-    /// Returns false for a redundant arm if no family found has a usable member. The target may still have usable
-    /// branches, which [`Self::visit`] finds between the sampled values of the redundant joint.
+    /// Returns false for a redundant arm if none of the families found has a usable member. The target may
+    /// still have usable branches, which [`Self::visit`] finds between the sampled values of the redundant
+    /// joint.
     pub fn visit_families(
         &self,
         target: &Vector3<f64>,
@@ -109,7 +110,7 @@ impl Inverse {
                 });
             }
             ChainSolver::Pose(_) => {
-                // An arm without a redundant joint has any number of attitudes.
+                // Without a redundant joint, all bits above the lowest four are the number of the attitude.
                 let attitude = (first >> 4) as usize;
                 self.solve_spins(attitude, target, attitudes, scratch, &mut |index, posture: &Posture| {
                     if index & 15 == first & 15 {

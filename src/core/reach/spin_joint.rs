@@ -1,14 +1,16 @@
-//! Last joint of an arm whose axis is the tool axis through the TCP: it alone rotates the tool about its axis.
+//! Last joint of an arm, if the axis of this joint is the tool axis through the TCP.
 //!
-//! Attitudes that differ only by this rotation have the same coordinates of all other joints. One solution of the
-//! inverse kinematics serves them all.
+//! This joint alone rotates the tool about the tool axis. Attitudes that differ only by this rotation have
+//! the same coordinates of all other joints. One solution of the inverse kinematics serves all these
+//! attitudes.
 
 use super::attitude_set::SpinTurn;
 use crate::cell::JointKind;
 use crate::robot::{Chain, Posture};
 use nalgebra::Vector3;
 
-/// Largest deviation of a unit vector (no unit) or of a point (m) from the last axis that counts as rounding.
+/// Largest deviation of a unit vector (no unit) or of a point (m) from the last axis that counts as rounding
+/// error.
 const ON_AXIS: f64 = 1e-12;
 
 /// Last joint of an arm that rotates the tool about the tool axis, and leaves the TCP in place.
@@ -24,7 +26,7 @@ impl SpinJoint {
     /// Returns the last joint; None unless it is revolute and its axis is the tool axis through the TCP.
     pub fn new(chain: &Chain) -> Option<Self> {
         let last = chain.links.last().filter(|link| link.kind == JointKind::Revolute)?;
-        // Direction of the last axis, and a point of it, in the last frame.
+        // Direction of the last axis, and a point on it, in the last frame.
         let axis = Vector3::new(0.0, last.sin_alpha, last.cos_alpha);
         let point = -Vector3::new(last.l, last.r * last.sin_alpha, last.r * last.cos_alpha);
         let tool_axis = chain.tool.rotation * chain.tool_axis;

@@ -29,8 +29,8 @@ pub enum RotationRow {
 pub struct ToolTask {
     /// Number of rows of the square system, and of active joints.
     pub rows: usize,
-    /// Indices of the joints that follow the target; the other joints stay where they are. Only the first
-    /// `rows` entries count.
+    /// Indices of the joints that follow the target; the other joints do not move. Only the first `rows`
+    /// entries count.
     pub active: [usize; MAX_ROWS],
     /// Each controlled component of the rotation, and its rate per unit of the yaw rate of the heading from
     /// which the attitude is measured. Only the first `rows - 3` entries count.
@@ -45,9 +45,11 @@ pub struct ToolTask {
 impl Inverse {
     /// Returns the tool task of a posture with the frames `frames`; None if no square system describes it.
     ///
-    /// There is no such system in three cases: the arm has to keep a heading that its joints do not control, the
-    /// numeric solver chooses between several redundant joints, or the numeric solver tilts the tool within a
-    /// tolerance.
+    /// There is no such system in three cases:
+    ///
+    /// - The arm has to keep a heading that its joints do not control.
+    /// - The numeric solver chooses between several redundant joints.
+    /// - The numeric solver tilts the tool within a tolerance.
     pub fn tool_task(&self, attitudes: &ToolAttitudes, frames: &Frames) -> Option<ToolTask> {
         let (set, axes) = (&attitudes.set, self.chain.axes());
         let along = |e: Vector3<f64>| (RotationRow::Along(e), e.z);
@@ -73,7 +75,7 @@ impl Inverse {
                 if !arm.rolls() {
                     return task(None, &[pitch], false);
                 }
-                // The last joint rolls an upright tool about the vertical, and otherwise stays still.
+                // The last joint rolls a vertical tool about the vertical, and otherwise does not move.
                 let mut row = [0.0; MAX_JOINTS];
                 row[4] = if set.vertical { frames.links[4].rotation[(2, 2)].signum() } else { 1.0 };
                 row[0] = f64::from(u8::from(set.vertical));

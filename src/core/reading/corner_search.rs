@@ -55,8 +55,9 @@ pub fn by_model(
     let apart = starts.iter().map(|start| (start.error.size - linear.value).abs()).fold(0.0, f64::max);
     let gap = (2.0 * apart).max(NEAR_SHARE * linear.value).max(quadratic);
     let mut search = CornerSearch { columns, groups: groups(columns), gap, model, best: None };
-    // Sources with hardly any linear effect act through products of errors. A few such sources are tried in
-    // every combination of signs. Many take their signs from the corners in `largest`.
+    // Sources with hardly any linear effect act through products of errors. If there are only a few such
+    // sources, every combination of their signs is tried. Otherwise they take their signs from the corners in
+    // `largest`.
     let is_weak = |k: &usize| 2.0 * columns[*k].norm() <= gap;
     let count = (0..columns.len()).filter(is_weak).count();
     if (1..=MAX_FREE).contains(&count) {
@@ -79,7 +80,7 @@ pub fn by_model(
     WorstCase { linear: linear.upper.max(linear.value), exact, by_model, corner }
 }
 
-/// Returns a corner and the opposite one.
+/// Returns a corner and the opposite corner.
 fn both(signs: Signs) -> [Signs; 2] {
     [signs, signs.map(|s| -s)]
 }
@@ -140,7 +141,8 @@ impl CornerSearch<'_, '_> {
         let mut sizes = [0.0; 1 << MAX_FREE];
         let margin = self.model.predict_combinations(&start.signs, &start.error, weak, &mut sizes);
         let sizes = &sizes[..1 << weak.len()];
-        // A combination can be the best only if its largest size reaches the least size of all others.
+        // A combination can be the best only if its largest possible size reaches the least possible size of
+        // every other combination.
         let limit =
             |margin: f64| sizes[1..].iter().fold(start.error.size, |least, s| least.max(s - margin)) - margin;
         let limit = margin.map_or(f64::NEG_INFINITY, limit);
@@ -157,8 +159,8 @@ impl CornerSearch<'_, '_> {
         self.polish(SearchCorner::new(self.columns, start.error, start.signs));
     }
 
-    /// Flips single signs and groups of parallel columns from `start` on. If no such flip increases the error,
-    /// it flips pairs of signs.
+    /// Flips single signs and groups of parallel columns, from the corner `start` on. If no such flip
+    /// increases the error, the search flips pairs of signs.
     fn polish(&mut self, start: SearchCorner) {
         let mut at = start;
         self.model.stand_at(&at.signs);
@@ -166,7 +168,7 @@ impl CornerSearch<'_, '_> {
             let before = at.error.size;
             for k in 0..self.columns.len() {
                 self.flip(&mut at, 1 << k);
-                // A column without parallel ones has no group to flip.
+                // A column without parallel columns has no group to flip.
                 if self.groups[k] != 0 {
                     self.flip(&mut at, 1 << k | self.groups[k]);
                 }
@@ -190,7 +192,7 @@ impl CornerSearch<'_, '_> {
     }
 
     /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error by
-    /// at most the gap. Returns whether it does.
+    /// at most the gap. Returns whether the signs were reversed.
     #[inline]
     fn flip(&mut self, at: &mut SearchCorner, flipped: u128) -> bool {
         if !self.model.may_exceed(&at.error, members(flipped)) {

@@ -87,7 +87,7 @@ impl ErrorPropagation<'_> {
         let placed = self.error_at(&context.site, frames, sample, model);
         let Some(reference) = &context.reference else { return placed };
         let picked = self.error_at(&reference.site, &reference.frames, sample, model);
-        // The part lies in the gripper displaced by the inverse of the pick error. This displacement is
+        // In the gripper, the part is displaced by the inverse of the pick error. This displacement is
         // rotated to the present posture.
         let turn = frames.tcp.rotation * reference.frames.tcp.rotation.transpose();
         picked.inverse().turned(&turn).then(&placed)
@@ -136,7 +136,7 @@ impl PreparedSample {
 /// Returns the displacement of the equipment at the point `p` (base frame, m) that the error of its frame
 /// causes.
 ///
-/// The equipment is rotated about x, y and z of its frame in this order, then translated.
+/// The equipment is rotated about x, y and z of its frame, in this order, and then translated.
 fn work_moved(error: &FrameError, work: &Pose, p: &Vector3<f64>) -> Displacement {
     let arm = p - work.translation;
     let turns = (0..3).fold(SmallRotation::none(), |sum, k| {

@@ -127,7 +127,7 @@ impl ErrorSources {
 
     /// Returns the robot errors of a sample; `values` holds one value per source.
     pub fn perturbation(&self, chain: &Chain, values: &[f64]) -> Perturbation {
-        // The buffer is cleared for every corner that is tried, and a shorter one is cheaper to clear.
+        // The buffer is cleared for every corner that is tried, and a shorter buffer is cheaper to clear.
         match self.parameters <= Parameter::first_joint(MAX_JOINTS) {
             true => self.spread_out(chain, values, &mut [0.0; Parameter::first_joint(MAX_JOINTS)]),
             false => self.spread_out(chain, values, &mut [0.0; MAX_PARAMETERS]),

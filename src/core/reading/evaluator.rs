@@ -41,9 +41,9 @@ pub struct ErrorEvaluator {
     untied: Option<usize>,
     /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is known.
     pub(super) spin_bound: Option<SpinBound>,
-    /// Whether the value is the same, bit by bit, after a rotation of the tool by the last joint.
+    /// Whether the value is bit for bit the same after a rotation of the tool by the last joint.
     ignores_spin: bool,
-    /// Whether the errors of the signed sample are no tolerances ([`Cell::errors_compensate`]).
+    /// Whether the errors of the signed sample are not tolerances ([`Cell::errors_compensate`]).
     pub(super) errors_compensate: bool,
 }
 
@@ -117,7 +117,7 @@ impl ErrorEvaluator {
         let turns_with_tool =
             operation.sense.frame == Frame::Tool || operation.sense.point != Vector3::zeros();
         evaluator.ignores_spin = !is_behind && !turns_with_tool && other.is_none();
-        // The effects at the pick turn with the tool, so no bound is known for a picked part.
+        // The effects at the pick rotate with the tool, so no bound is known for a picked part.
         evaluator.spin_bound = if other.is_none() { evaluator.spin_bound_of() } else { None };
         evaluator
     }
@@ -140,7 +140,8 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns whether [`Self::value`] is the same, bit by bit, after a rotation of the tool by the last joint.
+    /// Returns whether [`Self::value`] is bit for bit the same after a rotation of the tool by the last
+    /// joint.
     pub fn ignores_spin(&self) -> bool {
         self.ignores_spin
     }

@@ -3,7 +3,7 @@
 use crate::cell::{Quantity, Reading};
 use crate::pose::Displacement;
 
-/// Error figures of one sense at one posture, m or rad; infinite where the errors are no tolerances.
+/// Error figures of one sense at one posture, m or rad; infinite if the errors are not tolerances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// Error of the signed sample in the signed reading. In the other readings, it is the error at the corner of the

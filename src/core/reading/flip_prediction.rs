@@ -8,13 +8,15 @@
 //! G_i = g_i + (sum_(j<i) a_j w_j) x g_i + w_i x (sum_(j>i) a_j g_j) + a_i w_i x g_i
 //! ```
 //!
-//! The rotation vector changes likewise. For it, `w_j / 2` replaces `g_j` in the cross products of different motions,
-//! and there are no cross products of equal motions. One pass from the base to the tool and back gives every `G_i`.
-//! The prediction leaves out products of three and more errors. Let A be the largest sum of the sizes of all
-//! rotations, and D the largest sum of the sizes of all displacements. The products that contain `d_i` are at most
-//! `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)` in third order, and less than twice this in all orders while A is small. A
-//! point at a distance r from the TCP adds `|d_i| |w_i| A^2 r`, because the second-order model truncates the rotation
-//! alone.
+//! Here `g_i` is the effect of one unit of motion i on the position of the point. The vector `w_i` is the
+//! axis of the motion if the motion is a rotation, and otherwise 0. The rotation vector changes likewise. For
+//! the rotation vector, `w_j / 2` replaces `g_j` in the cross products of different motions, and there are no
+//! cross products of equal motions. One pass from the base to the tool and back gives every `G_i`. The
+//! prediction leaves out products of three and more errors. Let A be the largest sum of the sizes of all
+//! rotations, and D the largest sum of the sizes of all displacements. The products that contain `d_i` are at
+//! most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)` in third order, and less than twice this in all orders
+//! together if A is small. A point at a distance r from the TCP adds `|d_i| |w_i| A^2 r`, because the
+//! second-order model truncates only the rotation.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use super::sense_rows::SenseRows;
@@ -30,23 +32,25 @@ const MAX_ROTATION: f64 = 0.25;
 /// Part of the cell to which a small motion belongs.
 #[derive(Debug, Clone, Copy)]
 enum Owner {
-    /// Motion of the robot with this index among those of [`Expansion::term`].
+    /// Motion of the robot, by its index in [`Expansion::term`].
     Robot(usize),
-    /// Component of the frame error of the equipment.
+    /// Component of the frame error of the equipment, by its index.
     Equipment(usize),
 }
 
-/// Small motion, at the posture and the corner of the last call.
+/// Small motion at the latest posture and the latest corner.
 #[derive(Debug, Clone, Copy)]
 struct CornerMotion {
     owner: Owner,
-    /// Effect of one unit on the position of the measured point, and the axis of a rotation.
+    /// Effect of one unit of the motion on the position of the measured point.
     g: Vector3<f64>,
+    /// Axis of a rotation; 0 for a translation.
     w: Vector3<f64>,
     /// Size at the corner, m or rad.
     size: f64,
-    /// Derivatives `G_i` of the position of the measured point and of the rotation vector.
+    /// Derivative `G_i` of the position of the measured point.
     moves: Vector3<f64>,
+    /// Derivative of the rotation vector, which corresponds to `G_i`.
     turns: Vector3<f64>,
 }
 
@@ -62,10 +66,11 @@ impl CornerMotion {
 pub struct PredictedFlip {
     /// Predicted change of the error along the rows, m or rad.
     pub change: Vector6<f64>,
-    /// Bound of the size of the terms that `change` neglects.
+    /// Upper bound of the size of the terms that `change` neglects, m or rad.
     pub margin: f64,
-    /// Sums of the absolute rotations and displacements that the flip causes.
+    /// Sum of the absolute rotations that the flip causes, rad.
     pub rotation: f64,
+    /// Sum of the absolute displacements that the flip causes, m.
     pub displacement: f64,
 }
 
@@ -83,20 +88,22 @@ impl PredictedFlip {
 pub struct FlipPrediction {
     /// Motions in the order from base to tool.
     motions: Vec<CornerMotion>,
-    /// Motions of each source: position in `motions`, and size per unit of the source.
+    /// Motions of each source: index in `motions`, and size per unit of the source.
     sources: Vec<Vec<(usize, f64)>>,
     flips: [PredictedFlip; MAX_SOURCES],
     /// Norms of the rows that measure positions and of those that measure rotations.
     weights: [f64; 2],
-    /// Largest sums of all rotations (rad) and of all displacements (m) at any corner.
+    /// Largest sum of all rotations at any corner, rad.
     rotations: f64,
+    /// Largest sum of all displacements at any corner, m.
     displacements: f64,
     /// Distance from the TCP to the measured point, m.
     arm: f64,
 }
 
 impl FlipPrediction {
-    /// Returns a predictor for the sources of an operation on `equipment`; `expansion` must be of the same sources.
+    /// Returns a predictor for the sources of an operation on `equipment`; `expansion` must have the same
+    /// sources.
     pub fn new(sources: &ErrorSources, expansion: &Expansion, equipment: usize) -> Self {
         let of_robot = |k: usize| sources.robot_index(k).into_iter().flat_map(|p| expansion.motions(p));
         let of_work = |k: usize| match sources.list[k].parameter {
@@ -107,7 +114,8 @@ impl FlipPrediction {
         let mut robot: Vec<usize> = (0..n).flat_map(of_robot).map(|(index, _)| index).collect();
         robot.sort_unstable_by_key(|&index| expansion.place(index));
         robot.dedup();
-        // The equipment moves first, and its error is undone: rotations about x, y, z, then translations.
+        // The motions of the equipment come first, with reversed signs: rotations about x, y and z, then
+        // translations.
         let work = [3, 4, 5, 0, 1, 2].into_iter().filter(|c| (0..n).any(|k| of_work(k) == Some(*c)));
         let work: Vec<usize> = work.collect();
         let robot_place = |index: usize| work.len() + robot.iter().position(|&i| i == index).unwrap_or(0);
@@ -153,7 +161,7 @@ impl FlipPrediction {
             };
             (motion.g, motion.w, motion.size) = (g + w.cross(arm), w, 0.0);
         }
-        // The size of every motion is its largest one for now.
+        // For now, every motion has its largest size.
         for (own, source) in self.sources.iter().zip(&sources.list) {
             let largest = source.mean.abs() + source.plus_minus;
             own.iter().for_each(|&(i, unit)| self.motions[i].size += unit.abs() * largest);
@@ -164,7 +172,8 @@ impl FlipPrediction {
         self.rotations <= MAX_ROTATION
     }
 
-    /// Returns a bound of all products of two and more errors, along the rows of the sense, at any corner.
+    /// Returns an upper bound of the sum of all products of two and more errors, along the rows of the sense,
+    /// at any corner.
     ///
     /// Products of order k are at most `D A^(k-1) / (k-1)!`. Call [`Self::set_posture`] first.
     pub fn largest_products(&self) -> f64 {
@@ -198,7 +207,7 @@ impl FlipPrediction {
         }
     }
 
-    /// Returns the prediction if source `k` changes by `change` (m or rad).
+    /// Returns the prediction for a change of source `k` by `change` (m or rad).
     fn flip(&self, k: usize, change: f64, measure: &SenseRows) -> PredictedFlip {
         let mut sum = Displacement::NONE;
         let (mut rotation, mut displacement) = (0.0, 0.0);

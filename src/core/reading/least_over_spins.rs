@@ -6,7 +6,7 @@ use crate::cell::{Frame, Model, Parameter, Reading};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Relative error that a computed value may have.
+/// Largest relative rounding error of a computed value.
 const ROUNDING: f64 = 1e-7;
 
 impl ErrorEvaluator {
@@ -20,8 +20,8 @@ impl ErrorEvaluator {
         matches!(self.spin_bound, Some(SpinBound::Signed(_)))
     }
 
-    /// Returns a lower bound of [`Self::value`] after rotations of the tool about its axis by the last joint; 0 if none
-    /// is known.
+    /// Returns a lower bound of [`Self::value`] after rotations of the tool about its axis by the last joint;
+    /// 0 if no bound is known.
     ///
     /// `spins` holds cosine and sine of each angle of rotation.
     pub fn least_over_spins(
@@ -47,9 +47,9 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the bound that suits this evaluator; None if it is not known.
+    /// Returns the method of bounding that suits this evaluator; None if no bound is known.
     pub(super) fn spin_bound_of(&self) -> Option<SpinBound> {
-        // A rotation of the last joint may change such a deflection, which acts before this joint.
+        // A rotation of the last joint may change an elastic deflection that acts before this joint.
         let changes = |p: Parameter| p.is_elastic() && is_behind(p, self.chain.axes());
         if self.sources.list.iter().any(|source| changes(source.parameter)) {
             return None;
@@ -63,7 +63,8 @@ impl ErrorEvaluator {
             Reading::Statistical => {
                 SpinBound::of_statistics(self.chain.axes(), &self.sources, &self.sense, self.quantity)
             }
-            // A mean turns with the tool, too. The rows of a sense in tool axes do, and so does a point beside it.
+            // A mean error rotates with the tool. So do the rows of a sense in tool axes, and a measured
+            // point beside the TCP.
             Reading::WorstCase => {
                 let turns = self.sense.frame == Frame::Tool || self.sense.point != Vector3::zeros();
                 (!turns && self.mean.is_none()).then_some(SpinBound::WorstCase)

@@ -10,12 +10,12 @@
 //! statistical   |mu + sum_k g_k x_k|       random x_k: its RMS, mean, percentiles, P(|e| <= limit)
 //! ```
 //!
-//! Here `g_k` is the effect of [`ErrorSource`] k along the rows of a sense ([`SenseRows`]). In the worst-case
-//! reading the source is at its tolerance; in the statistical reading, at its standard deviation. The mean
-//! error is `mu`. The linear error of the means of measured errors is `m`; it is 0 for other errors. The factors
-//! `x_k` have the distributions of the sources, scaled to unit variance. The effect excludes the error that a
-//! registration removes ([`BestFit`], [`Taught`]). For a picked part it also excludes the error of the pick
-//! ([`PickReference`]).
+//! Here `g_k` is the effect of [`ErrorSource`] k along the rows of a sense ([`SenseRows`]). The source is at
+//! its tolerance in the worst-case reading, and at its standard deviation in the statistical reading. The
+//! mean error is `mu`. The linear error of the means of measured errors is `m`, which is 0 for other errors.
+//! The factors `x_k` have the distributions of the sources, scaled to unit variance. The effect excludes the
+//! error that a registration removes ([`BestFit`], [`Taught`]). For a picked part it also excludes the error
+//! of the pick ([`PickReference`]).
 
 mod budget;
 mod corner_model;

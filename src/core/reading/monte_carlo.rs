@@ -279,7 +279,7 @@ impl SampledPosture<'_> {
     }
 }
 
-/// Returns the share of `count` among independent samples, with Wilson's 95 % score interval.
+/// Returns the share of `count` among `samples` independent samples, with Wilson's 95 % score interval.
 ///
 /// A share estimated with quasi-random points scatters less, so the interval is conservative. The interval
 /// has a positive width even at a share of 0 or 1, where replicates do not scatter (E. B. Wilson, "Probable

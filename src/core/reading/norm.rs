@@ -60,8 +60,8 @@ impl NormDistribution {
 
     /// Returns the mean `E |e| = 1 / (2 sqrt(pi)) int_0^inf (1 - L(z)) z^(-3/2) dz`.
     ///
-    /// Here `L(z) = E exp(-z |e|^2)` is the Laplace transform. The integral is a trapezoidal sum in `log z`,
-    /// whose tails are geometric series.
+    /// Here `L(z) = E exp(-z |e|^2)` is the Laplace transform. The integral is computed as a trapezoidal sum
+    /// in `log z`, whose tails are geometric series.
     pub fn mean(&self) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         let step = 0.5; // accurate to 5e-12, however far from zero
@@ -132,7 +132,7 @@ fn above(spectrum: &Spectrum, p: f64) -> f64 {
             high = x
         }
         let upper = p >= 0.5;
-        // g and its derivatives by x, or by log x in the lower tail
+        // These are g and its derivatives by x, or by log x in the lower tail.
         let (g, g1, g2) = if upper {
             let g1 = -d / (1.0 - f);
             (((1.0 - f) / (1.0 - p)).ln(), g1, -slope / (1.0 - f) - g1 * g1)

@@ -217,7 +217,7 @@ impl Harmonics {
     /// Returns the mean of `R M R^T`, where R is the rotation by the random angle about the z axis.
     ///
     /// The trace and the antisymmetric part of the xy block do not change. The traceless symmetric part of
-    /// this block turns by twice the angle.
+    /// this block rotates by twice the angle.
     fn mean_of_matrix(&self, m: &Matrix3<f64>) -> Matrix3<f64> {
         let (c, s) = self.first;
         let (trace, skew) = ((m.m11 + m.m22) / 2.0, (m.m21 - m.m12) / 2.0);

@@ -12,8 +12,8 @@ use crate::robot::Frames;
 impl ErrorEvaluator {
     /// Returns the error figures of a posture that a map shows.
     ///
-    /// They are those of [`Self::judge`], but the worst case and the statistics are infinite if the errors of the signed
-    /// sample compensate each other ([`crate::cell::Cell::errors_compensate`]).
+    /// They are the figures of [`Self::judge`]. However, the worst case and the statistics are infinite if
+    /// the errors of the signed sample compensate each other ([`crate::cell::Cell::errors_compensate`]).
     pub fn judge_for_map(
         &self,
         context: &WorkContext,

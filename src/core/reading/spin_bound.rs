@@ -1,14 +1,15 @@
 //! Lower bound of the value of a posture over rotations of the tool by the last joint.
 //!
-//! The last joint rotates the tool about its axis and leaves the TCP where it is. Only the errors behind this joint
-//! rotate with it: those of the last link after the joint, and those of the tool. All other effects stay the same.
+//! The last joint rotates the tool about its axis and does not move the TCP. Only the errors behind this
+//! joint rotate with it: the errors of the last link after the joint, and the errors of the tool. All other
+//! effects do not change.
 //!
 //! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before it move the
 //!   displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
-//! - Worst case: the tolerances before the joint alone have a worst case that is at most as large.
+//! - Worst case: the worst case of only the tolerances before the joint is a lower bound.
 //! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the entries
 //!   of the covariance are trigonometric polynomials of degree 2. If the mean of an error is set to 0, no figure
-//!   increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176), which [`CentredBound`] uses.
+//!   increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176); [`CentredBound`] uses this fact.
 
 use super::norm::{CentredBound, CovarianceEntries};
 use super::{Effects, ErrorSources, SenseRows};
@@ -53,7 +54,7 @@ impl SpinBound {
         Self::Signed(2.0 * largest * displacement_behind(chain, errors))
     }
 
-    /// Returns the bound of a quantity of random errors in a sense; None if it is not known.
+    /// Returns the bound of a quantity of random errors in a sense; None if no bound is known.
     pub fn of_statistics(
         axes: usize,
         sources: &ErrorSources,
@@ -146,7 +147,7 @@ pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
     match parameter {
         Parameter::Dl(link) | Parameter::Dalpha(link) | Parameter::Dbeta(link) => link + 1 == axes,
         Parameter::Tool(_) => true,
-        // The last joint turns the last link and its load, and so changes levers and torques.
+        // The last joint rotates the last link and its load, and so changes levers and torques.
         Parameter::Elastic(_, link) => link + 1 == axes,
         Parameter::Compliance(_) => true,
         Parameter::Periodic(joint) => joint + 1 == axes,
@@ -154,7 +155,7 @@ pub(super) fn is_behind(parameter: Parameter, axes: usize) -> bool {
     }
 }
 
-/// Returns the largest displacement of the TCP, m, that errors behind the last joint cause.
+/// Returns an upper bound of the displacement of the TCP, m, that errors behind the last joint cause.
 fn displacement_behind(chain: &Chain, errors: &Perturbation) -> f64 {
     let lever = chain.tool.translation.norm();
     let mut moved = 0.0;

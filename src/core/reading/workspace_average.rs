@@ -2,12 +2,12 @@
 //! independent and uniform between the joint limits.
 //!
 //! The moments are propagated from the tool to the base, joint by joint. Rigid transforms and small motions
-//! map them linearly, and the mean over the range of a joint has a closed form ([`Harmonics`]). So the
+//! map the moments linearly, and the mean over the range of a joint has a closed form ([`Harmonics`]). So the
 //! average is exact. The exception is an actuator that drives later joints through the coupling. The mean
-//! over its range is computed by a Gauss-Legendre rule with a relative error below 1e-4.
+//! over the range of such an actuator is computed by a Gauss-Legendre rule with a relative error below 1e-4.
 //!
-//! Elastic deflections depend on all joints at once. Their share of the error is averaged over the postures of a
-//! Halton sequence, and the rest as described above.
+//! Elastic deflections depend on all joints at once. The part of the error that they cause is averaged over
+//! the postures of a Halton sequence. The rest of the error is averaged as described above.
 
 use super::position_moments::{ErrorMoments, Harmonics, PositionMoments};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Model};

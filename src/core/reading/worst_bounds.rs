@@ -1,9 +1,10 @@
 //! Lower bounds of the worst case at a posture, which cost much less than the worst case.
 //!
-//! The linear error at any corner of the tolerance box is at most the linear worst case, and a source that is left
-//! out only reduces it. At the worst corner of the linear model, the errors by two models differ by products of two
-//! and more parameter errors. The sums of all rotations and displacements bound these products. The local search for
-//! its worst case starts at this corner and at the opposite one, so it never ends below the errors there.
+//! The linear error at any corner of the tolerance box is at most the linear worst case. Leaving out a source
+//! only reduces this worst case. At the worst corner of the linear model, the errors by two models differ by
+//! products of two and more parameter errors. The sums of all rotations and displacements bound these
+//! products. The local search for the nonlinear worst case starts at this corner and at the opposite corner.
+//! So the result is at least the larger of the errors at these two corners.
 
 use super::corner_model::CornerModel;
 use super::spin_bound::is_behind;
@@ -13,7 +14,7 @@ use crate::cell::{Model, Reading};
 use crate::robot::Frames;
 use nalgebra::Vector6;
 
-/// Rounding errors of a bound, as a share of the bound.
+/// Largest rounding error of a bound, as a share of the bound.
 const ROUNDING: f64 = 1e-9;
 /// Largest number of corners that the search for a bad corner visits.
 const MAX_STEPS: usize = 4;
@@ -31,7 +32,8 @@ impl ErrorEvaluator {
 
     /// Returns a lower bound of the worst case at a posture, at little cost.
     ///
-    /// If `turning` is true, the bound holds also after every rotation of the tool about its axis by the last joint.
+    /// If `turning` is true, the bound also holds after every rotation of the tool about its axis by the last
+    /// joint.
     pub fn rough_worst(
         &self,
         context: &WorkContext,
@@ -67,7 +69,8 @@ impl ErrorEvaluator {
         [corner, corner.map(|s| -s)].iter().map(|corner| model.error(corner).size).fold(0.0, f64::max)
     }
 
-    /// Returns a bound of the products of two and more errors at any corner; None if it is not known.
+    /// Returns an upper bound of the products of two and more errors at any corner; None if no bound is
+    /// known.
     fn largest_products(
         &self,
         measure: &SenseRows,
@@ -85,8 +88,8 @@ impl ErrorEvaluator {
     }
 }
 
-/// Returns the length of a sum of all columns with signs that make it long. It is at most the length of the farthest
-/// vertex.
+/// Returns the length of the longest sum of all columns that a few changes of their signs find. The farthest
+/// vertex is at least at this distance.
 fn bad_corner(columns: &[Vector6<f64>]) -> f64 {
     let mut longest = 0.0;
     let mut along = columns.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied();

@@ -75,7 +75,7 @@ pub fn farthest_1(generators: &[f64], signs: &mut [f64]) -> Farthest {
     Farthest { value, upper: value }
 }
 
-/// Maximizes `|sum s_k g_k|` over the signs `s` in 2-D by one walk round the zonogon, and writes the signs.
+/// Maximizes `|sum s_k g_k|` over the signs `s` in 2-D by one walk around the zonogon, and writes the signs.
 pub fn farthest_2(generators: &[Vector2<f64>], scratch: &mut ZonotopeScratch, signs: &mut [f64]) -> Farthest {
     let n = generators.len().min(MAX_GENERATORS);
     let (generators, signs) = (&generators[..n], &mut signs[..n]);
@@ -145,7 +145,7 @@ fn exact<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) -> F
     Farthest { value, upper: value }
 }
 
-/// Flips single signs as long as a flip increases the norm of the sum by more than rounding.
+/// Flips single signs as long as a flip increases the norm of the sum by more than a rounding error.
 fn climb<const M: usize>(generators: &[SVector<f64, M>], signs: &mut [f64]) {
     let mut sum = SVector::<f64, M>::zeros();
     for (g, s) in generators.iter().zip(&*signs) {
@@ -172,7 +172,7 @@ struct MergedGenerators<const M: usize> {
     count: usize,
     sum: [SVector<f64, M>; MAX_GENERATORS],
     unit: [SVector<f64, M>; MAX_GENERATORS],
-    /// Index of the sum that contains each generator, and the sign with which the generator enters it.
+    /// Index of the sum that contains each generator, and the sign with which the generator enters this sum.
     place: [(usize, f64); MAX_GENERATORS],
 }
 

@@ -3,7 +3,7 @@
 use crate::layout::Workcell;
 use crate::reach::Cost;
 
-/// Sampling effort for a region and for the room to place a piece.
+/// Resolution of a region, and of an estimate of the room of a piece.
 #[derive(Debug, Clone, Copy)]
 pub struct RegionEffort {
     /// Spacing of the fine lattice, and step of a scan along z, mm.
@@ -14,7 +14,7 @@ pub struct RegionEffort {
     pub scan_deg: f64,
     /// Number of directions in which the room is checked.
     pub directions: usize,
-    /// Number of directions of an estimate of the room.
+    /// Number of directions in which the room is estimated.
     pub estimated: usize,
     /// Largest number of layouts that a search evaluates to find a roomy one.
     pub evaluations: u64,

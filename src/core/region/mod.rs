@@ -1,11 +1,14 @@
-//! Regions: alternative placements of each piece of a found layout, and the limits of its room.
+//! Regions: the placements that each piece of a found layout may have instead.
 //!
-//! Every operation keeps its spot on its equipment and its branch ([`HeldLayout`]). A placement belongs to the
-//! region of a piece if everything still holds there, within the placement tolerances, and if the objective grows
-//! by at most the indifference. All other pieces stay as found.
+//! A placement belongs to the region of a piece if two conditions hold. The layout must stay feasible and
+//! keep every limit within the placement tolerances, and the objective may grow by at most the indifference.
+//! All other pieces keep their placements. Every operation keeps its branch, and its spot on its equipment
+//! ([`HeldLayout`]).
 //!
-//! A layout file without search variables has regions, too: of the pieces with a placement tolerance, within a window
-//! around their placements.
+//! The room of a piece is the largest distance by which it may be displaced in every direction in plan.
+//!
+//! A layout file without search variables has regions, too. In this case, every piece with a placement
+//! tolerance has a region within a window around its placement.
 //!
 //! | file | content |
 //! |---|---|
@@ -51,41 +54,42 @@ impl MovableBody {
 /// Reason that limits the room of a piece.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoomEnd {
-    /// The range of a search variable.
+    /// The piece reaches an end of the range of a search variable.
     Range,
-    /// The examined distance from the found placement.
+    /// The piece reaches the edge of the window that is examined around the found placement.
     Window,
     Held(Ending),
 }
 
 impl RoomEnd {
-    /// Describes the end with the names of the cell, as a clause.
+    /// Describes the reason with the names of the cell, as the words that follow "limited by".
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
-            Self::Range => "the range of the search ends".into(),
-            Self::Window => "nothing, as far as it was examined".into(),
+            Self::Range => "the range of the search".into(),
+            Self::Window => "nothing within the examined window".into(),
             Self::Held(ending) => ending.in_words(cell),
         }
     }
 }
 
-/// Region of one piece: the placements at which everything still holds, world frame, m and rad.
+/// Region of one piece: the placements, world frame, at which the layout stays feasible and keeps every
+/// limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     pub body: MovableBody,
-    /// Closed rings in plan; a point is inside if it lies in an odd number of them. If the search moves the piece
-    /// along one axis, the ring is a line of two points. The list is empty if the search moves the piece along
-    /// neither axis.
+    /// Closed rings in plan, m; a point is inside if it lies in an odd number of rings. If the search moves
+    /// the piece along only one axis, the ring is a line of two points. The list is empty if the search moves
+    /// the piece along neither axis.
     pub rings: Vec<Vec<PlanePoint>>,
     /// Range of z, m.
     pub z: (f64, f64),
     /// Range of the yaw, rad.
     pub yaw: (f64, f64),
-    /// Largest distance, m, by which the piece may be displaced in every direction in plan in which the search may
-    /// move it. It is None if the search does not move the piece in plan.
+    /// Largest distance, m, by which the piece may be displaced in plan, in every direction that the search
+    /// allows. None if the search does not move the piece in plan.
     pub room: Option<f64>,
-    /// Largest angle, rad, by which the piece may be turned in both directions; None if the search does not turn the
-    /// piece.
+    /// Largest angle, rad, by which the piece may be rotated in both directions; None if the search does not
+    /// rotate the piece.
     pub turn: Option<f64>,
     /// Reason that limits [`Self::room`], or [`Self::turn`] if the search does not move the piece in plan.
     pub ended: RoomEnd,
@@ -98,12 +102,14 @@ pub struct Region {
 pub struct Regions {
     /// One region per piece that the search places.
     pub pieces: Vec<Region>,
-    /// Rotation of all pieces together about the base axis; None if some piece of an operation does not turn.
+    /// Rotation of all pieces together about the base axis; None if a piece of an operation cannot be
+    /// rotated.
     pub whole: Option<WholeTurn>,
 }
 
 impl Regions {
-    /// Computes the regions of a layout, in which the objective grows by at most the indifference of the cell.
+    /// Computes the regions of a layout. In a region, the objective grows by at most the indifference of the
+    /// cell.
     ///
     /// The result is None if the layout is not feasible or misses a limit.
     pub fn new(workcell: &Workcell, layout: &Layout) -> Option<Self> {
@@ -115,17 +121,18 @@ impl Regions {
     }
 }
 
-/// Scale of an estimate of the room, m.
+/// Settings of an estimate of the room.
 pub struct RoomScale {
-    /// Room below which the estimate need not be accurate.
+    /// Room below which the estimate need not be accurate, m.
     pub poor: f64,
-    /// Largest room that counts.
+    /// Largest room that counts, m.
     pub widest: f64,
-    /// Whether a moved piece is only checked with the operations that it carries, which is several times faster.
+    /// Whether a displaced piece is checked only with the operations that it carries, which is several times
+    /// faster.
     pub is_rough: bool,
 }
 
-/// Estimates the room of a layout: the least room of its pieces.
+/// Estimates the room of a layout, m: the least room of its pieces.
 ///
 /// Every operation keeps its spot, and the objective may grow by the indifference of the cell.
 pub fn estimated_room(held: &HeldLayout<'_>, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {

@@ -1,7 +1,9 @@
-//! Outline of a region in the plane, from a test whether a point is inside.
+//! Outline of a region in the plane, computed by a test of single points.
 //!
-//! A coarse lattice finds the parts of the region. On a fine lattice, the boundary of each part is followed from one
-//! crossed edge to the next. Bisection locates every crossing. The region may have several parts and holes.
+//! A coarse lattice finds the parts of the region. An edge of a lattice is crossed if one of its vertices is
+//! inside the region and the other is outside. On a fine lattice, the boundary of each part is followed from
+//! one crossed edge to the next. Bisection locates every crossing. The region may have several parts and
+//! holes.
 
 use crate::geometry::{PlanePoint, simplified_line};
 use nalgebra::Vector2;
@@ -42,14 +44,14 @@ pub struct TwoLattices {
     pub coarse: i32,
 }
 
-/// Test whether a point is inside the region; each thread has a memory of its own.
+/// Test of whether a point is inside the region; each thread has a memory of its own.
 pub trait Inside: Sync {
     type Memory: Default;
 
     fn inside(&self, at: PlanePoint, memory: &mut Self::Memory) -> bool;
 }
 
-/// Membership of the vertices that were tested.
+/// State of a trace: the tested vertices, and which of them are inside the region.
 struct Trace<'a, I: Inside> {
     lattice: &'a TwoLattices,
     region: &'a I,
@@ -58,7 +60,7 @@ struct Trace<'a, I: Inside> {
 }
 
 impl TwoLattices {
-    /// Traces the region. Returns closed rings; a point is inside if it lies in an odd number of them.
+    /// Traces the region. Returns closed rings; a point is inside if it lies in an odd number of rings.
     ///
     /// Every point of a ring is inside the region. Between the points, and at parts or holes that the coarse lattice
     /// misses, the outline may be wrong.
@@ -82,7 +84,7 @@ impl TwoLattices {
         (self.origin.0 + f64::from(i) * self.step, self.origin.1 + f64::from(j) * self.step)
     }
 
-    /// Returns the least and greatest index along x and y; these vertices lie outside the domain.
+    /// Returns the vertex with the least indices and the one with the greatest; both lie outside the domain.
     fn ends(&self) -> (Vertex, Vertex) {
         let end = |limit: f64, origin: f64| (limit - origin) / self.step;
         let Domain { x, y } = self.domain;
@@ -109,7 +111,7 @@ impl TwoLattices {
         along_x.iter().flat_map(|i| along_y.iter().map(move |j| (*i, *j))).collect()
     }
 
-    /// Locates the crossings of a ring by bisection; each result is the last point inside.
+    /// Locates the crossings of a ring by bisection; each result is the last tested point that is inside.
     fn located<I: Inside>(&self, region: &I, ring: &[(Vertex, Vertex)]) -> Vec<PlanePoint> {
         let locate = |memory: &mut I::Memory, (inside, outside): &(Vertex, Vertex)| {
             let (mut a, mut b) = (self.at(*inside), self.at(*outside));
@@ -158,7 +160,8 @@ impl<I: Inside> Trace<'_, I> {
         edges.into_iter().filter_map(|(a, b)| self.crossing(a, b)).collect()
     }
 
-    /// Returns the crossed edge between two vertices of which one is inside, the inner vertex first.
+    /// Returns a crossed edge on the line between two vertices, with the inner vertex first; None unless
+    /// exactly one of the two vertices is inside.
     fn crossing(&mut self, a: Vertex, b: Vertex) -> Option<(Vertex, Vertex)> {
         let (mut inside, mut outside) = match (self.is_inside(a), self.is_inside(b)) {
             (true, false) => (a, b),
@@ -184,7 +187,7 @@ impl<I: Inside> Trace<'_, I> {
         along_x.chain(along_y).filter_map(|(a, b)| self.crossing(a, b)).collect()
     }
 
-    /// Follows the boundary from a crossed edge until it returns there; the inside lies on the left.
+    /// Follows the boundary from a crossed edge back to the same edge; the inside lies on the left.
     fn follow(&mut self, start: (Vertex, Vertex)) -> Vec<(Vertex, Vertex)> {
         let mut ring = vec![start];
         let (mut a, mut b) = start;
@@ -205,10 +208,10 @@ impl<I: Inside> Trace<'_, I> {
     }
 }
 
-/// Leaves out the points of a ring that lie on straight lines between others.
+/// Removes the points of a ring that nearly lie on straight lines between other points.
 fn simplified(ring: Vec<PlanePoint>) -> Vec<PlanePoint> {
     let mut points: Vec<Vector2<f64>> = ring.iter().map(|p| Vector2::new(p.0, p.1)).collect();
-    // The line closes, and its two ends stay.
+    // The line is closed, and its two ends are kept.
     points.extend(points.first().copied());
     let mut kept = simplified_line(&points, STRAIGHT);
     kept.pop();

@@ -11,21 +11,23 @@ use std::f64::consts::{PI, TAU};
 /// Largest displacement and rotation that are examined for a layout without search variables, mm and degrees.
 const WINDOW_MM: f64 = 250.0;
 const WINDOW_DEG: f64 = 15.0;
-/// Largest number of steps of a scan, and of the fine lattice along the longer side of the domain; a wider range has
-/// wider steps.
+/// Largest number of steps of a scan, and of the fine lattice along the longer side of the domain. If the
+/// range needs more steps, the steps become longer.
 const MAX_STEPS: f64 = 10_000.0;
 /// Number of bisection steps at the end of a scan.
 const BISECTIONS: usize = 8;
 /// Relative accuracy of an estimate of the room.
 const ESTIMATE_SHARE: f64 = 0.02;
-/// Least room that is sought, and least distance beyond the room at which the limiting reason is sought, m.
+/// Room below which a room counts as 0, and least distance beyond the room at which the limiting reason is
+/// sought, m.
 const OVERSHOOT: f64 = 1e-4;
-/// Factor by which the room is reduced until all directions hold.
+/// Factor by which the room is multiplied until the layout is accepted in all directions.
 const SHRINK: f64 = 0.98;
 /// Factor of the room that gives the distance at which the limiting reason is sought.
 const BEYOND: f64 = 1.02;
 
-/// Returns the bodies that the search places or, if it places none, those with a placement tolerance.
+/// Returns the bodies that the search places or, if the search places none, the bodies with a placement
+/// tolerance.
 pub fn movable(cell: &Cell) -> Vec<MovableBody> {
     let bodies = [MovableBody::Base].into_iter().chain((0..cell.equipment.len()).map(MovableBody::Equipment));
     bodies.filter(|body| (0..4).any(|axis| domain(cell, *body, axis).is_some())).collect()
@@ -48,16 +50,17 @@ fn domain(cell: &Cell, body: MovableBody, axis: usize) -> Option<((f64, f64), Ro
     }
 }
 
-/// One piece of a layout whose region is to be found.
+/// One piece of a layout, prepared for the computation of its region.
 pub struct MovablePiece<'a> {
     held: &'a HeldLayout<'a>,
     /// Upper limit of the objective in the region.
     most: f64,
     body: MovableBody,
-    /// Placement in the frame that the cell file uses.
+    /// Placement in the frame in which the cell file states it.
     own: Placement,
     effort: RegionEffort,
-    /// Values of the operations that the piece does not carry, if a cheap estimate with them comes first.
+    /// Values of the operations that the piece does not carry. None unless every judgement begins with a
+    /// cheap estimate from these values.
     uncarried: Option<Uncarried>,
 }
 
@@ -139,7 +142,10 @@ impl<'a> MovablePiece<'a> {
         under.map_or(Placement::from_values([0.0; 4]), |under| self.held.layout().placements[under])
     }
 
-    /// Judges the piece with some coordinates changed to `at`, m and rad.
+    /// Judges the layout with some coordinates of the piece changed to `at`, m and rad. Returns its
+    /// objective.
+    ///
+    /// With `uncarried`, the result is an estimate.
     fn judge(
         &self,
         at: &[(usize, f64)],
@@ -161,7 +167,7 @@ impl<'a> MovablePiece<'a> {
         self.held.judge(&layout, self.most, memory).map_err(RoomEnd::Held)
     }
 
-    /// Returns the interval around the found value of one coordinate in which everything holds.
+    /// Returns the interval around the found value of one coordinate in which the layout is accepted.
     fn scan(&self, axis: usize) -> Interval {
         let at = self.own.values()[axis];
         let Some((range, end)) = domain(&self.held.workcell().cell, self.body, axis) else {
@@ -181,8 +187,8 @@ impl<'a> MovablePiece<'a> {
         TwoLattices { domain, origin: (self.own.x, self.own.y), step, coarse }
     }
 
-    /// Returns the radius of the largest disc around the found placement inside the outline, and the reason that
-    /// limits it.
+    /// Returns the radius, m, of the largest disc inside the outline around the found placement, and the
+    /// reason that limits the radius.
     fn room(&self, rings: &[Vec<PlanePoint>]) -> (f64, RoomEnd) {
         let at = (self.own.x, self.own.y);
         let edges = rings.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
@@ -229,10 +235,10 @@ impl<'a> MovablePiece<'a> {
 }
 
 impl MovablePiece<'_> {
-    /// Estimates the room: the largest radius, up to the widest of `scale`, at which the placements in all tried
-    /// directions hold.
+    /// Estimates the room, m: the largest displacement that the layout allows in all tried directions. It is
+    /// at most the field `widest` of `scale`.
     ///
-    /// Only the ends of the directions are judged, so the estimate may exceed the room.
+    /// Only single displacements are judged, not all smaller ones, so the estimate may exceed the room.
     pub fn estimated_room(&self, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {
         let uncarried = match (scale.is_rough, self.body) {
             (true, MovableBody::Equipment(k)) => self.held.uncarried(k, memory),
@@ -281,7 +287,8 @@ impl Inside for MovablePiece<'_> {
     }
 }
 
-/// Interval around a found value in which everything holds. Each end comes with the reason why it is the end.
+/// Interval around a found value in which the layout is accepted. Each end has the reason that limits the
+/// interval.
 pub struct Interval {
     pub low: (f64, RoomEnd),
     pub high: (f64, RoomEnd),
@@ -292,7 +299,7 @@ impl Interval {
         Self { low: (at, RoomEnd::Range), high: (at, RoomEnd::Range) }
     }
 
-    /// Scans from `at` to both ends of a range, in steps, up to the first value at which `judge` fails.
+    /// Scans from `at` in steps towards both ends of a range, up to the first value at which `judge` fails.
     pub fn scanned(
         at: f64,
         (range, end): ((f64, f64), RoomEnd),

@@ -1,6 +1,7 @@
 //! Placements of a piece that a user moves by hand: every placement at which the layout is usable.
 //!
-//! In contrast to a region, spots and branches are chosen anew at each placement, and the objective does not count.
+//! Unlike in a region, spots and branches are chosen anew at each placement, and the objective does not
+//! count.
 
 use super::RegionEffort;
 use super::outline::{Domain, Inside, TwoLattices};
@@ -22,14 +23,14 @@ struct MovedPiece<'a> {
     workcell: &'a Workcell,
     layout: &'a Layout,
     equipment: usize,
-    /// Placement in plan in the frame that the cell file uses.
+    /// Position in plan, m, in the frame in which the cell file states the placement.
     own: PlanePoint,
 }
 
-/// Returns the region in which the frame origin of a piece of equipment may stand, world frame, m. The region is
-/// given by closed rings; a point is inside if it lies in an odd number of them.
+/// Returns the region in which the frame origin of a piece of equipment may be placed, world frame, m.
 ///
-/// Height and yaw stay as they are. With `is_refined`, the outline is finer and takes longer.
+/// The region is given by closed rings; a point is inside if it lies in an odd number of rings. Height and
+/// yaw do not change. With `is_refined`, the outline is finer and takes longer.
 pub fn standing(
     workcell: &Workcell,
     layout: &Layout,

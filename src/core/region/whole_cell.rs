@@ -1,8 +1,8 @@
 //! Rotation of all pieces together about the base axis.
 //!
-//! The error of a robot with a level base does not change with a rotation about its first axis. So a layout that is
-//! turned as a whole about this axis keeps its errors, until a joint limit, an obstacle or the range of the search
-//! ends the rotation.
+//! The error of a robot with a level base does not change with a rotation about its first axis. So a layout
+//! that is rotated as a whole about this axis keeps its errors. A joint limit, an obstacle or the range of
+//! the search limits the rotation.
 
 use super::piece::Interval;
 use super::{RegionEffort, RoomEnd};
@@ -11,19 +11,19 @@ use crate::layout::HeldLayout;
 use crate::units::rad_from_deg;
 use std::f64::consts::PI;
 
-/// Rounding error of a coordinate, m and rad.
+/// Tolerance for the rounding error of a coordinate, m and rad.
 const ROUNDING: f64 = 1e-9;
 
-/// Angles by which all pieces of a layout may be turned together about the base axis, rad.
+/// Least and greatest angle by which all pieces of a layout may be rotated together about the base axis, rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WholeTurn {
     pub least: f64,
     pub most: f64,
-    /// Reason that limits the rotation on the nearer side.
+    /// Reason that limits the rotation in the direction in which it is smaller.
     pub ended: RoomEnd,
 }
 
-/// Returns how far all pieces may be turned together; None if a piece of an operation cannot be turned.
+/// Returns how far all pieces may be rotated together; None if a piece of an operation cannot be rotated.
 pub fn turn(held: &HeldLayout<'_>, most: f64) -> Option<WholeTurn> {
     let cell = &held.workcell().cell;
     let turns = |k: usize| {
@@ -53,7 +53,8 @@ pub fn turn(held: &HeldLayout<'_>, most: f64) -> Option<WholeTurn> {
     Some(WholeTurn { least: interval.low.0, most: interval.high.0, ended })
 }
 
-/// Returns a layout with some pieces turned about the base axis; None if a piece leaves the range of the search.
+/// Returns a layout with some pieces rotated by `angle` (rad) about the base axis; None if a piece leaves the
+/// range of the search.
 fn turned(cell: &Cell, layout: &Layout, pieces: &[usize], angle: f64) -> Option<Layout> {
     let (sin, cos) = angle.sin_cos();
     let mut turned = layout.clone();

@@ -68,7 +68,7 @@ pub struct Chain {
     /// Pose of D-H frame 0 in the base frame of the robot.
     pub mount: Pose,
     pub links: Vec<Link>,
-    /// Pose of every joint frame in the D-H frame before its row.
+    /// Pose of every joint frame in the D-H frame before the row of the joint.
     ///
     /// A joint frame is fixed to the link before the joint.
     pub joint_frames: Vec<Pose>,
@@ -109,7 +109,9 @@ impl Chain {
         }
     }
 
-    /// Returns this chain with the periodic errors of a set; their shares are parameters of the errors.
+    /// Returns this chain with the periodic errors of an error set.
+    ///
+    /// The factor of each periodic error is a parameter of the error set, so this function does not apply it.
     pub fn with_errors(mut self, set: &ErrorSet) -> Self {
         let errors = set.signed().into_iter().flat_map(|sample| &sample.periodic);
         self.periodic =
@@ -165,7 +167,7 @@ impl Chain {
         posture
     }
 
-    /// Returns a posture with its D-H coordinates changed by `by` (rad or m).
+    /// Returns the posture whose D-H coordinates (theta or r) are those of `posture` plus `by` (rad or m).
     pub fn displaced(&self, posture: &Posture, by: &JointVector) -> Posture {
         let mut displaced = *posture;
         for (i, link) in self.links.iter().enumerate() {
@@ -228,7 +230,7 @@ impl Chain {
 /// Returns the frame after a link: `T A`, where `T` is the frame `t` before the link and `A` the link
 /// transform.
 ///
-/// Products with entries of `A` that are always zero are skipped.
+/// Products with those entries of `A` that are always 0 are not computed.
 #[inline]
 fn step(t: &Pose, link: &Link, c: f64, s: f64, r: f64) -> Pose {
     let (x, y, z) = (t.rotation.column(0), t.rotation.column(1), t.rotation.column(2));

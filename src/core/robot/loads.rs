@@ -12,12 +12,12 @@ pub type Loads = [CarriedMass; MAX_JOINTS + 1];
 pub struct CarriedMass {
     /// Total mass, kg.
     pub mass: f64,
-    /// Sum of every mass times its centre in the frame, kg m.
+    /// Sum, over all masses, of the mass times the position of its centre in the frame, kg m.
     pub moment: Vector3<f64>,
 }
 
 impl CarriedMass {
-    /// Adds a mass (kg) with its centre in the frame (m).
+    /// Adds a mass (kg) whose centre is at the position `centre` (m) in the frame.
     pub fn add(&mut self, mass: f64, centre: &Vector3<f64>) {
         self.mass += mass;
         self.moment += centre * mass;

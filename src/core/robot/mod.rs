@@ -1,11 +1,11 @@
 //! Forward kinematics: the Denavit-Hartenberg chain with joint coupling.
 //!
 //! The transform of link i is `A_i = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i)`, eq. (1) of the seed paper. Here
-//! `R` is a rotation about, and `T` a translation along, the named axis. A chain of N links has the
-//! transform `T_N = A_1 A_2 ... A_N`, eq. (2).
+//! `q_i` is the joint angle theta of the link. `R` is a rotation about the named axis, and `T` is a
+//! translation along the named axis. A chain of N links has the transform `T_N = A_1 A_2 ... A_N`, eq. (2).
 //!
-//! A [`Posture`] holds sines and cosines instead of angles. An inverse kinematics that computes these
-//! directly never calls a trigonometric function.
+//! A [`Posture`] holds sines and cosines instead of angles. An inverse kinematics that computes sines and
+//! cosines directly calls no trigonometric function.
 
 mod chain;
 mod gravity;

@@ -24,7 +24,7 @@ impl PeriodicDeflection {
     /// after every link.
     pub fn at(&self, frames: &[Pose]) -> f64 {
         let (before, after) = (&frames[self.joint].rotation, &frames[self.joint + 1].rotation);
-        // The x axis after a Denavit-Hartenberg row is that before it, rotated by theta.
+        // The x axis after a Denavit-Hartenberg row is the x axis before the row, rotated by theta.
         let x = after.column(0);
         let (cos_theta, sin_theta) = (before.column(0).dot(&x), before.column(1).dot(&x));
         let (cos_zero, sin_zero) = self.zero;

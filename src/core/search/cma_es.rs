@@ -121,7 +121,8 @@ impl CmaEs {
             covariance += y * y.transpose() * (self.c_mu * w);
         }
         for (y, w) in steps[self.weights.len()..].iter().zip(&self.worse) {
-            // Scaled to the length of a typical step, so that no single bad step can spoil the covariance.
+            // The step is scaled to the length of a typical step, so that no single bad step can spoil the
+            // covariance.
             let length = (whiten * y).norm_squared().max(f64::MIN_POSITIVE);
             covariance += y * y.transpose() * (self.c_mu * w * n / length);
         }

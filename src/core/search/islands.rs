@@ -1,7 +1,7 @@
 //! Islands: searches of one cell that differ only in their seeds, merged into one result.
 //!
-//! The result depends on the islands and on their order by seed alone, not on when or where each was searched. The
-//! result of one island is the result of a plain search with its seed.
+//! The result depends only on the islands and on the order of their seeds. It does not matter when or where
+//! each island was searched. The result of one island is the result of a plain search with its seed.
 
 use super::pareto_front::{MAX_MEMBERS, Member, ParetoFront, differ};
 use super::problem::LOSS_DIGITS;
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Island {
     pub seed: u64,
-    /// Best layout of [`SearchRecord`].
+    /// Best layout, as in [`SearchRecord::best`].
     pub best: Layout,
     /// Cost of the best layout, with the penalty for infeasible layouts.
     pub cost: f64,
@@ -39,12 +39,12 @@ pub struct Island {
 pub struct IslandLayout {
     pub layout: Layout,
     pub cost: f64,
-    /// Losses in the goals of a Pareto search, as its front has them; otherwise empty.
+    /// Losses in the goals of a Pareto search, as in its front; otherwise empty.
     pub losses: Vec<f64>,
 }
 
 impl Island {
-    /// Makes an island of the result of a search with these settings.
+    /// Returns the island for the result of a search with these settings.
     pub fn new(settings: &SearchSettings, record: &SearchRecord) -> Self {
         let loss = |goal: Goal, values: &[f64]| {
             let value = Goal::ALL.iter().position(|g| *g == goal).and_then(|k| values.get(k));
@@ -68,8 +68,8 @@ impl Island {
         }
     }
 
-    /// Returns the order of islands: those with an accepted layout by their least objective, then the others by the
-    /// cost of their best layout.
+    /// Returns the key by which islands are sorted. Islands with an accepted layout come first, in the order
+    /// of their least objectives. The other islands follow in the order of the costs of their best layouts.
     fn rank(&self) -> (bool, f64) {
         (self.least.is_none(), self.least.unwrap_or(self.cost))
     }
@@ -111,7 +111,7 @@ pub fn merged(workcell: &Workcell, islands: &[Island], bound: Option<f64>) -> Op
     })
 }
 
-/// Returns the improvements of islands that are searched one after the other.
+/// Returns the trace that a search of all islands, one after the other, would have.
 fn trace(islands: &[Island]) -> Vec<(u64, f64)> {
     let (mut before, mut all): (u64, Vec<(u64, f64)>) = (0, Vec::new());
     for island in islands {
@@ -125,8 +125,8 @@ fn trace(islands: &[Island]) -> Vec<(u64, f64)> {
     all
 }
 
-/// Returns the members of all fronts that no member of another front dominates, spread over the front. Of equal
-/// members the first one stays.
+/// Returns the members of all fronts that no member of another front dominates, spread over the front. The
+/// first of equal members is kept.
 fn front<'i>(workcell: &Workcell, islands: &'i [Island]) -> Vec<&'i IslandLayout> {
     let settings = &workcell.cell.search;
     let space = SearchSpace::new(&workcell.cell);
@@ -139,8 +139,9 @@ fn front<'i>(workcell: &Workcell, islands: &'i [Island]) -> Vec<&'i IslandLayout
     front.spread(most).into_iter().filter_map(|m| place(m).map(|k| all[k])).collect()
 }
 
-/// Returns the best layouts of all shortlists, the layout of the best island first. A layout that is similar to a
-/// better one of another island is left out; the layouts of one island differ already.
+/// Returns the best layouts of all shortlists; the layout of the best island comes first. A layout that is
+/// similar to a better layout of another island is left out. The layouts of one island already differ from
+/// each other.
 fn shortlist<'i>(
     workcell: &Workcell,
     islands: &'i [Island],
@@ -150,7 +151,7 @@ fn shortlist<'i>(
     let space = SearchSpace::new(&workcell.cell);
     let numbered = islands.iter().enumerate().flat_map(|(k, i)| i.alternatives.iter().map(move |a| (k, a)));
     let mut all: Vec<(usize, &IslandLayout)> = numbered.collect();
-    // The best layout has the most room, which may cost a little of the objective.
+    // The best layout was chosen for its room, so its objective may be slightly larger than that of others.
     let is_first = |a: &IslandLayout| best.alternatives.first().is_some_and(|b| std::ptr::eq(a, b));
     all.sort_by(|(_, a), (_, b)| is_first(b).cmp(&is_first(a)).then(a.cost.total_cmp(&b.cost)));
     let mut kept: Vec<(usize, Vec<f64>, &IslandLayout)> = Vec::new();

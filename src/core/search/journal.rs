@@ -154,7 +154,7 @@ impl SearchJournal {
 
     /// Begins the next run of the global solver.
     pub fn begin_run(&mut self) {
-        // A run that ends before its journal does is not the one that was recorded.
+        // A run that ends before its journal does is not the run that was recorded.
         self.diverged |= self.knows();
         let Checkpoint { run, record, explored, asked, .. } = &mut self.checkpoint;
         *run += 1;
@@ -186,7 +186,7 @@ impl SearchJournal {
         let stopping = &self.checkpoint.stopping;
         let most = match self.phase {
             Phase::Explore => stopping.exploration(),
-            // An exploration that ended early leaves more of the budget.
+            // An exploration that ended early leaves more of the budget to the polish.
             Phase::Polish if stopping.keeps_more() => self.record.evaluations + stopping.polish(),
             Phase::Polish => stopping.budget,
         };

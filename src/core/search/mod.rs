@@ -4,7 +4,7 @@
 //! cost of a point is the cost of [`crate::layout::evaluate`], which includes a penalty for infeasible
 //! layouts. A global solver with restarts (CMA-ES by default) uses most of the budget. A Nelder-Mead polish
 //! of the best layout uses the remaining evaluations. The record keeps the best feasible layout of all
-//! evaluated points, even if the solver reports another layout. The same cell, seed and budget give the same
+//! evaluated points, even if the solver reports another layout. Equal cells, seeds and budgets give the same
 //! bytes for any number of threads.
 //!
 //! A Pareto search minimizes a different scalarization of its goals in every run, and offers every feasible
@@ -13,10 +13,10 @@
 //! therefore of every checkpoint. At the end a local search explores the neighbours of the layouts in the
 //! front or shortlist. Polish and local search together use a quarter of the budget.
 //!
-//! At the end, a search for one layout takes the layout with the most room among those with nearly the least
-//! objective. This phase evaluates further layouts, at most a quarter of the budget.
+//! At the end, a search for one layout selects the layout with the most room among those with nearly the
+//! least objective. This phase evaluates further layouts; their number is at most a quarter of the budget.
 //!
-//! Searches that differ only in their seeds ([`Island`]) are merged into one result.
+//! Searches that differ only in their seeds ([`Island`]) can be merged into one result.
 
 mod cma_es;
 mod islands;
@@ -177,7 +177,7 @@ pub fn search_job(
     }
     let least = best.evaluation.objective.filter(|_| best.evaluation.is_accepted());
     if let Some(least) = least.filter(|_| !stopped) {
-        // The room must not cost the gap that the user asks for.
+        // A layout with more room must not exceed the gap that the user requests.
         let gap =
             settings.gap.zip(bound).map(|(gap, bound)| bound * (1.0 + gap)).filter(|most| least <= *most);
         let found = (&space.point(&best.layout)[..], least, gap);

@@ -47,7 +47,8 @@ impl ParetoFront {
         Self { goals, members: Vec::new() }
     }
 
-    /// Returns the front of all these members, however many there are. Of equal members the first one stays.
+    /// Returns the front of the members `all`, whose number is not limited. The first of equal members is
+    /// kept.
     pub fn of_all(goals: Goals, all: &[Member]) -> Self {
         let is_better = |a: usize, b: usize| {
             covers(&all[a].losses, &all[b].losses) && (a < b || !covers(&all[b].losses, &all[a].losses))
@@ -79,8 +80,9 @@ impl ParetoFront {
         Some((0..first.losses.len()).map(span).collect())
     }
 
-    /// Adds a layout and returns true; returns false if a member is at least as good in every goal. If the
-    /// front becomes too large, the most crowded member is dropped.
+    /// Adds a layout and returns true. If a member is at least as good in every goal, returns false instead.
+    ///
+    /// If the front becomes too large, the most crowded member is dropped.
     pub fn take(&mut self, point: &[f64], losses: &[f64]) -> bool {
         if self.members.iter().any(|m| covers(&m.losses, losses)) {
             return false;

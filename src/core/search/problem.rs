@@ -19,7 +19,8 @@ use std::borrow::Borrow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Number of decimals to which a loss (m, rad, m2 or share) is rounded; smaller differences are rounding.
+/// Number of decimals to which a loss (m, rad, m2 or share) is rounded. Smaller differences are rounding
+/// errors.
 pub const LOSS_DIGITS: i32 = 9;
 
 /// Progress of a search.

@@ -59,7 +59,8 @@ pub struct Record {
     /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
     /// layout.
     pub trace: Vec<(u64, f64)>,
-    /// Longest series of evaluations so far without significant improvement, updated after each batch.
+    /// Length of the longest series of evaluations so far without significant improvement, updated after each
+    /// batch.
     pub stillness: u64,
     /// Number of evaluations and cost at the last significant improvement.
     ///
@@ -136,8 +137,8 @@ impl Record {
         enough.zip(self.best()).is_some_and(|(enough, best)| best <= enough)
     }
 
-    /// Returns whether the longest series of evaluations without improvement has reached the limit of the
-    /// stopping rules.
+    /// Returns whether the length of the longest series of evaluations without improvement has reached the
+    /// limit of the stopping rules.
     pub fn has_stagnated(&self, stopping: &Stopping) -> bool {
         stopping.stagnation.is_some_and(|n| self.stillness >= n)
     }

@@ -58,9 +58,9 @@ impl Scalarization {
 
 /// Returns the weights of the goals in a run; their sum is 1.
 ///
-/// In each of the first runs one goal has the weight 1, the other goals 0. Later weights are the differences
-/// between successive sorted coordinates of a Halton point. Such weights fill the simplex evenly (L. Devroye,
-/// Non-Uniform Random Variate Generation, 1986, section V.2).
+/// In each of the first runs, one goal has the weight 1 and the other goals have the weight 0. Later weights
+/// are the differences between successive sorted coordinates of a Halton point. Such weights fill the simplex
+/// evenly (L. Devroye, Non-Uniform Random Variate Generation, 1986, section V.2).
 pub fn weights(goals: usize, run: u64) -> Vec<f64> {
     if run < goals as u64 {
         return (0..goals as u64).map(|k| if k == run { 1.0 } else { 0.0 }).collect();

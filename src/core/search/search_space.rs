@@ -43,11 +43,11 @@ impl<'c> SearchSpace<'c> {
         self.variables.iter().map(|(slot, c)| share(c, layout.value(self.cell, *slot))).collect()
     }
 
-    /// Returns the point of the unit cube that represents the layout at `point`. The result is equal for all
-    /// points with this layout.
+    /// Returns the point of the unit cube that represents the layout at `point`. All points with the same
+    /// layout give the same result.
     ///
     /// A variable with a range takes the position of its rounded value. A variable with listed values takes
-    /// the middle of the interval that stands for its value.
+    /// the middle of the interval that represents its value.
     pub fn settled(&self, point: &[f64]) -> Vec<f64> {
         let shares = self.variables.iter().zip(point);
         shares.map(|((slot, c), u)| share(c, self.value(*slot, c, mirrored(*u)))).collect()
@@ -74,7 +74,7 @@ impl<'c> SearchSpace<'c> {
 
     /// Returns the points that differ from `point` in one variable with listed values.
     ///
-    /// Only the variables from index `from` on are changed.
+    /// Only the variables with index `from` or higher are changed.
     fn other_values(&self, point: &[f64], from: usize) -> Vec<Vec<f64>> {
         let beside = |k: usize| {
             let others = middles(self.variables[k].1).into_iter().filter(move |u| *u != point[k]);
@@ -136,18 +136,18 @@ fn with(point: &[f64], k: usize, u: f64) -> Vec<f64> {
     moved
 }
 
-/// Returns the positions in [0, 1] that stand for the listed values of a coordinate; none for a range.
+/// Returns the positions in [0, 1] that represent the listed values of a coordinate; empty for a range.
 fn middles(coordinate: &Coordinate) -> Vec<f64> {
     let Coordinate::List(values) = coordinate else { return Vec::new() };
     (0..values.len()).map(|k| middle(k, values.len())).collect()
 }
 
-/// Returns the middle of the interval of [0, 1] that stands for value `k` in a list of `count` values.
+/// Returns the middle of the interval of [0, 1] that represents value `k` in a list of `count` values.
 fn middle(k: usize, count: usize) -> f64 {
     (k as f64 + 0.5) / count as f64
 }
 
-/// Returns the position in [0, 1] that stands for a value of a coordinate.
+/// Returns the position in [0, 1] that represents a value of a coordinate.
 fn share(coordinate: &Coordinate, value: f64) -> f64 {
     match coordinate {
         Coordinate::Fixed(_) => 0.0,
@@ -163,7 +163,9 @@ fn share(coordinate: &Coordinate, value: f64) -> f64 {
 /// Largest number of decimals of a resolution in mm or degrees.
 const RESOLUTION_DIGITS: i32 = 9;
 
-/// Returns the multiple of `step` nearest to `value` inside a range; the nearer end if the range holds none.
+/// Returns the multiple of `step` inside a range that is nearest to `value`.
+///
+/// If the range contains no multiple, returns the number of the range that is nearest to `value`.
 ///
 /// `value` and `range` are in SI units, and `step` is in the unit of files.
 fn multiple(
@@ -181,7 +183,7 @@ fn multiple(
     from_file(rounded(count * step, RESOLUTION_DIGITS)).clamp(min, max)
 }
 
-/// Rounding error of a quotient of coordinate and resolution.
+/// Tolerance for the rounding error of the quotient of coordinate and resolution.
 const ROUNDING: f64 = 1e-9;
 
 /// Mirrors a number at 0 and 1 into [0, 1].

@@ -1,9 +1,9 @@
 //! Last phase of a search: among the layouts with nearly the least objective, it finds one with much room.
 //!
-//! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective is
-//! larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among them
-//! ([`estimated_room`]), and polls of the neighbours follow. Of the layouts with nearly the most room, the one with
-//! the most clearance is taken.
+//! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective
+//! is larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among them
+//! ([`estimated_room`]), and polls of the neighbours follow. The result is the layout with the most clearance
+//! among those with nearly the most room.
 //!
 //! The phase is a pure function of cell, settings and best layout, so a resumed search repeats it.
 
@@ -36,15 +36,16 @@ const POLL: f64 = 1.0 / 256.0;
 const POLLS: i32 = 4;
 /// Largest room that counts, m.
 const WIDEST: f64 = 0.25;
-/// Least limit of the rooms that count, m. The limit grows with the largest room found so far, up to [`WIDEST`].
+/// Largest room that counts at first, m. This limit grows with the largest room found so far, up to
+/// [`WIDEST`].
 const FIRST_WIDEST: f64 = 0.02;
 /// Share of the most room below which a room is not estimated accurately.
 const POOR: f64 = 0.3;
 /// Share of the most room at which a layout counts as equally roomy.
 const NEARLY: f64 = 0.98;
-/// Cost of a layout whose objective is too large; its room does not count.
+/// Least cost of a layout whose objective is too large. The room of such a layout does not count.
 const BEYOND: f64 = 1.0;
-/// Cost of a layout that is not feasible or misses a limit.
+/// Least cost of a layout that is not feasible or misses a limit.
 const UNUSABLE: f64 = 1e3;
 
 /// Maximization of the room among layouts with nearly the least objective.
@@ -52,7 +53,7 @@ struct RoomProblem<'a> {
     workcell: &'a Workcell,
     space: &'a SearchSpace<'a>,
     watch: &'a Watch<'a>,
-    /// Largest objective allowed.
+    /// Largest objective allowed, m, rad or a share.
     most: f64,
     state: Mutex<RoomState>,
 }
@@ -68,8 +69,9 @@ struct RoomState {
 
 /// Returns the layout of a search that has the most room among those with nearly the least objective.
 ///
-/// `best` is the point with the least objective, `least`. `bound` limits the objective, too, if it is given. The
-/// result is None if the room has no meaning for this search, or if the observer stops the search.
+/// `best` is the point with the least objective, `least`. If `bound` is given, it is a further upper limit of
+/// the objective. The result is None if the room has no meaning for this search, or if the observer stops the
+/// search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,
@@ -111,7 +113,7 @@ impl RoomProblem<'_> {
         most.map_or(otherwise.to_vec(), |(_, point)| point.clone())
     }
 
-    /// Polls the neighbours of the point with the most room until none has more.
+    /// Polls the neighbours of the point with the most room until no neighbour has more room.
     fn poll(&self, otherwise: &[f64]) {
         for halvings in 0..POLLS {
             let step = POLL / f64::from(1 << halvings);

@@ -1,4 +1,4 @@
-//! Shortlist: the best layouts that differ from each other by [`REALLY_DIFFERENT`].
+//! Shortlist: the best layouts that differ from each other by more than [`REALLY_DIFFERENT`].
 
 use super::pareto_front::differ;
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ impl Shortlist {
     /// The new layout replaces all similar layouts of greater cost. If the shortlist is too long, it drops
     /// the layout of greatest cost.
     pub fn take(&mut self, point: &[f64], cost: f64) {
-        // Among layouts of equal cost the first one stays.
+        // Among layouts of equal cost, the first one is kept.
         let place = self.members.partition_point(|m| m.0 <= cost);
         let full = place >= RESERVE_FACTOR * self.keep;
         if full || self.members[..place].iter().any(|m| !differ(&m.1, point, REALLY_DIFFERENT)) {

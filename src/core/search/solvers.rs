@@ -15,8 +15,8 @@ use rand_chacha::ChaCha8Rng;
 const SIGMA_FROM_FILE: f64 = 0.15;
 /// Initial step size of a global run of CMA-ES, as a share of the search range.
 const SIGMA: f64 = 0.3;
-/// Period of the restarts of CMA-ES. The first restart of each period is global, the others are local (see
-/// [`restart`]).
+/// Period of the restarts of CMA-ES. The first restart of each period is global, and the others are local
+/// (see [`restart`]).
 const RESTART_PERIOD: u64 = 3;
 /// Number of particles of a swarm.
 const PARTICLES: usize = 40;
@@ -94,10 +94,10 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
 /// Run 0 stays near the layout in the cell file. Later runs are global or local, as in BIPOP-CMA-ES (N.
 /// Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009).
 ///
-/// A global run finds wide minima of the cost. It has a large first step. The populations of successive
-/// global runs are 1, 2, 4 and 8 times the default, then 1 again.
+/// A global run has a large first step and finds wide minima of the cost. The populations of successive
+/// global runs are 1, 2, 4 and 8 times the default, and then the cycle begins again.
 ///
-/// A local run has the default population. Its first step is [`SIGMA`] times a random factor from 0.01 to 1.
+/// A local run has the default population. The first step is [`SIGMA`] times a random factor from 0.01 to 1.
 /// A run with a small first step can explore a small feasible region beside an obstacle.
 fn restart(run: u64, rng: &mut ChaCha8Rng) -> (f64, u32) {
     match run.checked_sub(1) {

@@ -1,9 +1,11 @@
 //! Groups of nearly equal points.
 
-/// Returns groups of points whose coordinates differ from those of the first member by at most `tolerance`.
+/// Returns groups of points, as indices. The coordinates of every member differ from those of the first
+/// member by at most `tolerance`.
 ///
-/// The first free point, in the order of the list, begins a group, and takes all free points near it. The groups
-/// and their members are in the order of the list. Points are slices of one length.
+/// The first point without a group, in the order of the list, begins a group. All points near it that have no
+/// group join this group. The groups and their members are in the order of the list. All points must have the
+/// same number of coordinates.
 pub fn clusters<P: AsRef<[f64]>>(points: &[P], tolerance: f64) -> Vec<Vec<usize>> {
     let spread = |k: usize| {
         let all = points.iter().filter_map(|p| p.as_ref().get(k));
@@ -11,7 +13,7 @@ pub fn clusters<P: AsRef<[f64]>>(points: &[P], tolerance: f64) -> Vec<Vec<usize>
         high - low
     };
     let dimensions = points.first().map_or(0, |p| p.as_ref().len());
-    // Neighbours are looked up along the coordinate with the greatest range.
+    // Candidates for neighbours are found by the coordinate with the greatest range.
     let widest = (0..dimensions).max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or(0);
     let along = |i: usize| points[i].as_ref().get(widest).copied().unwrap_or(0.0);
     let mut order: Vec<usize> = (0..points.len()).collect();

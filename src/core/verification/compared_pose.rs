@@ -3,14 +3,14 @@
 use crate::cell::JointVector;
 use nalgebra::Vector3;
 
-/// One measured position beside its prediction; vectors in the base frame of the robot, m.
+/// One measured position beside its prediction; vectors are in the base frame of the robot, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedPose {
     /// Row of the file, counted from 1.
     pub row: usize,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,
-    /// Number of the reflector among those of the session.
+    /// Index of the reflector in the session.
     pub reflector: usize,
     /// Position of the reflector for the nominal arm.
     pub nominal: Vector3<f64>,
@@ -18,7 +18,8 @@ pub struct ComparedPose {
     pub measured: Vector3<f64>,
     /// Predicted mean of the measured error, without the part that the fit of base and reflectors absorbs.
     pub predicted: Vector3<f64>,
-    /// Predicted size of the error: size of the mean, or its root mean square if deviations count.
+    /// Predicted size of the error, m: the length of [`Self::predicted`], or the root mean square of the
+    /// error if deviations count.
     pub size: f64,
     /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are predicted.
     ///

@@ -21,20 +21,22 @@ pub struct MeasuredComparison {
     /// Name of the session.
     pub name: String,
     pub poses: Vec<ComparedPose>,
-    /// Sizes of the measured errors.
+    /// Statistics of the sizes of the measured errors.
     pub measured: Accuracy,
-    /// Predicted sizes.
+    /// Statistics of the predicted sizes of the errors.
     pub predicted: Accuracy,
-    /// Sizes of the measured minus the predicted errors.
+    /// Statistics of the sizes of the differences between measured and predicted errors.
     pub residual: Accuracy,
-    /// Share of the poses inside their 95 % ellipsoids; None if no deviations are predicted.
+    /// Share of the poses whose measured error is inside its 95 % ellipsoid; None if no deviations are
+    /// predicted.
     pub coverage: Option<f64>,
-    /// Share of the poses inside the 95 % ellipsoids of deviations that change from pose to pose; None unless the
-    /// errors are measured.
+    /// Share of the poses whose measured error is inside the 95 % ellipsoid of deviations that change from
+    /// pose to pose. None unless the errors of the error set are measured.
     ///
     /// The covariance of a calibration contains its misfit, which changes with the posture.
     pub coverage_varying: Option<f64>,
-    /// Spearman correlation of predicted and measured sizes over all poses; None if all are equal.
+    /// Spearman correlation of predicted and measured sizes over all poses; None if all sizes of one kind are
+    /// equal.
     pub correlation: Option<f64>,
     pub ranking: SpotRanking,
     /// Repeated postures; None if no posture was visited twice.
@@ -51,7 +53,7 @@ impl MeasuredComparison {
         let (known, unknown) = (3 * measured.len(), SessionFrames::unknowns(measured));
         if known <= unknown {
             return Err(format!(
-                "{known} measured coordinates cannot determine base and reflectors, which are {unknown} unknowns"
+                "{known} measured coordinates cannot determine the {unknown} unknowns of base and reflectors"
             ));
         }
         let chain = errors.chain();
@@ -85,7 +87,7 @@ impl MeasuredComparison {
     }
 }
 
-/// Returns all poses of a session; `frames` is the fit of the nominal arm to the measured positions.
+/// Compares all poses of a session; `frames` is the fit of the nominal arm to the measured positions.
 fn compared(
     errors: &PredictedErrors,
     measured: &[MeasuredPosition],
@@ -125,7 +127,7 @@ fn compared(
             .map(|(((measured, predicted), pose), spread)| {
                 let by = frames.residual(&pose.interface, measured);
                 let mean = of_prediction.residual(&pose.interface, predicted);
-                // Rounding errors have no direction, size or rank.
+                // A mean this small is a rounding error, which has no direction, size or rank.
                 let mean = if mean.norm() < FINEST { Vector3::zeros() } else { mean };
                 let variance = spread
                     .filter(|_| errors.counts_deviations())
@@ -151,8 +153,9 @@ fn compared(
 
 /// Returns the covariances (m^2) of residuals whose random errors are independent from pose to pose.
 ///
-/// The fit of the frames adds a part of the errors of all poses to each. With F the Jacobian of the frames at one
-/// pose, S the covariance of its error and `N = sum F^T F`, the residual is `e - F N^-1 sum F^T e`.
+/// The fit of the frames adds a part of the errors of all poses to each residual. Let e be the error at one
+/// pose, F the Jacobian of the frames at this pose, and `N = sum F^T F`. The residual is `e - F N^-1 sum F^T
+/// e`.
 fn varying_spreads(columns: &[PositionJacobians]) -> Option<Vec<DMatrix<f64>>> {
     let frames = columns.first()?.1.ncols();
     let own: Vec<_> = columns.iter().map(|(of_chain, _)| of_chain * of_chain.transpose()).collect();
@@ -171,7 +174,7 @@ fn varying_spreads(columns: &[PositionJacobians]) -> Option<Vec<DMatrix<f64>>> {
     Some(columns.iter().zip(&own).map(residual).collect())
 }
 
-/// Returns whether a residual (m) is inside the 95 % ellipsoid of prediction and measurement.
+/// Returns whether a residual (m) is inside the 95 % ellipsoid of the errors of prediction and measurement.
 fn is_inside(residual: &Vector3<f64>, spread: &Matrix3<f64>, sigma: Option<f64>) -> bool {
     let own = sigma.unwrap_or(0.0).max(FINEST);
     let covariance = spread + Matrix3::identity() * own.powi(2);

@@ -22,7 +22,7 @@ pub struct PredictedErrors {
 }
 
 impl PredictedErrors {
-    /// Returns the errors that a cell gives its robot. Errors of the equipment are left out.
+    /// Returns the errors of the robot of a cell, without the errors of the equipment.
     pub fn new(cell: &Cell) -> Self {
         let sources = ErrorSources::of_robot(cell);
         let is_signed = cell.reading == Reading::Signed;
@@ -39,7 +39,7 @@ impl PredictedErrors {
         }
     }
 
-    /// Returns the chain of the robot with its tool, without errors.
+    /// Returns the nominal chain of the robot with its tool.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }
@@ -59,7 +59,8 @@ impl PredictedErrors {
         self.counts_deviations
     }
 
-    /// Returns the errors as motions of a reflector, given in the frame of the mechanical interface (m).
+    /// Returns the errors as displacements of a reflector. `reflector` is its position in the frame of the
+    /// mechanical interface, m.
     pub(super) fn at_reflector(&self, reflector: &Vector3<f64>) -> ReflectorErrors<'_> {
         let mut chain = self.chain.clone();
         chain.tool.translation = *reflector;
@@ -89,13 +90,13 @@ impl ReflectorErrors<'_> {
         self.chain.frames(&self.chain.posture(q))
     }
 
-    /// Returns the position error of the reflector by the mean errors, m, base frame.
+    /// Returns the position error of the reflector that the mean errors cause, m, base frame.
     pub fn mean(&self, frames: &Frames) -> Vector3<f64> {
         position_error(frames, &self.means, self.errors.model)
     }
 
-    /// Returns the displacement of the reflector by one standard deviation of each independent factor, m, base
-    /// frame.
+    /// Returns the displacements of the reflector that one standard deviation of each independent factor
+    /// causes, m, base frame.
     pub fn deviations(&mut self, frames: &Frames) -> Vec<Vector3<f64>> {
         self.expansion.set(frames);
         self.effects.set(&self.errors.sources, &self.expansion, false);

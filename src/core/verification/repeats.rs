@@ -5,7 +5,7 @@ use super::compared_pose::ComparedPose;
 use crate::cell::MAX_JOINTS;
 use nalgebra::Vector3;
 
-/// Number of cycles for which the standard defines its figures.
+/// Number of cycles with which ISO 9283 measures pose accuracy and pose repeatability.
 pub const CYCLES_OF_STANDARD: usize = 30;
 
 /// Difference of joint coordinates, rad or m, up to which two postures are the same command.

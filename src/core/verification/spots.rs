@@ -14,7 +14,7 @@ pub struct MeasuredSpot {
     pub poses: usize,
     /// Mean size of the measured errors, m.
     pub measured: f64,
-    /// Mean of the predicted sizes, m.
+    /// Mean of the predicted sizes of the errors, m.
     pub predicted: f64,
 }
 
@@ -23,7 +23,8 @@ pub struct MeasuredSpot {
 pub struct SpotRanking {
     /// Spots in the order of their first poses.
     pub spots: Vec<MeasuredSpot>,
-    /// Spearman correlation of predicted and measured errors; None if all are equal.
+    /// Spearman correlation of predicted and measured errors over all spots; None if all errors of one kind
+    /// are equal.
     pub correlation: Option<f64>,
     /// Spot with the least predicted error.
     pub chosen: MeasuredSpot,
@@ -38,9 +39,9 @@ pub struct SpotRanking {
 impl SpotRanking {
     /// Groups the poses into spots whose positions differ by at most `distance` (m) along every axis.
     ///
-    /// The command position of a pose is the position of its reflector, or of the TCP of the cell (`tcp`, base frame,
-    /// m). Of the two, the one that gives fewer spots is used. A programme commands the TCP, which is seldom the
-    /// reflector. Returns None without poses.
+    /// The command position of a pose is either the nominal position of its reflector, or that of the TCP of
+    /// the cell (`tcp`, base frame, m). The function uses the one that gives fewer spots. A robot program
+    /// commands the TCP, which is seldom at the reflector. Returns None if there are no poses.
     pub fn new(poses: &[ComparedPose], tcp: &[Vector3<f64>], distance: f64) -> Option<Self> {
         let of_reflector: Vec<[f64; 3]> = poses.iter().map(|pose| pose.nominal.into()).collect();
         let of_tcp: Vec<[f64; 3]> = tcp.iter().map(|p| (*p).into()).collect();

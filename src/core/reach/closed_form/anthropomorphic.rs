@@ -57,7 +57,7 @@ impl Anthropomorphic {
 
     /// Calls `found` with every solution (branch index, theta_1 to theta_3) for the wrist centre `p`.
     ///
-    /// `p` is in frame 0, m. Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if
+    /// `p` is in frame 0, m. Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if
     /// the arm leans back over its base. If the wrist centre lies on axis 1, theta_1 is free and becomes 0.
     ///
     /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast` is set,
@@ -143,11 +143,11 @@ impl Anthropomorphic {
         if asks_inner { outer.min(self.distance_from_circle(least, radius, height)) } else { outer }
     }
 
-    /// Returns the distance (m) from a target to the points where the wrist centre is at the distance `size` (m) from
-    /// axis 2, in the plane of the arm.
+    /// Returns the distance (m) from a target to the nearest position of the wrist centre that is at the
+    /// distance `size` (m) from axis 2.
     ///
-    /// Newton's method narrows every local minimum of a scan over the angle in this plane. Its interval always
-    /// contains a minimum, because the derivative has different signs at the ends.
+    /// Newton's method narrows every local minimum of a scan over the angle in this plane. The interval
+    /// always contains a minimum, because the derivative has different signs at the ends.
     fn distance_from_circle(&self, size: f64, radius: f64, height: f64) -> f64 {
         const MAX_STEPS: usize = 60;
         // Distance of the target, and two derivatives of half its square by the angle.

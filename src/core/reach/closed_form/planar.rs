@@ -149,10 +149,11 @@ impl PlanarArm {
 
     /// Calls `found` with every branch that puts the TCP at `target` (frame 0, m); joint limits are ignored.
     ///
-    /// Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if the arm leans back over
-    /// the base. Bits 2 to 5 number the attitudes in the plane of the arm. A tilted tool has two attitudes
-    /// for each elevation: it points along the heading theta_1 or opposite to it. The bits from 6 on number
-    /// the spins; a rolling arm takes only the first spins of `attitudes`, as many as `spins` holds.
+    /// Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if the arm leans back
+    /// over the base. Bits 2 to 5 number the attitudes in the plane of the arm. A tilted tool has two
+    /// attitudes for each elevation: it points along the heading theta_1 or opposite to it. The bits from 6
+    /// on number the spins; a rolling arm takes only the first spins of `attitudes`, as many as `spins`
+    /// holds.
     ///
     /// Returns the least distance, m, by which a branch misses the target; 0 if a branch reaches it.
     #[inline]
@@ -227,7 +228,7 @@ impl PlanarArm {
 }
 
 impl Roll {
-    /// Calls `found` for each of `spins` (rad), with the last axis turned so that the tool has that spin.
+    /// Calls `found` for each of `spins` (rad), with the last axis rotated so that the tool has that spin.
     fn turn(
         &self,
         set: &AttitudeSet,

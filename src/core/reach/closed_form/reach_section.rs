@@ -1,9 +1,9 @@
 //! Table of lower bounds of the distance from targets to the points that three revolute joints reach.
 //!
-//! Joint 1 rotates the reachable points about its axis. So a target is described by its radius and its height, and
-//! the reachable points by their cross-section in this half-plane. A square lattice of cells covers the
-//! cross-section. An exact distance transform gives, for each cell, the nearest cell that contains a sampled point
-//! (Felzenszwalb and Huttenlocher 2012).
+//! Joint 1 rotates the reachable points about its axis. So a target is described by its radius and its
+//! height. The reachable points are described by their cross-section in the half-plane of radius and height.
+//! A square lattice of cells covers the cross-section. An exact distance transform gives, for each cell, the
+//! nearest cell that contains a sampled point (Felzenszwalb and Huttenlocher 2012).
 
 use super::three_joint_point::{ThreeJointPoint, ThreeJointState};
 use nalgebra::Vector3;
@@ -81,7 +81,7 @@ impl ReachSection {
 
     /// Returns the postures from which a search for the reachable point nearest to `p` starts.
     ///
-    /// They are the samples of the cell of `p` and of the cells at its corners.
+    /// They are the sampled postures of the cell of `p` and of its four diagonal neighbours.
     pub fn starts<'a>(
         &'a self,
         point: &'a ThreeJointPoint,

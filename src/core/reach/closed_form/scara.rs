@@ -47,7 +47,7 @@ impl Scara {
         let ([a, b, c], [sliding]) = (&turning[..], &sliding[..]) else {
             return Err("it does not have three revolute joints and one prismatic joint".into());
         };
-        // The last row is checked, too, although its twist would rotate the flange alone.
+        // The last row is checked, too, although its twist would rotate only the flange.
         if chain.links.iter().any(|l| l.sin_alpha != 0.0) {
             return Err("its axes are not all parallel".into());
         }

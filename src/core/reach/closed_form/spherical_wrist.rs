@@ -78,13 +78,13 @@ impl SphericalWrist {
     /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed
     /// D-H values of the chain.
     ///
-    /// Bit 0 of the branch index is set if the wrist is flipped. For an anthropomorphic arm, bit 1 tells the
-    /// two elbow solutions apart, and bit 2 is set if the arm leans back over its base.
+    /// Bit 0 of the branch index is set if the wrist is flipped. For an anthropomorphic arm, bit 1
+    /// distinguishes the two elbow solutions, and bit 2 is set if the arm leans back over its base.
     ///
-    /// For other arms, bit 1 tells the two solutions for joint 2 apart. Bit 2 is set if the polynomial of Pieper's
-    /// equation increases at the solution for joint 3. If two roots of this equation have the same bit 2, bit 3 is
-    /// set for the second of the two. The order is ascending in theta_3 from -180 degrees, or in r_3 if joint 3 is
-    /// prismatic.
+    /// For other arms, bit 1 distinguishes the two solutions for joint 2. Bit 2 is set if the polynomial of
+    /// Pieper's equation increases at the solution for joint 3. If two roots of this equation have the same
+    /// bit 2, bit 3 is set for the second of the two. The order is ascending in theta_3 from -180 degrees, or
+    /// in r_3 if joint 3 is prismatic.
     ///
     /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
     /// No better numbering exists for a cuspidal arm, which can change posture without passing a singularity.
@@ -106,7 +106,8 @@ impl SphericalWrist {
         })
     }
 
-    /// Returns a variant of the solver that computes a lower bound of the distance, not the distance.
+    /// Returns a variant of the solver that computes only a lower bound of the distance that [`Self::solve`]
+    /// returns.
     pub fn fast(&self) -> Self {
         let mut fast = self.clone();
         match &mut fast.arm {
@@ -116,7 +117,8 @@ impl SphericalWrist {
         fast
     }
 
-    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns; much cheaper than a solution.
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. It is much cheaper than a
+    /// solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
         let centre = match &self.reversed {

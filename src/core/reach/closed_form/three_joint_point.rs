@@ -49,7 +49,7 @@ impl ThreeJointPoint {
         (self.seen_from(0, joints), moves)
     }
 
-    /// Sets joint 1 alone. A revolute joint turns the point to the heading of `p`; a prismatic joint moves
+    /// Sets only joint 1. A revolute joint rotates the point to the heading of `p`; a prismatic joint moves
     /// the point to the height of `p`.
     pub fn aim(&self, p: &Vector3<f64>, joints: &mut ThreeJointState) {
         let first = &self.links[0];

@@ -79,11 +79,11 @@ impl ThreeJoints {
 
     /// Calls `found` with every solution for the first three joints that puts the point at `p`.
     ///
-    /// `p` is in frame 0, m. Bit 0 of the branch index tells the two solutions for joint 2 apart. Bit 1 is set if the
-    /// polynomial of Pieper's equation increases at the solution for joint 3. If two roots of this equation have the
-    /// same bit 1, bit 2 is set for the second of the two. The order is ascending in theta_3 from -180 degrees, or in
-    /// r_3 if joint 3 is prismatic. The index of a solution in continuous motion changes only at a singularity or at
-    /// theta_3 = 180 degrees.
+    /// `p` is in frame 0, m. Bit 0 of the branch index distinguishes the two solutions for joint 2. Bit 1 is
+    /// set if the polynomial of Pieper's equation increases at the solution for joint 3. If two roots of this
+    /// equation have the same bit 1, bit 2 is set for the second of the two. The order is ascending in
+    /// theta_3 from -180 degrees, or in r_3 if joint 3 is prismatic. The index of a solution in continuous
+    /// motion changes only at a singularity or at theta_3 = 180 degrees.
     ///
     /// If the point lies on the axis of a joint, the angle theta of that joint is 0.
     ///
@@ -242,7 +242,7 @@ impl ThreeJoints {
         (angles.map(|theta| (theta, r2)), count)
     }
 
-    /// Returns the values of all three joints. A revolute joint 1 turns the point to the heading of the
+    /// Returns the values of all three joints. A revolute joint 1 rotates the point to the heading of the
     /// target. A prismatic joint 1 moves the point to the height of the target.
     fn joints(&self, target: &PointTarget, third: &Third, theta2: Angle, r2: f64) -> ThreeJointState {
         let links = &self.point.links;

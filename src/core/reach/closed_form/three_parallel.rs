@@ -106,8 +106,8 @@ impl ThreeParallel {
     ///
     /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory.
     ///
-    /// Bit 0 of the branch index tells the two elbow solutions apart. Bit 1 is set if sin theta_5 < 0. Bit
-    /// 2 tells the two solutions for theta_1 apart.
+    /// Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if sin theta_5 < 0. Bit
+    /// 2 distinguishes the two solutions for theta_1.
     ///
     /// If axis 6 is parallel to axis 2, theta_6 is free and bit 1 is 0. The solver sets theta_6 to 0 if the
     /// arm then reaches the target. If not, theta_6 puts the distance between axes 2 and 4 in the middle of

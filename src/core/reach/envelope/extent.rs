@@ -1,8 +1,8 @@
 //! Extent of a working envelope: least and greatest distance from the base axis, least and greatest height.
 //!
-//! The lattice of the envelope gives first points. From the best of them, compass searches over the reachable
-//! points find each of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The polled
-//! directions rotate by the golden angle, so that they also fit into a sharp tip of the envelope. The polling distance
+//! The lattice of the envelope gives sampled points. Compass searches from the best of these points find each
+//! of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The polled directions
+//! rotate by the golden angle, so that they also fit into a sharp tip of the envelope. The polling distance
 //! doubles after a gain.
 
 use crate::low_discrepancy::halton;
@@ -26,8 +26,8 @@ pub struct EnvelopeExtent {
     pub radius: (f64, f64),
     /// Least and greatest height of the envelope.
     pub height: (f64, f64),
-    /// Height at which the distance from the base axis is greatest. Its error can be as large as the distance between
-    /// sampled points, because the envelope is often round there.
+    /// Height at which the distance from the base axis is greatest. The error of this height can be as large
+    /// as the distance between sampled points, because the envelope is often round there.
     pub widest: f64,
     /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance between
     /// sampled points may be missed.
@@ -43,30 +43,30 @@ pub(super) struct RefinementEffort {
     pub failures: usize,
 }
 
-/// Points of an envelope, by which its extent is refined; N coordinates describe a point, m.
+/// Points of an envelope, from which its extent is refined; N coordinates describe a point, m.
 pub(super) struct SampledEnvelope<'a, const N: usize> {
     /// Sampled points in the envelope, or on its boundary.
     pub points: &'a [[f64; N]],
     /// Distance between sampled points, m.
     pub step: f64,
-    /// Distance from the base axis, and height, of a point.
+    /// Function that returns the distance of a point from the base axis and the height of the point, m.
     pub radius_and_height: fn(&[f64; N]) -> (f64, f64),
-    /// Whether the envelope contains a point.
+    /// Function that returns whether the envelope contains a point.
     pub contains: &'a (dyn Fn(&[f64; N]) -> bool + Sync),
     pub effort: RefinementEffort,
 }
 
-/// Length that is greatest at the point sought.
+/// Function of a point, m, whose greatest value is sought.
 type SoughtLength<'a, const N: usize> = dyn Fn(&[f64; N]) -> f64 + Sync + 'a;
 
 impl<const N: usize> SampledEnvelope<'_, N> {
-    /// Returns the refined extent; None without a sampled point.
+    /// Returns the refined extent; None if there is no sampled point.
     pub fn extent(&self) -> Option<EnvelopeExtent> {
         let of = self.radius_and_height;
         let goals: [&SoughtLength<'_, N>; 4] = [&|p| -of(p).0, &|p| of(p).0, &|p| -of(p).1, &|p| of(p).1];
         let found: Vec<[f64; N]> = goals.par_iter().map(|goal| self.farthest(goal)).collect::<Option<_>>()?;
         let [inner, outer, low, high] = [0, 1, 2, 3].map(|k| of(&found[k]));
-        // An envelope that comes so near to the base axis crosses it, as far as the accuracy tells.
+        // Within the accuracy, an envelope that comes so near to the base axis touches the axis.
         let least = if inner.0 < ACCURACY { 0.0 } else { inner.0 };
         Some(EnvelopeExtent {
             radius: (least, outer.0),

@@ -14,8 +14,8 @@ pub struct EnvelopeSection {
 
 /// Closed polygon, whose last point is joined to the first.
 ///
-/// The region lies to the left of the polygon: an outer boundary runs anticlockwise, the boundary of a hole
-/// clockwise.
+/// The region lies to the left of the polygon: an outer boundary runs anticlockwise, and the boundary of a
+/// hole runs clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     pub points: Vec<[f64; 2]>,
@@ -111,7 +111,7 @@ impl Lattice {
             held
         };
         let held: Vec<bool> = (0..rows).into_par_iter().flat_map_iter(row).collect();
-        // Edge 2 k runs from point k to the right, edge 2 k + 1 from point k upwards.
+        // From point k, edge 2 k runs to the right, and edge 2 k + 1 runs upwards.
         let level = |edge: usize| edge.is_multiple_of(2);
         let end = |edge: usize| edge / 2 + if level(edge) { 1 } else { columns };
         let closes = |k: usize| (k + 1).is_multiple_of(columns);

@@ -30,7 +30,7 @@ pub(super) fn turns_whole(inverse: &Inverse) -> bool {
     inverse.chain.links.first().is_some_and(|link| link.limits.1 - link.limits.0 >= TAU)
 }
 
-/// Arm whose joint 1 may turn freely, and the actual limits of joint 1 (rad).
+/// Arm whose joint 1 may rotate without limits, and the actual limits of joint 1 (rad).
 struct FreedArm {
     inverse: Inverse,
     limits: (f64, f64),
@@ -93,7 +93,7 @@ impl Envelope<'_> {
         Size { volume, error: (volume - coarse).abs(), symmetric: true, extent: sampled.extent() }
     }
 
-    /// Returns the effort to refine the extent.
+    /// Returns the effort for the refinement of the extent.
     fn effort(&self) -> RefinementEffort {
         match self.inverse.cost() {
             Cost::Low | Cost::Middle => RefinementEffort { starts: 4, failures: 8 },

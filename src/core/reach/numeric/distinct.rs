@@ -18,7 +18,7 @@ const CONTINUUM_SPACING: f64 = 0.1;
 /// Solution of the numeric solver, and the start posture that leads to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumericSolution {
-    /// Number of the start posture; the number of start postures is added if the descent was a full one.
+    /// Number of the start posture. For a full descent, the total number of start postures is added.
     pub start: usize,
     /// Joint coordinates, rad or m.
     pub joints: JointVector,

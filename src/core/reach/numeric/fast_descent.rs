@@ -33,7 +33,7 @@ impl Numeric {
     /// or needs more than [`MAX_STEPS`] steps.
     ///
     /// The damping is proportional to the cost `|e|^2 / 2`, where e is the twist from the TCP to the goal. No
-    /// step is tried and rejected, and the convergence stays quadratic (T. Sugihara 2011,
+    /// step is tried and rejected, and the convergence remains quadratic (T. Sugihara 2011,
     /// doi:10.1109/TRO.2011.2148230).
     pub(super) fn descend_fast(
         &self,

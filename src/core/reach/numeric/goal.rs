@@ -119,9 +119,9 @@ impl TcpGoal {
 pub(super) enum ConstrainedRotation {
     /// The goal constrains no rotation.
     Nothing,
-    /// Rotations about this unit vector alone.
+    /// The goal constrains only rotations about this unit vector.
     Along(Vector3<f64>),
-    /// Rotations that change the direction of this unit vector.
+    /// The goal constrains the rotations that change the direction of this unit vector.
     Across(Vector3<f64>),
     /// The goal constrains all rotations.
     All,
@@ -166,8 +166,8 @@ fn finite(v: &Vector3<f64>) -> bool {
     v.iter().all(|x| x.is_finite())
 }
 
-/// Returns the rotation vector (rad) of the rotation by the least angle that turns the unit vector `from` to
-/// `to`.
+/// Returns the rotation vector (rad) of the rotation by the least angle that rotates the unit vector `from`
+/// to `to`.
 pub fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let (cross, cosine) = (from.cross(to), from.dot(to));
     let sine = cross.norm();

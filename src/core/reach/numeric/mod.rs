@@ -93,7 +93,7 @@ impl Numeric {
         if self.spans(&goal) {
             for (tried, (number, start)) in self.starts.ranked(&goal, self.scale).enumerate() {
                 if tried == STARTS_BEFORE_REACH && distinct.found.is_empty() {
-                    // Most goals that so many descents miss are out of reach, which a few full descents tell.
+                    // Most goals that so many descents miss are out of reach, as a few full descents show.
                     if let Some(by) = self.out_of_reach(&goal, &mut frames) {
                         return Shortfall::OutOfReach { by };
                     }
@@ -142,10 +142,11 @@ impl Numeric {
         })
     }
 
-    /// Returns the solution that a descent from `start` leads to. The joint with the index `held` stays where it is.
+    /// Returns the solution that a descent from `start` leads to. The joint with the index `held` does not
+    /// move.
     ///
     /// # Errors
-    /// Returns how far the descent stays from the goal if it leads to no solution.
+    /// Returns the remaining errors of position and orientation if the descent leads to no solution.
     pub fn following(
         &self,
         goal: &TcpGoal,

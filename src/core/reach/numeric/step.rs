@@ -12,7 +12,7 @@ pub(super) type StepBounds = [(f64, f64); MAX_JOINTS];
 
 /// Returns a step d within `bounds` that approximately minimizes `d^T H d / 2 - b . d`.
 ///
-/// The lower triangle of H is `h`. The method is an active-set method in which a bound, once active, stays
+/// The lower triangle of H is `h`. The method is an active-set method in which a bound, once active, remains
 /// active. A joint whose step violates a bound is fixed at the bound, and the step of the other joints is
 /// computed again. The result is None if H is not positive definite.
 pub(super) fn bounded_step(

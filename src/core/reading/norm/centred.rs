@@ -1,9 +1,10 @@
 //! Lower bounds of figures of the norm of a centred normal vector, from its variances alone.
 //!
-//! The norm depends on the eigenvalues of the covariance only. With the largest eigenvalue as unit, a figure is a
-//! function of one ratio in a plane and of two in space. It never decreases with a ratio (T. W. Anderson, Proc. Amer.
-//! Math. Soc. 6 (1955) 170-176), so the sample below the ratios is a lower bound. In a plane it is at most 0.2 % below
-//! the figure, in space at most 3 %.
+//! The norm depends only on the eigenvalues of the covariance. With the largest eigenvalue as unit, a figure
+//! is a function of one ratio of eigenvalues in a plane, and of two ratios in space. The figure never
+//! decreases if a ratio increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176). So the sample at
+//! the next smaller ratios is a lower bound. This bound is at most 0.2 % below the figure in a plane, and at
+//! most 3 % in space.
 
 use super::NormDistribution;
 use crate::cell::Quantity;
@@ -14,7 +15,7 @@ use std::sync::OnceLock;
 const PLANE_STEPS: usize = 2048;
 /// Number of intervals of each ratio in space.
 const SPACE_STEPS: usize = 96;
-/// Relative error that an eigenvalue may have.
+/// Largest relative rounding error of an eigenvalue.
 const ROUNDING: f64 = 1e-7;
 /// Quantities with a table.
 const QUANTITIES: [Quantity; 3] = [Quantity::Mean, Quantity::P95, Quantity::P99];
@@ -27,7 +28,7 @@ pub type CovarianceEntries = [f64; 6];
 pub struct CentredBound {
     quantity: Quantity,
     rows: usize,
-    /// Samples of the quantity; None for the RMS, which needs none.
+    /// Samples of the quantity; None for the RMS, which needs no samples.
     table: Option<&'static [f64]>,
 }
 
@@ -104,7 +105,8 @@ fn samples(quantity: Quantity, rows: usize) -> Vec<f64> {
         _ => {
             let each = 0..=SPACE_STEPS;
             let pairs = each.clone().flat_map(|j| each.clone().map(move |k| (j, k)));
-            // The second ratio never exceeds the first; such entries repeat the diagonal.
+            // The second ratio never exceeds the first. Entries with a larger second ratio repeat the
+            // diagonal.
             let both = |(j, k)| sample([ratio(j, SPACE_STEPS), ratio(k, SPACE_STEPS)]);
             pairs.map(both).collect()
         }

@@ -59,7 +59,8 @@ impl ConditionalScratch {
 
     /// Returns memory for errors of `m` components at `points`; enlarges the memory if it is too small.
     fn at_least(&mut self, m: usize, points: &PointSet) -> &mut [f64] {
-        // The weights, the component along the dominating effect and at least one component across it.
+        // The memory holds the weights, the component along the dominating effect, and at least one component
+        // perpendicular to this effect.
         let size = (1 + m.max(2)) * points.count;
         if self.0.len() < size {
             self.0.resize(size, 0.0);
@@ -197,7 +198,7 @@ fn antiderivatives(s: f64, r: f64) -> [f64; 2] {
     [0.5 * (s * q + r * turn), q * q * q / 6.0 + 0.5 * r * (s * turn - q)]
 }
 
-/// Householder reflection that turns a vector onto the first axis.
+/// Householder reflection that maps a vector onto the first axis.
 struct Reflection {
     normal: Vector6<f64>,
     scale: f64,
@@ -218,7 +219,7 @@ impl Reflection {
 /// Writes three figures of each point: its weight, the first component of the error, and the squared length
 /// of the other components.
 ///
-/// The error is the sum of `mean` and all `terms`. Its components are those after `reflection`; `mean` is
+/// The error is the sum of `mean` and all `terms`. The components are those after `reflection`; `mean` is
 /// already reflected.
 fn sample(
     m: usize,

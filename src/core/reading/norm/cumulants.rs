@@ -49,7 +49,7 @@ pub struct Cumulants {
 /// Sums over the parameters k, for combinations of the axes a, b, c and d.
 ///
 /// `g_ka` is the component of the effect of parameter k along axis a. `gamma_k` is the fourth cumulant of
-/// this parameter, `six_k` the sixth.
+/// this parameter, and `six_k` is the sixth cumulant.
 struct Sums {
     /// Sum over k of `gamma_k g_ka g_kb g_kc g_kd` (symbols of [`Sums`]) for each a <= b <= c <= d, in
     /// lexicographic order.
@@ -111,7 +111,7 @@ impl Cumulants {
     /// Returns the contribution of the fourth cumulants to the variance of `|e - mu|^2`: `sum gamma_k
     /// |g_k|^4`.
     ///
-    /// Here `mu` is the mean of `e`, and `g_k` the effect and `gamma_k` the fourth cumulant of parameter k.
+    /// Here `mu` is the mean of `e`. Parameter k has the effect `g_k` and the fourth cumulant `gamma_k`.
     pub fn variance(&self) -> f64 {
         2.0 * self.two.iter().sum::<f64>()
     }

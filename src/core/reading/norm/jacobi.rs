@@ -32,7 +32,7 @@ pub fn covariance(m: usize, columns: &[Vector6<f64>], scale: f64) -> [[f64; 6]; 
     s
 }
 
-/// Leaves the eigenvalues on the diagonal of `s` and returns the eigenvectors as rows.
+/// Diagonalizes `s`, whose diagonal then holds the eigenvalues, and returns the eigenvectors as rows.
 pub fn diagonalize(m: usize, s: &mut [[f64; 6]; 6]) -> [[f64; 6]; 6] {
     let mut axes = [[0.0; 6]; 6];
     for (i, axis) in axes.iter_mut().enumerate() {

@@ -19,7 +19,7 @@ use nalgebra::Vector6;
 
 /// Number of generators up to which all combinations of signs are tried.
 const MAX_EXHAUSTIVE: usize = 11;
-/// Largest number of nodes in the search of a subproblem, which leaves out the largest generators.
+/// Largest number of nodes in the search of a subproblem. A subproblem leaves out the largest generators.
 const MAX_SUBPROBLEM_NODES: usize = 20_000;
 /// Largest number of nodes in the search over all generators.
 const MAX_NODES: usize = 200_000;

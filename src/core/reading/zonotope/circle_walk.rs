@@ -1,5 +1,5 @@
-//! Search for the signs with which the sum of the generators is longest: a walk round a zonogon in 2-D, walks
-//! along great circles in 3-D.
+//! Search for the signs with which the sum of the generators is longest: a walk around a zonogon in 2-D, and
+//! walks along great circles in 3-D.
 
 use super::{MAX_GENERATORS, PERPENDICULAR, climb};
 use nalgebra::Vector3;

@@ -7,7 +7,7 @@ pub(super) const WIDTH: usize = 6;
 
 /// Sums of up to six generators with all combinations of signs, in blocks of four.
 ///
-/// Each stored sum also stands for its negative.
+/// Each stored sum also represents its negative.
 pub(super) struct SignTable<const M: usize> {
     blocks: [SignBlock<M>; 1 << (WIDTH - 3)],
     used: usize,
