@@ -15,7 +15,7 @@ pub fn data(text: &str) -> Result<(), Exit> {
     written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
-/// Reports on stderr if a write to stdout has failed. A closed pipe (`| head`) is not an error.
+/// Reports a failed write to stdout on stderr. A closed pipe (`| head`) is not an error.
 pub fn written(result: std::io::Result<()>) -> Result<(), Exit> {
     match result {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -45,7 +45,7 @@ pub fn last_error() -> Option<String> {
     LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
 }
 
-/// Prints the faults of files and their number.
+/// Prints the faults of files and the number of errors.
 pub fn faults(faults: &[Fault]) {
     for fault in faults {
         talk(&format!("{fault}\n"));

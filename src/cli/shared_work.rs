@@ -142,7 +142,7 @@ struct WatchedClaim {
     silent: Duration,
 }
 
-/// What the claim of another worker means for this worker.
+/// Meaning of another worker's claim for this worker.
 enum ClaimVerdict {
     Finished,
     Wait,

@@ -74,7 +74,7 @@ pub fn stored_plan(folder: &Path) -> Result<SweepPlan, Exit> {
         let folder = path_word(folder);
         output::error(&format!("{folder} has no {PLAN}: it is not the folder of a sweep"));
         output::talk(&format!(
-            "  help: sweetspot sweep CELL --set PATH=A,B --out {folder} --plan-only writes it"
+            "  help: sweetspot sweep CELL --set PATH=A,B --out {folder} --plan-only writes a plan"
         ));
         Exit::BadInput
     })

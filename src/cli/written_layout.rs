@@ -10,7 +10,7 @@ use crate::layout::{Evaluation, Workcell, evaluate};
 use crate::search::EvaluatedLayout;
 use std::path::Path;
 
-/// Refuses best.toml unless its map equals the map of the search in every bit.
+/// Refuses best.toml unless its map equals the map of the search bit for bit.
 pub fn check_best(file: &Path, packages: &PackageFolders, best: &Assessment<'_>) -> Result<(), Exit> {
     let workcell = read_again(file, packages)?;
     let again = Assessment::new(&best.label, &workcell, workcell.cell.start());

@@ -25,7 +25,8 @@ const ROUNDING: f64 = 1e-9;
 /// Least area of an outline, m2.
 const MIN_AREA: f64 = 1e-8;
 
-/// FloorOutline with its layer as the drawing writes it, and the line of the drawing at which it begins.
+/// Outline of a floor plan, with its layer as the drawing writes it, and the line of the file at which
+/// it begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloorOutline {
     pub layer: String,
@@ -111,7 +112,7 @@ pub fn outlines(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64, tol
 const CLOSED: &str =
     "draw obstacles as closed polylines, circles, or lines and arcs whose ends meet within 0.01 mm";
 
-/// Returns an open path in m, unless it is shorter than a joint.
+/// Returns an open path in m, unless it is shorter than [`JOINT`].
 fn moved(path: &PlanPath, map: &PlaneMap, line: usize) -> Option<OpenPath> {
     let sign = if map.mirrors() { -1.0 } else { 1.0 };
     let vertex = |v: &PathVertex| PathVertex { at: map.of(&v.at), bulge: sign * v.bulge };
