@@ -82,8 +82,8 @@
 //!   file, line and column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
 //!   cost and a reason, never a panic, an `Err`, NaN or infinity.
-//! - Out of reach, joint limit, orientation, not converged and collision are different results. A joint limit
-//!   names the joint, a collision names the solids.
+//! - Out of reach, joint limit, orientation, not converged and collision are different results. A joint
+//!   limit names the joint, and a collision names the solids.
 //! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two
 //!   types.
 //! - Errors are computed directly as small motions, never as the difference of two nearly equal numbers.
@@ -115,9 +115,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Study`] and the documents in [`record`] change only with the version of the format that they state, and with the
-//! major version. The modules below them are documented for those who build on them, and may change with any version.
-//! What serves only the command line is hidden from this documentation.
+//! [`Study`] and the documents in [`record`] change only with the version of the format that they state,
+//! and with the major version. The modules below them are documented for those who build on them, and
+//! may change with any version. Items that serve only the command line are hidden from this
+//! documentation.
 //!
 //! The modules below give more, such as the error at every node:
 //!

@@ -168,10 +168,14 @@ impl StoppedSearch {
         let fit = self.content.state.check(SearchSpace::new(&workcell.cell).dimensions(), &rules);
         fit.map_err(|unfit| {
             let why = match unfit {
-                Unfit::Dimensions { has, needs } => format!("the checkpoint has {has} search variables, \
-                but the cell has {needs}"),
-                Unfit::Budget { used } => format!("{used} layouts have been evaluated already, more than \
-                --budget"),
+                Unfit::Dimensions { has, needs } => format!(
+                    "the checkpoint has {has} search variables, \
+                but the cell has {needs}"
+                ),
+                Unfit::Budget { used } => format!(
+                    "{used} layouts have been evaluated already, more than \
+                --budget"
+                ),
                 Unfit::Kept => "the stopped search had other goals, or kept another number of layouts".into(),
                 Unfit::Ended(ended) => {
                     format!("these stopping rules would have ended the search earlier: {}", ended.in_words())
@@ -229,8 +233,10 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
         let (theirs, ours) = (shown(&header.version), env!("CARGO_PKG_VERSION"));
         return Err((
             1,
-            format!("it was written by sweetspot {theirs}, but this is {ours}: the steps of the search may \
-            differ"),
+            format!(
+                "it was written by sweetspot {theirs}, but this is {ours}: the steps of the search may \
+            differ"
+            ),
         ));
     }
     if loading::sha256(second) != header.sha256 {

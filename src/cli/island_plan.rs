@@ -99,8 +99,10 @@ fn refuse_flags(a: &SearchArguments, parent: &Path) -> Result<(), Exit> {
         "{} cannot be used with the islands in {parent}: the plan of the islands states the flags",
         given.join(", ")
     ));
-    output::talk("  help: leave this out, or start other islands in a new folder with CELL, --islands and \
-    --out");
+    output::talk(
+        "  help: leave this out, or start other islands in a new folder with CELL, --islands and \
+    --out",
+    );
     Err(Exit::BadInput)
 }
 

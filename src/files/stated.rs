@@ -135,7 +135,7 @@ pub fn read_conf(file: &str, text: &str) -> Result<StatedCalibration, Vec<Fault>
     faults.or(StatedCalibration::Rows { theta, a, d, alpha })
 }
 
-/// Returns the lines with a content, each with its number, without comments.
+/// Returns the lines that are not empty, each with its number and without its comment.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let bare = |line: &'_ str| line.find('#').unwrap_or(line.len());
     let all = text.lines().enumerate().map(move |(k, line)| (k + 1, line[..bare(line)].trim_end()));

@@ -96,8 +96,10 @@ pub fn init_own(given: &Path, a: &InitArguments) -> Result<Exit, Exit> {
     let found = placed(&own, &command);
     bar.finish_and_clear();
     let Some(found) = found else {
-        output::error(&format!("no place was found for a table that the arm {} can reach", \
-        shown(&robot.name)));
+        output::error(&format!(
+            "no place was found for a table that the arm {} can reach",
+            shown(&robot.name)
+        ));
         output::talk(&format!(
             "  help: look at its reach: sweetspot envelope {}; name the link of the tool with --tip LINK",
             path_word(&path)
@@ -166,8 +168,7 @@ fn of_robot_file(path: &Path, a: &InitArguments) -> Result<OwnRobot, Exit> {
     let files: Vec<_> =
         sources.into_iter().map(|source| (format!("robots/{}", source.path), source.bytes)).collect();
     let file = files.first().map_or(String::new(), |(name, _)| name.clone());
-    let about_errors =
-        "# The first set of tolerances in the robot file, or else its first error set.".into();
+    let about_errors = "# The first set of tolerances in the robot file, or else its first error set.".into();
     Ok(OwnRobot { robot, file, files, errors, about_errors, is_signed, is_guessed: false })
 }
 

@@ -67,8 +67,8 @@ pub fn session(
     let still: Vec<_> = still.iter().map(|&k| shown(&robot.joints[k].name)).collect();
     if !still.is_empty() {
         output::talk(&format!(
-            "warning: {name}: no movement of {}: errors of a joint that never moves cannot be told apart \
-            from those of its neighbours",
+            "warning: {name}: joints that never move: {}; their errors cannot be distinguished from those of \
+            their neighbours",
             still.join(", ")
         ));
     }

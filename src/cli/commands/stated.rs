@@ -158,9 +158,11 @@ fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, Stri
     let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     let chain = Chain::new(robot);
     if chain.axes() != 6 {
-        let message =
-            format!("the file describes a six-axis arm, but {} has {} axes", shown(&robot.name), \
-            chain.axes());
+        let message = format!(
+            "the file describes a six-axis arm, but {} has {} axes",
+            shown(&robot.name),
+            chain.axes()
+        );
         return Err(refuse(vec![Fault::of_file(&file, message, "give the robot of the calibration")]));
     }
     match stated {

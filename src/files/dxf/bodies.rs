@@ -47,7 +47,10 @@ pub fn bodies(outlines: &[FloorOutline], height: f64) -> Result<Vec<PlanBody>, D
             OutlineShape::Circle { centre, radius } => all.push(cylinder(name, *centre, *radius, height)),
             OutlineShape::Polygon(corners) => {
                 let parts = convex_parts(corners).ok_or_else(|| {
-                    let message = format!("layer `{}`: an outline cannot be divided", shown(&outline.layer));
+                    let message = format!(
+                        "layer `{}`: an outline cannot be divided into convex parts",
+                        shown(&outline.layer)
+                    );
                     DxfFault::new(
                         outline.line,
                         message,

@@ -68,7 +68,8 @@ pub fn read(
     if faults.is_empty() { Ok(reader.finished()) } else { Err(faults) }
 }
 
-/// Returns whether a column has another name in most rows: then it names postures, not reflectors.
+/// Returns whether a column has a different name in most rows. Such a column names postures, not
+/// reflectors.
 fn identifies_rows(grid: &FieldGrid<'_>, column: usize) -> bool {
     let names: HashSet<_> =
         grid.lines.iter().filter_map(|line| grid.fields(line).get(column).copied()).collect();
@@ -196,7 +197,7 @@ pub fn joint_fields(
     for (q, &place) in joints.iter_mut().zip(places) {
         let Some(field) = fields.get(place) else {
             let message =
-                format!("the row has {} fields, and the table {} columns", fields.len(), header.len());
+                format!("the row has {} fields, but the table has {} columns", fields.len(), header.len());
             return Err((message, "give every row as many fields as the table has columns".into()));
         };
         match FieldValue::read(field) {

@@ -76,7 +76,7 @@ fn place(
     Some(place)
 }
 
-/// Records a fault for every compliance of a prismatic joint that is not 0.
+/// Records a fault for every nonzero compliance of a prismatic joint.
 fn refuse_sliding(at: At, compliances: &[f64], arm: ErrorRows<'_>, t: &mut Table) {
     let pairs = arm.joints.iter().zip(compliances).enumerate();
     for (i, (joint, _)) in pairs.filter(|(_, (j, v))| j.kind == JointKind::Prismatic && **v != 0.0) {

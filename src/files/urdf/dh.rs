@@ -1,9 +1,9 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! If all joint coordinates are 0, the joint axes are fixed lines. Row k has the angle theta, the axial
-//! offset r, the common normal l and the twist alpha. The row leads from a frame with z along axis k to a
-//! frame with z along the next axis. The x axis of the second frame lies along the common normal of the two
-//! axes. If this definition leaves a choice, the following rules apply:
+//! With all joint coordinates at 0, the joint axes are fixed lines. Row k has the angle theta, the axial
+//! offset r, the common normal l and the twist alpha. The row leads from a frame with z along axis k to
+//! a frame with z along the next axis. The x axis of the second frame lies along the common normal of
+//! the two axes. If this definition leaves a choice, the following rules apply:
 //!
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is the
 //!   projection of the base x axis onto the plane perpendicular to axis 1. If axis 1 is within 26 degrees of
