@@ -60,7 +60,7 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
     Ok(loaded)
 }
 
-/// Refuses the sense that a flag states if an operation's limit in the cell file has another unit than that
+/// Refuses the sense of a flag if the limit of an operation in the cell file has another unit than that
 /// sense.
 ///
 /// `cell` has the sense of the flag; `drawn` is the cell file without flags. Otherwise the search would

@@ -256,8 +256,8 @@ pub fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     sync(folder_of(path))
 }
 
-/// Writes a file atomically unless it exists. Returns whether the file is new. Of several programs that do this
-/// at the same time, one writes the file.
+/// Writes a file atomically unless it exists. Returns whether the file is new. If several programs do
+/// this at the same time, one of them writes the file.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<bool, Exit> {
     let write = || match unfinished(path, bytes)?.persist_noclobber(path) {
         Ok(_) => sync(folder_of(path)).map(|()| true),

@@ -56,15 +56,16 @@ pub fn faults(faults: &[Fault]) {
     }
 }
 
-/// Prints the warnings of the import of a URDF; warnings of one kind, which have the same help, are printed as one.
+/// Prints the warnings of the import of a URDF. Warnings of one kind, which have the same help, are
+/// printed as one.
 pub fn import_warnings(warnings: &[Fault]) {
     for Fault { file, message, help, .. } in grouped_by_help(warnings) {
         talk(&format!("{}: warning: {message}\n  help: {help}", shown(&file)));
     }
 }
 
-/// Returns the first warning of each kind of the import of a URDF, with the number of others; warnings of one kind have
-/// the same help.
+/// Groups the warnings of the import of a URDF by kind; warnings of one kind have the same help. Returns
+/// the first warning of each kind, with the number of the others.
 pub fn grouped_by_help(warnings: &[Fault]) -> Vec<Fault> {
     let mut kinds: IndexMap<&str, Vec<&Fault>> = IndexMap::new();
     for warning in warnings.iter().filter(|fault| fault.kind == FaultKind::Import) {

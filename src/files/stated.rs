@@ -27,7 +27,7 @@ const DELTAS: [&str; 4] = ["delta_theta", "delta_a", "delta_d", "delta_alpha"];
 /// Magnitude from which a number is neither a length (m) nor an angle (rad) of an arm.
 const TOO_LARGE: f64 = 1e4;
 
-/// Largest number of lines of such a file.
+/// Largest number of lines of a file that states a calibration.
 const MAX_LINES: usize = 1000;
 
 /// Largest number of faults listed for one file.

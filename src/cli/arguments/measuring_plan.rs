@@ -1,4 +1,4 @@
-//! Arguments of `calibrate` that plan measuring poses, or choose among measured ones.
+//! Arguments of `calibrate` that plan measuring poses, or choose among measured poses.
 
 use super::value_parsers::measure;
 use clap::Args;
@@ -21,7 +21,8 @@ pub struct MeasuringPlanFlags {
         conflicts_with_all = ["data", "test", "poses", "choose", "column", "toml", "harmonics", "svg"]
     )]
     pub plan: Option<u64>,
-    /// Use only this many rows of every table, the most informative ones, as if no others had been measured
+    /// Use only this many of the most informative rows of every table, as if no other row had been
+    /// measured
     #[arg(
         long,
         value_name = "N",

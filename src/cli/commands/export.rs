@@ -37,7 +37,7 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     use ExportFormat::{Dxf, Fanuc, Glb, Krl, Pdf, Rapid, Urscript};
     let next = match a.to {
         Glb => Dxf,
-        // The fitter places by this drawing the equipment whose frames the controller has.
+        // With this drawing, the fitter places the equipment whose frames the controller has.
         Krl | Rapid | Urscript | Fanuc => Pdf,
         _ => Glb,
     };

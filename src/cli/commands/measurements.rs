@@ -156,7 +156,7 @@ fn remarks(
             rounded(deg_from_rad(of.rms), 3)
         ));
     }
-    // If the robot base is this near to their origin, the positions are not those of a distant tracker.
+    // A robot base this near to the origin of the positions excludes the frame of a distant tracker.
     if reading.base.translation.norm() < NEAR_BASE {
         let axis = reading.base.rotation.column(0).into_owned();
         let is_turned = axis.x < -UPRIGHT;

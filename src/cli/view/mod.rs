@@ -183,8 +183,8 @@ impl LiveView {
         Ok(json!({ "regions": RegionEntry::all(&a), "whole_cell": TurnEntry::new(&a) }))
     }
 
-    /// Returns the outlines, in plan and in mm, within which a piece may stand while the rest of the
-    /// layout is unchanged.
+    /// Returns the outlines, in plan and in mm, of the region in which a piece may stand. The rest of
+    /// the layout is unchanged.
     fn standing(&self, asked: &StandingBody) -> Result<Value, String> {
         let (workcell, layout) = self.shown()?;
         if asked.equipment >= workcell.cell.equipment.len() {

@@ -35,7 +35,7 @@ pub struct PlanBody {
 /// Returns the bodies of the outlines. An outline that is not convex is divided into convex parts.
 ///
 /// # Errors
-/// Fails if there are too many bodies, or if an outline cannot be divided.
+/// Fails if there are too many bodies, or if an outline cannot be divided into convex parts.
 pub fn bodies(outlines: &[FloorOutline], height: f64) -> Result<Vec<PlanBody>, DxfFault> {
     let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut all = Vec::new();

@@ -1,9 +1,9 @@
 //! Polygons that replace outlines with arcs and contain them.
 //!
 //! Tangents replace an arc that bulges out of the outline, and chords replace an arc that bulges into
-//! it. Both lie on the outer side of the arc. The distance between tangents and arc is `r (1 / cos(d /
-//! 2) - 1)` at most, and that between chords and arc `r (1 - cos(d / 2))`, where `d` is the angle of one
-//! piece.
+//! it. Both lie on the outer side of the arc. The distance between tangents and arc is at most `r (1 /
+//! cos(d / 2) - 1)`. The distance between chords and arc is at most `r (1 - cos(d / 2))`. In both, `r`
+//! is the radius of the arc and `d` the angle of one piece.
 
 use super::entities::PathVertex;
 use crate::geometry::polygon_area;

@@ -181,7 +181,8 @@ impl Outlines {
         }
     }
 
-    /// Warns of outlines within others, whose inside is solid although a wall of two lines may be meant.
+    /// Warns of an outline within another outline. The whole inside of the outer outline is solid,
+    /// although a wall drawn as two lines may be meant.
     fn warn_of_nested(&mut self) {
         let inside = |k: usize, j: usize| k != j && self.found[j].holds(self.found[k].first());
         let count = self.found.len();
@@ -231,7 +232,8 @@ fn no_area(line: usize, layer: &str) -> DxfFault {
     DxfFault::new(line, message, "delete it, or check the unit of the drawing")
 }
 
-/// Returns the corners without repeated ones and without those on the line between their neighbours.
+/// Returns the corners without repeated corners and without corners on the line between their
+/// neighbours.
 fn cleaned(mut corners: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
     let mut k = 0;
     while corners.len() >= 3 && k < corners.len() {

@@ -88,8 +88,8 @@ impl<'h> TableNames<'h> {
         Self { header, words, columns, robot_joints }
     }
 
-    /// Finds all columns. `is_numbered` says that the table has no names: then the joints are the first
-    /// columns, and the position follows.
+    /// Finds all columns. If `is_numbered` is true, the table has no names. The joints are then the
+    /// first columns, and the position follows.
     ///
     /// # Errors
     ///
@@ -111,7 +111,8 @@ impl<'h> TableNames<'h> {
         Ok((joints, unit))
     }
 
-    /// Finds all columns except those of the joints; these are empty if a second table holds the joints.
+    /// Finds all columns except those of the joints. `joints` is empty if a second table holds the
+    /// joints.
     ///
     /// # Errors
     ///

@@ -34,7 +34,7 @@ pub struct MeasuredTable {
     pub rotation: Vec<String>,
     /// Names of the columns of the uncertainty, and its number of standard deviations.
     pub uncertainty: Option<(Vec<String>, f64)>,
-    /// Names of the reflectors; one without a name if each row has one position of one reflector.
+    /// Names of the reflectors; a single empty name if each row has one position of one reflector.
     pub reflectors: Vec<String>,
     /// Unit of angles that names or a line of units state.
     pub angle_unit: Option<StatedUnit>,

@@ -25,7 +25,8 @@ pub struct ReadRows {
     pub notes: Vec<String>,
 }
 
-/// Reads the rows of a table; `joints` are those of every line if they are from a second table.
+/// Reads the rows of a table; `joints` holds the joint coordinates of every line if a second table
+/// states them.
 ///
 /// # Errors
 ///
@@ -125,7 +126,7 @@ impl RowReader<'_, '_> {
         faults
     }
 
-    /// Returns the number of a reflector: that of its columns, or of its name in the row.
+    /// Returns the index of a reflector, which its columns or its name in the row identify.
     fn reflector(&mut self, of_columns: usize, fields: &[&str]) -> usize {
         let columns = &self.found.reflectors;
         let name = match (self.found.reflector, columns.len()) {

@@ -47,8 +47,8 @@ fn read_terms(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<V
     (t.lib.errors() == before).then_some(read)
 }
 
-/// Returns the index of a term among [`Parameter::elastic`]; records a fault if there is no such term, or if
-/// it is among those that were `given` before.
+/// Returns the index of a term among [`Parameter::elastic`]; records a fault if there is no such term,
+/// or if the term is among those in `given`.
 fn place(
     (joint_node, joint): (&Node, usize),
     (link_node, link): (&Node, usize),

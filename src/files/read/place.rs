@@ -104,7 +104,8 @@ pub fn is_on(surface: &Rectangle, (x, y): (f64, f64)) -> bool {
     beyond(x, centre.0, size.0).max(beyond(y, centre.1, size.1)) <= EDGE_ROUNDING
 }
 
-/// Returns the extent of a surface in words, such as "the surface covers x from -750 to 750 and y from -350 to 350".
+/// Returns the extent of a surface in words, for example "the surface covers x from -750 to 750 and y from -350
+/// to 350", mm.
 pub fn extent_in_words(surface: &Rectangle) -> String {
     let end = |centre: f64, half: f64| plain(units::rounded(units::mm_from_m(centre + half), 6));
     let range = |c: f64, s: f64| format!("{} to {}", end(c, -s / 2.0), end(c, s / 2.0));

@@ -68,8 +68,8 @@ const SHORTEST: f64 = 1e-13;
 /// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Sine of the angle between the last joint axis and the z axis of the tip, from which a row connects the
-/// two. At a smaller angle all values of the last row are 0, unless the axes are parallel.
+/// Least sine of the angle between the last joint axis and the z axis of the tip at which a row connects
+/// the two. At a smaller angle all values of the last row are 0, unless the axes are parallel.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.
