@@ -26,10 +26,10 @@
 //! such that          equipment, robot base, obstacles and keep-out boxes do not overlap in plan and height.
 //! ```
 //!
-//! The sense `|.|_k` is the component of the error that matters for operation `k`: x, y, z, xy (parts that
-//! mate in the plane), xyz, a direction, a plane or a rotation. The sense is in world, surface or tool axes,
-//! and measured at the TCP or at another point of the tool. The reading `R` interprets the errors: as one
-//! signed sample, as a tolerance box (worst case), or as random variables ([`reading`]).
+//! The sense `|.|_k` is the component of the error that matters for operation `k`: x, y, z, xy (parts
+//! that mate in the plane), xyz, a direction, a plane or a rotation. The sense is in world, surface or
+//! tool axes, and is measured at the TCP or at another point of the tool. The reading `R` interprets the
+//! errors: as one signed sample, as a tolerance box (worst case), or as random variables ([`reading`]).
 //!
 //! # The flow
 //!
@@ -82,8 +82,8 @@
 //!   file, line and column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
 //!   cost and a reason, never a panic, an `Err`, NaN or infinity.
-//! - Out of reach, joint limit, orientation, not converged and collision are different results. A joint limit
-//!   names the joint, a collision names the solids.
+//! - Out of reach, joint limit, orientation, not converged and collision are different results. A joint
+//!   limit names the joint, and a collision names the solids.
 //! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two
 //!   types.
 //! - Errors are computed directly as small motions, never as the difference of two nearly equal numbers.
@@ -115,11 +115,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Study`] and the documents in [`record`] change only with the version of the format that they state, and with the
-//! major version. The modules below them are documented for those who build on them, and may change with any version.
-//! What serves only the command line is hidden from this documentation.
+//! [`Study`] and the documents in [`record`] change only if the format version that they state or the
+//! major version of the package changes. The other modules are documented for programmers who build on
+//! them, and may change with any version. Items that serve only the command line are hidden from this
+//! documentation.
 //!
-//! The modules below give more, such as the error at every node:
+//! The other modules give more, such as the error at every node:
 //!
 //! ```
 //! use sweetspot::{error_map, files, layout};

@@ -1,7 +1,8 @@
 //! Stable entry to the library: load a cell, set keys, evaluate and search.
 //!
-//! A [`Study`] is a cell file with everything that it refers to, and keys set as `--set` sets them. It never changes:
-//! [`Study::set`] makes another study. Results are the documents that the commands print with `--json`.
+//! A [`Study`] is a cell file with everything that it refers to, and keys set as `--set` sets them. A
+//! study never changes: [`Study::set`] makes another study. Results are the documents that the commands
+//! print with `--json`.
 
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Cell, Layout, Unit};
@@ -140,7 +141,8 @@ impl Study {
         Self::read(Arc::new(StudyOrigin { path, packages, files: FileSnapshot::default() }), Vec::new())
     }
 
-    /// Loads a cell from the text of a cell file that lies at `path`, where no file need exist.
+    /// Loads a cell from the text of a cell file. The text stands for a file at `path`, which need not
+    /// exist.
     ///
     /// # Errors
     /// Fails with all faults of all files.
@@ -197,7 +199,7 @@ impl Study {
         &self.loaded.cell
     }
 
-    /// Returns the cell prepared for evaluation, for the modules below this one.
+    /// Returns the cell prepared for evaluation, for use with the other modules of the library.
     ///
     /// # Errors
     /// Fails if the robot cannot do what the cell asks.

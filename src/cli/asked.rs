@@ -21,8 +21,8 @@ pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Re
 pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFlags) -> Result<Loaded, Exit> {
     let mut settings = flags.settings();
     if let Some(sense) = &flags.sense {
-        // The quantity `yield` would need a limit in the unit of this sense, which the cell file may not
-        // state.
+        // The quantity `yield` would need a limit in the unit of this sense, and the cell file may have
+        // no such limit.
         let (flag, p95) = (format!("--sense {sense}"), toml_string(Quantity::P95.name()));
         settings.push(Setting::of_flag(&flag, "quantity", p95));
     }
@@ -60,11 +60,11 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
     Ok(loaded)
 }
 
-/// Refuses the sense that a flag states if an operation's limit in the cell file has another unit than that
+/// Refuses the sense of a flag if the limit of an operation in the cell file has another unit than that
 /// sense.
 ///
-/// `cell` has the sense of the flag; `drawn` is the cell file without flags. Such a search would write an
-/// invalid best.toml: the file would state the new sense and inherit the limit.
+/// `cell` has the sense of the flag; `drawn` is the cell file without flags. Otherwise the search would
+/// write an invalid best.toml: the file would state the new sense and inherit the limit.
 fn refuse_lost_limits(cell: &Cell, drawn: &Cell) -> Result<(), Exit> {
     let pairs = cell.operations.iter().zip(&drawn.operations);
     let Some((lost, _)) = pairs.into_iter().find(|(now, drawn)| now.limit.is_none() && drawn.limit.is_some())

@@ -99,7 +99,8 @@ impl CheckpointWriter {
                 path_word(&self.path)
             ));
             output::talk(
-                "  help: resume it with that build on that machine, or start again in another folder with --out",
+                "  help: resume the search with that build on that machine, or start again in another \
+                folder with --out",
             );
             return Err(Exit::BadInput);
         }
@@ -167,16 +168,23 @@ impl StoppedSearch {
         let fit = self.content.state.check(SearchSpace::new(&workcell.cell).dimensions(), &rules);
         fit.map_err(|unfit| {
             let why = match unfit {
-                Unfit::Dimensions { has, needs } => format!("it has {has} variables, but the cell has {needs}"),
-                Unfit::Budget { used } => format!("{used} layouts are evaluated, more than --budget"),
-                Unfit::Kept => "its search had other goals, or kept another number of layouts".into(),
+                Unfit::Dimensions { has, needs } => format!(
+                    "the checkpoint has {has} search variables, \
+                but the cell has {needs}"
+                ),
+                Unfit::Budget { used } => format!(
+                    "{used} layouts have been evaluated already, more than \
+                --budget"
+                ),
+                Unfit::Kept => "the stopped search had other goals, or kept another number of layouts".into(),
                 Unfit::Ended(ended) => {
                     format!("these stopping rules would have ended the search earlier: {}", ended.in_words())
                 }
             };
             output::error(&format!("{}: {why}", path_word(&self.folder)));
             output::talk(
-                "  help: resume with the rules with which it began, or start again in another folder with --out",
+                "  help: resume with the stopping rules with which the search began, or start again in \
+                another folder with --out",
             );
             Exit::BadInput
         })
@@ -200,7 +208,7 @@ fn stored(folder: &Path) -> Result<Vec<u8>, Exit> {
 
 fn refused(path: &Path, line: usize, why: &str) -> Exit {
     output::error(&format!("{}:{line}: {why}", path_word(path)));
-    output::talk("  help: it cannot be resumed: start again in another folder with --out");
+    output::talk("  help: the search cannot be resumed: start again in another folder with --out");
     Exit::BadInput
 }
 
@@ -225,7 +233,10 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
         let (theirs, ours) = (shown(&header.version), env!("CARGO_PKG_VERSION"));
         return Err((
             1,
-            format!("it was written by sweetspot {theirs}, but this is {ours}: its steps may differ"),
+            format!(
+                "it was written by sweetspot {theirs}, but this is {ours}: the steps of the search may \
+            differ"
+            ),
         ));
     }
     if loading::sha256(second) != header.sha256 {

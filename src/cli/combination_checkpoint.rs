@@ -1,7 +1,8 @@
 //! Checkpoint of the search of one combination of a sweep, from which any worker continues it.
 //!
-//! The file counts as unfinished ([`UNFINISHED`]), so what removes the files of killed programs removes it, too. It is
-//! sealed, and a file that is damaged or does not fit the search is ignored: the search then begins again.
+//! The file counts as unfinished ([`UNFINISHED`]), so the routine that removes the files of killed
+//! programs removes it, too. It is sealed with a hash. A file that is damaged or does not fit the search
+//! is ignored, and the search begins again.
 
 use super::json_text::{DAMAGED, sealed, unsealed};
 use super::loading::{UNFINISHED, read_inside, replace};
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Least time between two checkpoints, out of consideration for file servers.
+/// Least time between two checkpoints, which limits the load on file servers.
 const LEAST_PERIOD: Duration = Duration::from_secs(2);
 
 /// Time between two checkpoints, as a multiple of the time that writing one takes: checkpoints cost 2 % at most.
@@ -30,7 +31,7 @@ pub struct SearchState<S = Checkpoint> {
 pub struct CombinationCheckpoint<'f> {
     folder: &'f Path,
     index: usize,
-    /// When the next checkpoint is due; None after a failed write.
+    /// Time at which the next checkpoint is due; None after a failed write.
     due: Mutex<Option<Instant>>,
 }
 
@@ -48,8 +49,8 @@ impl<'f> CombinationCheckpoint<'f> {
         self.folder.join(self.name())
     }
 
-    /// Reads the state from which the search continues; None if there is none that fits. `bound` is the proven bound
-    /// if the caller knows it.
+    /// Reads the state from which the search continues; None if no checkpoint fits. `bound` is the
+    /// proven bound if the caller knows it.
     pub fn read(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Option<SearchState> {
         if !self.path().is_file() {
             return None;
@@ -85,8 +86,8 @@ impl<'f> CombinationCheckpoint<'f> {
         ));
     }
 
-    /// Writes the state if a checkpoint is due. A checkpoint only saves time, so a failure is ignored: files that must
-    /// be written report it.
+    /// Writes the state if a checkpoint is due. A checkpoint only saves time, so a failed write is
+    /// ignored here. The later writing of the results reports such a failure.
     pub fn keep(&self, state: &SearchState<&Checkpoint>, moment: Moment) {
         let mut due = self.due.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let now = Instant::now();

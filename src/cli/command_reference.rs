@@ -1,4 +1,5 @@
-//! Reference of all commands in Markdown, made from the definitions that also read the command line.
+//! Reference of all commands in Markdown, generated from the definitions with which the command line is
+//! parsed.
 
 use super::Exit;
 use clap::{Arg, Command};

@@ -1,6 +1,6 @@
 //! Parts of the command line that another front end of the library uses, such as the Python package.
 //!
-//! None of them prints anything.
+//! None of these parts prints anything.
 
 pub use super::arguments::{ErrorFlags, QuestionFlags, SearchArguments, StoppingFlags};
 pub use super::cache::remember;

@@ -1,4 +1,4 @@
-//! Plan of the islands of a search: which seeds are searched, and with which flags.
+//! Plan of the islands of a search: their seeds and the flags of the search.
 
 use super::arguments::SearchArguments;
 use super::loading::{FileSnapshot, UNFINISHED};
@@ -19,7 +19,7 @@ pub const ISLANDS: &str = "islands";
 /// Key of the cell that differs between islands.
 const SEED: &str = "search.seed";
 
-/// Plan of islands, with the cell that all of them search.
+/// Plan of islands, with the cell for which all islands search.
 pub struct IslandPlan {
     pub plan: SweepPlan,
     /// Files of the cell; a worker that joins others reads them from the folder of the islands.
@@ -32,7 +32,7 @@ pub struct IslandPlan {
 pub fn planned(a: &SearchArguments, cell: &Path) -> Result<IslandPlan, Exit> {
     let Some(count) = a.islands.map(usize::from) else {
         output::error("the number of islands is missing");
-        output::talk("  help: add --islands N: N successive seeds, each of which is searched once");
+        output::talk("  help: add --islands N: N successive seeds, with one search for each");
         return Err(Exit::BadInput);
     };
     let settings = a.settings();
@@ -96,10 +96,13 @@ fn refuse_flags(a: &SearchArguments, parent: &Path) -> Result<(), Exit> {
     }
     let parent = path_word(parent);
     output::error(&format!(
-        "{} cannot be used with the islands in {parent}: their plan states how they are searched",
+        "{} cannot be used with the islands in {parent}: the plan of the islands states the flags",
         given.join(", ")
     ));
-    output::talk("  help: omit it, or search other islands in a new folder with CELL, --islands and --out");
+    output::talk(
+        "  help: leave this out, or start other islands in a new folder with CELL, --islands and \
+    --out",
+    );
     Err(Exit::BadInput)
 }
 
@@ -113,7 +116,7 @@ fn load(plan: &SweepPlan, kept: &FileSnapshot) -> Result<Loaded, Exit> {
     })
 }
 
-/// Returns the folder of the result, which is new, empty or has islands.
+/// Returns the folder of the result, which is new, is empty, or contains islands.
 pub fn parent_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<PathBuf, Exit> {
     let Some(folder) = asked else { return Ok(new_folder(None, stem, sharing)?.to_path_buf()) };
     let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());

@@ -23,7 +23,8 @@ pub const CHECKPOINT: &str = "checkpoint.jsonl";
 /// Largest size of an input file, bytes; a binary STL file of a million triangles has 50 MB.
 const MAX_BYTES: u64 = 128 << 20;
 
-/// Reads a cell and everything it refers to, and prints faults and warnings, without those of the import of a URDF.
+/// Reads a cell and everything it refers to, and prints faults and warnings. Does not print the warnings
+/// of the import of a URDF.
 pub fn load(path: &Path, packages: &PackageFolders) -> Result<Loaded, Exit> {
     load_with(path, packages, &[])
 }
@@ -38,7 +39,7 @@ pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -
     Ok(loaded)
 }
 
-/// Returns the warnings other than those of the import of a URDF, which `check` lists.
+/// Returns the warnings without those of the import of a URDF. Only `check` lists the import warnings.
 pub fn without_import(warnings: &[Fault]) -> Vec<Fault> {
     warnings.iter().filter(|fault| fault.kind != FaultKind::Import).cloned().collect()
 }
@@ -255,8 +256,8 @@ pub fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     sync(folder_of(path))
 }
 
-/// Writes a file atomically unless it exists. Returns whether the file is new. Of several programs that do this
-/// at the same time, one writes the file.
+/// Writes a file atomically unless it exists. Returns whether the file is new. If several programs do
+/// this at the same time, one of them writes the file.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<bool, Exit> {
     let write = || match unfinished(path, bytes)?.persist_noclobber(path) {
         Ok(_) => sync(folder_of(path)).map(|()| true),

@@ -74,9 +74,10 @@ impl Exit {
     /// Returns what the exit code says about the run.
     fn meaning(self) -> &'static str {
         match self {
-            Self::Done => "The command is done.",
+            Self::Done => "The command succeeded.",
             Self::AnswerIsNo => {
-                "The command ran, and the answer is no: no layout is feasible, a limit is missed, the layout is not \
+                "The command ran, and the answer is no: no layout is feasible, a limit is exceeded, the \
+                layout is not \
                  robust, or the given node cannot be used."
             }
             Self::BadInput => "The usage or the input is invalid. Nothing was done.",
@@ -89,7 +90,7 @@ impl Exit {
 
 /// Returns the words of the command line, with `help COMMAND` as `COMMAND --help`.
 ///
-/// The pages of all commands would describe a command `help` of their own.
+/// A built-in command `help` would appear in the manual pages of all commands.
 fn with_help(words: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let mut words: Vec<_> = words.into_iter().collect();
     if words.get(1).is_some_and(|word| word == "help") {

@@ -15,7 +15,7 @@ pub fn data(text: &str) -> Result<(), Exit> {
     written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
-/// Reports on stderr if a write to stdout has failed. A closed pipe (`| head`) is not an error.
+/// Reports a failed write to stdout on stderr. A closed pipe (`| head`) is not an error.
 pub fn written(result: std::io::Result<()>) -> Result<(), Exit> {
     match result {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -45,7 +45,7 @@ pub fn last_error() -> Option<String> {
     LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
 }
 
-/// Prints the faults of files and their number.
+/// Prints the faults of files and the number of errors.
 pub fn faults(faults: &[Fault]) {
     for fault in faults {
         talk(&format!("{fault}\n"));
@@ -56,15 +56,16 @@ pub fn faults(faults: &[Fault]) {
     }
 }
 
-/// Prints the warnings of the import of a URDF; warnings of one kind, which have the same help, are printed as one.
+/// Prints the warnings of the import of a URDF. Warnings of one kind, which have the same help, are
+/// printed as one.
 pub fn import_warnings(warnings: &[Fault]) {
     for Fault { file, message, help, .. } in grouped_by_help(warnings) {
         talk(&format!("{}: warning: {message}\n  help: {help}", shown(&file)));
     }
 }
 
-/// Returns the first warning of each kind of the import of a URDF, with the number of others; warnings of one kind have
-/// the same help.
+/// Groups the warnings of the import of a URDF by kind; warnings of one kind have the same help. Returns
+/// the first warning of each kind, with the number of the others.
 pub fn grouped_by_help(warnings: &[Fault]) -> Vec<Fault> {
     let mut kinds: IndexMap<&str, Vec<&Fault>> = IndexMap::new();
     for warning in warnings.iter().filter(|fault| fault.kind == FaultKind::Import) {

@@ -1,4 +1,4 @@
-//! What a report is about, read from a cell file or from the result folder of a search.
+//! Subject of a report, read from a cell file or from the result folder of a search.
 
 use super::arguments::QuestionFlags;
 use super::output::path_word;

@@ -158,7 +158,8 @@ pub fn input_places<'p>(paths: impl IntoIterator<Item = &'p str>) -> Vec<String>
     places
 }
 
-/// Copies every input file into the result folder, unless the folder has it already. Returns the name of the copied cell file.
+/// Copies every input file into the result folder, unless the folder has it already. Returns the name of the
+/// copied cell file.
 pub fn keep_inputs(folder: &Path, sources: &[Source]) -> Result<String, Exit> {
     let places = input_places(sources.iter().map(|source| source.path.as_str()));
     for (place, source) in places.iter().zip(sources) {

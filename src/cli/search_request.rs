@@ -70,7 +70,7 @@ fn refuse_changes(then: &[Setting], now: &[Setting]) -> Result<(), Exit> {
         let (option, value) = typed(setting);
         let was = was.map_or("not given".into(), |was| output::word(&typed(was).1));
         let is = output::word(&value);
-        let change = format!("{option} was {was} when the search began, now it is {is}");
+        let change = format!("{option} was {was} when the search began, but now it is {is}");
         if !said.contains(&change) {
             said.push(change);
         }
@@ -95,7 +95,7 @@ fn typed(setting: &Setting) -> (String, String) {
 }
 
 /// Removes the flag of a setting from a command line, and appends the flag with its new value. A `--set`
-/// option is appended, and earlier ones remain.
+/// option is appended, and earlier `--set` options remain.
 fn restate(command: &mut Vec<String>, setting: &Setting) {
     if setting.flag.is_none() {
         command.extend(["--set".to_string(), setting.words()]);

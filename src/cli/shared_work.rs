@@ -54,7 +54,8 @@ impl<'f> SharedWork<'f> {
         Ok(Self { folder, lease, queue, held: Mutex::new(Vec::new()) })
     }
 
-    /// Claims the next combination: a free one or, if none is free, one whose owner is dead.
+    /// Claims the next combination: a free combination or, if none is free, a combination whose owner is
+    /// dead.
     pub fn next(&self) -> Result<NextStep, Exit> {
         let mut queue = locked(&self.queue);
         while let Some(index) = queue.free.pop_front() {
@@ -142,7 +143,7 @@ struct WatchedClaim {
     silent: Duration,
 }
 
-/// What the claim of another worker means for this worker.
+/// Meaning of another worker's claim for this worker.
 enum ClaimVerdict {
     Finished,
     Wait,
@@ -168,8 +169,8 @@ impl WatchedClaim {
         let claim = self.bytes.as_deref().and_then(SweepClaim::parse);
         let seconds = claim.as_ref().map_or(own_lease, |claim| claim.lease);
         let lease = Duration::from_secs(seconds.into());
-        // An outage of the file server stops both the heartbeats of the owner and the checks of this
-        // worker, so a long pause between two checks counts as a short one.
+        // An outage of the file server stops the heartbeats of the owner and also the checks of this
+        // worker. A long pause between two checks therefore counts as a short pause.
         let pause = self.seen.elapsed().min(lease / BEATS_PER_LEASE);
         self.silent = if is_changed { Duration::ZERO } else { self.silent + pause };
         self.seen = Instant::now();

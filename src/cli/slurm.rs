@@ -1,4 +1,5 @@
-//! The batch system Slurm: script and lists of array jobs, their submission, and whether they are still queued.
+//! The batch system Slurm: script and lists of array jobs, their submission, and their state in the
+//! queue.
 
 use super::arguments::EngineFlags;
 use super::output::path_word;
@@ -96,7 +97,10 @@ impl ArrayJob {
     pub fn submit(&self, command: &[String]) -> Result<String, Exit> {
         let id = run(command).map_err(|why| {
             output::error(&format!("cannot submit a job: {why}"));
-            output::talk("  help: run it where sbatch works, or start workers yourself with sweep --claim");
+            output::talk(
+                "  help: run this command where sbatch works, or start workers yourself with \
+            sweep --claim",
+            );
             Exit::Io
         })?;
         // A cluster with several controllers answers NUMBER;CLUSTER.

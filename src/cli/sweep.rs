@@ -48,7 +48,8 @@ pub fn asked_plan(a: &SweepArguments) -> Result<(SweepPlan, FileSnapshot), Exit>
     Ok((plan, FileSnapshot::default()))
 }
 
-/// Reads the plan of a folder for this version of the program, which [`open`] compares with the stored one.
+/// Reads the plan of a folder, and replaces its version by that of this program. [`open`] compares it
+/// with the stored plan.
 pub fn joined_plan(folder: &Path) -> Result<SweepPlan, Exit> {
     let version = env!("CARGO_PKG_VERSION").to_string();
     Ok(SweepPlan { version, sha256: None, ..stored_plan(folder)? })
@@ -74,7 +75,7 @@ pub fn stored_plan(folder: &Path) -> Result<SweepPlan, Exit> {
         let folder = path_word(folder);
         output::error(&format!("{folder} has no {PLAN}: it is not the folder of a sweep"));
         output::talk(&format!(
-            "  help: sweetspot sweep CELL --set PATH=A,B --out {folder} --plan-only writes it"
+            "  help: sweetspot sweep CELL --set PATH=A,B --out {folder} --plan-only writes a plan"
         ));
         Exit::BadInput
     })

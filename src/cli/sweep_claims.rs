@@ -21,7 +21,7 @@ pub const CLAIMS: &str = "claims";
 /// Largest number of bytes read from a claim.
 const MAX_BYTES: u64 = 4096;
 
-/// What the owner of a claim does with the combination.
+/// State of the owner's work on the combination.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimState {
@@ -138,7 +138,7 @@ pub fn newest(folder: &Path, index: usize, mut number: u32) -> (u32, Option<Vec<
     (number, bytes)
 }
 
-/// Returns the name of this host, or of the node that Slurm gives to it.
+/// Returns the name of this host, or the node name that Slurm gives to it.
 fn host() -> String {
     std::env::var("SLURMD_NODENAME").unwrap_or_else(|_| system_name())
 }

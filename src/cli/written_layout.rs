@@ -10,7 +10,7 @@ use crate::layout::{Evaluation, Workcell, evaluate};
 use crate::search::EvaluatedLayout;
 use std::path::Path;
 
-/// Refuses best.toml unless its map equals the map of the search in every bit.
+/// Refuses best.toml unless its map equals the map of the search bit for bit.
 pub fn check_best(file: &Path, packages: &PackageFolders, best: &Assessment<'_>) -> Result<(), Exit> {
     let workcell = read_again(file, packages)?;
     let again = Assessment::new(&best.label, &workcell, workcell.cell.start());
@@ -34,7 +34,8 @@ pub fn check_alternative(
     is_same.then_some(()).ok_or_else(|| refused(file, "it gives another error"))
 }
 
-/// Compares two evaluations of a layout, the second of which is that of the search in `cell`.
+/// Compares the evaluation `again` of a layout with the evaluation `searched` from the search for
+/// `cell`.
 ///
 /// A search with the goal `cost` does not compare the error at the present tolerances with the limits. The file does not
 /// state the goals of a flag, so the penalty of a missed limit may differ.

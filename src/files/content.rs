@@ -1,4 +1,4 @@
-//! Recognition of a file by its content, so that no kind of file is read as another.
+//! Recognition of a file by its content, so that no file is read as a file of another kind.
 
 use crate::safe_text::shown;
 

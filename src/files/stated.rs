@@ -27,7 +27,7 @@ const DELTAS: [&str; 4] = ["delta_theta", "delta_a", "delta_d", "delta_alpha"];
 /// Magnitude from which a number is neither a length (m) nor an angle (rad) of an arm.
 const TOO_LARGE: f64 = 1e4;
 
-/// Largest number of lines of such a file.
+/// Largest number of lines of a file that states a calibration.
 const MAX_LINES: usize = 1000;
 
 /// Largest number of faults listed for one file.
@@ -135,7 +135,7 @@ pub fn read_conf(file: &str, text: &str) -> Result<StatedCalibration, Vec<Fault>
     faults.or(StatedCalibration::Rows { theta, a, d, alpha })
 }
 
-/// Returns the lines with a content, each with its number, without comments.
+/// Returns the lines that are not empty, each with its number and without its comment.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let bare = |line: &'_ str| line.find('#').unwrap_or(line.len());
     let all = text.lines().enumerate().map(move |(k, line)| (k + 1, line[..bare(line)].trim_end()));

@@ -22,7 +22,7 @@ const MAX_FAULTS: usize = 20;
 /// Largest number of targets.
 const MAX_TARGETS: usize = 100_000;
 
-/// Largest absolute value of a number.
+/// Largest absolute value of a number, mm or degrees.
 const MAX_NUMBER: f64 = 1e6;
 
 /// Reads a table of targets. The first line names the columns; the separator is a comma or a semicolon.

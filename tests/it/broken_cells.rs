@@ -132,15 +132,15 @@ fn files_that_add_up_to_more_than_100_mb_are_refused() {
 fn deep_nesting_is_refused() {
     let n = 20_000;
     let arrays = only_error(&format!("a = {}{}", "[".repeat(n), "]".repeat(n)));
-    assert!(arrays.starts_with("cell.toml:1:37: error: nested too deep\n"), "{arrays}");
+    assert!(arrays.starts_with("cell.toml:1:37: error: the values are nested too deeply\n"), "{arrays}");
     let tables = only_error(&format!("a = {}1{}", "{a = ".repeat(n), "}".repeat(n)));
-    assert!(tables.contains("error: nested too deep"), "{tables}");
+    assert!(tables.contains("error: the values are nested too deeply"), "{tables}");
     let keys = only_error(&format!("{}a = 1", "a.".repeat(n)));
-    assert!(keys.starts_with("cell.toml:1:1: error: nested too deep\n"), "{keys}");
+    assert!(keys.starts_with("cell.toml:1:1: error: the values are nested too deeply\n"), "{keys}");
     // The deepest nesting that the parser accepts, squared.
     let key = format!("{}a", "a.".repeat(78));
     let nested = format!("[{key}]\n{key} = {}1{}", format!("{{{key} = ").repeat(78), "}".repeat(78));
-    assert!(only_error(&nested).contains("error: nested too deep"));
+    assert!(only_error(&nested).contains("error: the values are nested too deeply"));
 }
 
 /// Faults inside of inline tables once let the TOML parser overflow the stack, which ends the process.
@@ -158,7 +158,8 @@ fn deep_nesting_is_refused_in_faulty_text_too() {
     for (start, piece) in pieces {
         let text = format!("{BASE}v = {start}{}", piece.repeat(n));
         let faults = load_text(&text).unwrap_err();
-        let first = faults.iter().map(|f| &f.message).find(|m| m.contains("nested too deep"));
+        let first =
+            faults.iter().map(|f| &f.message).find(|m| m.contains("the values are nested too deeply"));
         assert!(first.is_some(), "{piece}: {} faults", faults.len());
     }
     // Brackets in strings and comments do not nest.

@@ -11,22 +11,24 @@ pub struct CalibrateArguments {
     /// Name of a built-in robot, a robot file (TOML), or a nominal URDF; with --plan, a cell file
     pub robot: PathBuf,
     /// Tables of measured positions (CSV or text, or compressed as .csv.gz), one for each set-up of the
-    /// instrument; or one stated calibration: the YAML of the driver or the calibration.conf of Universal
-    /// Robots, or a calibrated URDF
+    /// instrument; or one file that states a calibration: the YAML of the driver or the calibration.conf
+    /// of Universal Robots, or a calibrated URDF
     #[arg(required_unless_present = "plan")]
     pub data: Vec<PathBuf>,
     /// Judge the calibration by a table that is not part of the fit; can be given several times
     #[arg(long, value_name = "FILE")]
     pub test: Vec<PathBuf>,
-    /// Also identify the deflection of the joints by the weight of the links
+    /// Also identify the deflections of the joints under the weight of the links
     #[arg(long)]
     pub elastic: bool,
-    /// Also identify the periodic error of every revolute joint: its cosine and sine terms up to this order, at
-    /// most 64. An order of 32 resolves waves of 11 degrees; its fit takes several seconds with 300 positions
+    /// Also identify the periodic error of every revolute joint: its cosine and sine terms up to this
+    /// order, at most 64. An order of 32 resolves waves with a period of 11 degrees; the fit then takes
+    /// several seconds for 300 positions
     #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub harmonics: Option<u8>,
-    /// Take the standard deviations before the measurement from this error set of the robot; parameters
-    /// without a tolerance stay nominal [default: 0.5 mm, 0.5 degrees for zeros, 0.1 degrees for twists]
+    /// Take the prior standard deviations, those before the measurement, from this error set of the
+    /// robot; parameters without a tolerance keep their nominal values [default: 0.5 mm, 0.5 degrees for
+    /// zeros, 0.1 degrees for twists]
     #[arg(long, value_name = "ERRORS")]
     pub prior: Option<String>,
     /// Use this many randomly drawn rows of every table [default: all]
@@ -35,11 +37,12 @@ pub struct CalibrateArguments {
     /// Seed of the random draw, or of the postures among which a plan chooses
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Read the joints from this table; rows are matched by a shared column such as id, or by their order
+    /// Read the joint coordinates from this table; rows are matched by a shared column such as id, or by
+    /// their order
     #[arg(long, value_name = "FILE")]
     pub joints: Option<PathBuf>,
-    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z), by its name or its number from 1;
-    /// can be given several times
+    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z), by the name or the number
+    /// (from 1) of the column; can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column)]
     pub column: Vec<(String, String)>,
     /// Print the identified errors as a table for the robot file
@@ -48,7 +51,8 @@ pub struct CalibrateArguments {
     /// Print the calibration as JSON on stdout
     #[arg(long)]
     pub json: bool,
-    /// Draw how far every measured position is from the prediction, over the coordinate of every joint
+    /// Plot the distance between every measured position and its prediction over the coordinate of every
+    /// joint
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     #[command(flatten)]

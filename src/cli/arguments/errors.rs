@@ -19,7 +19,7 @@ pub struct ErrorsArguments {
     /// Name of a built-in robot, a robot file (TOML), or a URDF or xacro file
     #[arg(required_unless_present = "presets")]
     pub robot: Option<PathBuf>,
-    /// Take the tolerances from this class of arms; --presets lists them
+    /// Take the tolerances from the preset of this class of arms; --presets lists the presets
     #[arg(long, value_name = "NAME", conflicts_with = "errors")]
     pub preset: Option<String>,
     /// Take the tolerances from this error set of the robot [default: its first set of tolerances]

@@ -50,7 +50,7 @@ pub struct InitArguments {
     pub packages: PackageFolders,
 }
 
-/// Parser of `NAME:=VALUE`.
+/// Parses `NAME:=VALUE`.
 fn xacro_argument(text: &str) -> Result<String, String> {
     match text.split_once(":=") {
         Some((name, _)) if name.chars().all(|c| c.is_alphanumeric() || c == '_') && !name.is_empty() => {

@@ -1,4 +1,4 @@
-//! Indices of combinations, as `--only` takes them: `0-9,17`.
+//! Indices of combinations in the notation of the option `--only`, for example `0-9,17`.
 
 use std::ops::RangeInclusive;
 

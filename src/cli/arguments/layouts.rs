@@ -13,7 +13,7 @@ pub struct CheckArguments {
     pub cell: PathBuf,
     #[command(flatten)]
     pub packages: PackageFolders,
-    /// Print the errors as JSON on stdout
+    /// Print the result of the check as JSON on stdout
     #[arg(long)]
     pub json: bool,
 }
@@ -55,7 +55,7 @@ pub struct CompareArguments {
     /// Print the comparison as JSON on stdout
     #[arg(long)]
     pub json: bool,
-    /// Compare four variants of one cell: as it stands, with the measured errors of its robot compensated,
+    /// Compare four variants of one cell: as drawn, with the measured errors of its robot compensated,
     /// with the best layout of a search, and with both
     #[arg(long, conflicts_with = "out")]
     pub calibrated: bool,
@@ -66,13 +66,13 @@ pub struct CompareArguments {
 /// Flags of the two searches of `compare --calibrated`.
 #[derive(Args)]
 pub struct RemedySearchFlags {
-    /// Seed of the searches of --calibrated [default: that of the cell, or 1]
+    /// Seed of the searches of --calibrated [default: the seed of the cell, or 1]
     #[arg(long, requires = "calibrated")]
     pub seed: Option<u64>,
     /// Stop each search of --calibrated after this many layout evaluations
     #[arg(long, value_name = "N", requires = "calibrated", value_parser = clap::value_parser!(u64).range(1..))]
     pub budget: Option<u64>,
-    /// Stop each search of --calibrated after this time; its best layout so far counts
+    /// Stop each search of --calibrated after this time, and use the best layout found so far
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, requires = "calibrated")]
     pub time: Option<f64>,
 }

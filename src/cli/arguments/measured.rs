@@ -11,12 +11,12 @@ pub struct MeasuredFlags {
     /// can be given several times
     #[arg(long, value_name = "FILE")]
     pub measured: Vec<PathBuf>,
-    /// Read the joints of measured positions from this table; rows are matched by a shared column such as id, or by
-    /// their order
+    /// Read the joint coordinates of the measured positions from this table; rows are matched by a
+    /// shared column such as id, or by their order
     #[arg(long, value_name = "FILE", requires = "measured")]
     pub joints: Option<PathBuf>,
-    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z), by its name or its number from 1;
-    /// can be given several times
+    /// State the column of a joint (q1, q2, ...) or of a coordinate (x, y, z), by the name or the number
+    /// (from 1) of the column; can be given several times
     #[arg(long, value_name = "QUANTITY=NAME", value_parser = column, requires = "measured")]
     pub column: Vec<(String, String)>,
     /// Treat poses as one spot if their commanded positions differ by at most this length along every axis
@@ -25,7 +25,7 @@ pub struct MeasuredFlags {
     pub spot: Option<f64>,
 }
 
-/// Parser of `QUANTITY=NAME`.
+/// Parses `QUANTITY=NAME`.
 pub fn column(text: &str) -> Result<(String, String), String> {
     let parts = text.split_once('=').ok_or("write QUANTITY=NAME, for example q1=shoulder")?;
     Ok((parts.0.trim().to_string(), parts.1.trim().to_string()))

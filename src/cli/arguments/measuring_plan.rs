@@ -1,4 +1,4 @@
-//! Arguments of `calibrate` that plan measuring poses, or choose among measured ones.
+//! Arguments of `calibrate` that plan measuring poses, or choose among measured poses.
 
 use super::value_parsers::measure;
 use clap::Args;
@@ -12,7 +12,8 @@ const MAX_CANDIDATES: u64 = 20_000;
 
 #[derive(Args)]
 pub struct MeasuringPlanFlags {
-    /// Plan this many poses to be measured for the operations of a cell file, which takes the place of ROBOT
+    /// Plan this many measuring poses for the operations of a cell file; give the cell file instead of
+    /// ROBOT
     #[arg(
         long,
         value_name = "N",
@@ -20,7 +21,8 @@ pub struct MeasuringPlanFlags {
         conflicts_with_all = ["data", "test", "poses", "choose", "column", "toml", "harmonics", "svg"]
     )]
     pub plan: Option<u64>,
-    /// Use only this many rows of every table, the most informative ones, as if no others had been measured
+    /// Use only this many of the most informative rows of every table, as if no other row had been
+    /// measured
     #[arg(
         long,
         value_name = "N",
@@ -32,10 +34,12 @@ pub struct MeasuringPlanFlags {
     /// postures of all rows]
     #[arg(long = "for", value_name = "CELL", requires = "choose")]
     pub task: Option<PathBuf>,
-    /// State the place of the tracker in the world, mm; only poses at which it sees the reflector are planned
+    /// State the position of the tracker in the world frame, mm; only poses at which it sees the
+    /// reflector are planned
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "plan")]
     pub tracker: Option<[f64; 3]>,
-    /// State the place of the reflector in the frame of the mechanical interface, mm [default: that of the TCP]
+    /// State the position of the reflector in the frame of the mechanical interface, mm [default: the
+    /// TCP]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub reflector: Option<[f64; 3]>,
     /// State the direction in which the reflector opens, in the frame of the mechanical interface [default:
@@ -45,7 +49,7 @@ pub struct MeasuringPlanFlags {
     /// State the largest angle between the direction of --opening and the line of sight, deg
     #[arg(long, value_name = "DEG", value_parser = measure, default_value = "30", requires = "opening")]
     pub opening_angle: f64,
-    /// Choose among this many postures
+    /// Choose the poses among this many postures
     #[arg(
         long,
         value_name = "N",
@@ -54,12 +58,12 @@ pub struct MeasuringPlanFlags {
         requires = "plan"
     )]
     pub candidates: u64,
-    /// Write the plan as CSV, to be filled in; an existing file is replaced, and - is stdout
+    /// Write the plan as a CSV table to be filled in; an existing file is replaced, and - means stdout
     #[arg(long, value_name = "FILE", requires = "plan")]
     pub csv: Option<PathBuf>,
 }
 
-/// Parser of a point or a direction: three numbers.
+/// Parses a point or a direction: three numbers separated by commas.
 fn point(text: &str) -> Result<[f64; 3], String> {
     let numbers: Vec<f64> = text.split(',').map(measure).collect::<Result<_, _>>()?;
     numbers.try_into().map_err(|_| "write three numbers, for example 2000,-500,800".to_string())

@@ -40,8 +40,8 @@ pub use sweep::{SweepArguments, common_settings};
 
 use clap::{Parser, Subcommand};
 
-/// Finds the spot of least error for a precision operation in a robot workcell, and the layout of worktable
-/// and conveyor that allows it.
+/// Finds the spot of least error for a precision operation in a robot workcell, and the layout of
+/// worktable and conveyor with which this error is least.
 #[derive(Parser)]
 #[command(
     version,
@@ -125,7 +125,8 @@ pub enum Command {
     /// Draw the figures of the seed paper for your own cells
     #[command(before_help = "Example: sweetspot figures cells/hitachi_paper.toml --out figures")]
     Figures(FiguresArguments),
-    /// Write a first cell for your own robot (a URDF) or a built-in one, commented and ready to run
+    /// Write a first cell for your own robot (a URDF) or for a built-in robot, commented and ready to
+    /// run
     #[command(before_help = "Example: sweetspot init my_robot.urdf")]
     Init(InitArguments),
     /// Print the manual page of a command, or write all manual pages

@@ -53,7 +53,7 @@ pub struct SearchArguments {
     #[command(flatten)]
     pub rules: StoppingFlags,
     /// Search with N successive seeds (islands), each with the whole budget, and merge them into one
-    /// result; repeating the command with the same folder searches only the missing islands
+    /// result; repeating the command with the same folder processes only the missing islands
     #[arg(
         long,
         value_name = "N",
@@ -62,8 +62,8 @@ pub struct SearchArguments {
         conflicts_with_all = ["resume", "time", "checkpoint", "progress"]
     )]
     pub islands: Option<u16>,
-    /// Search islands in this folder together with any number of other workers; CELL and --islands are needed only
-    /// if the folder has no plan yet
+    /// Process the islands in this folder together with any number of other workers; CELL and --islands
+    /// are needed only if the folder has no plan yet
     #[arg(
         long,
         value_name = "DIR",

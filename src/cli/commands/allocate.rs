@@ -51,7 +51,8 @@ pub fn allocate(a: &AllocateArguments) -> Result<Exit, Exit> {
     Ok(if is_kept { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// Returns the cell with its errors read as tolerances: a cell that is read signed gets the worst case.
+/// Returns the cell with its errors read as tolerances. The worst-case reading replaces the signed
+/// reading.
 fn toleranced(cell: Cell, a: &AllocateArguments) -> Result<Cell, Exit> {
     if cell.reading != Reading::Signed {
         return Ok(cell);
@@ -87,7 +88,7 @@ fn refused(why: NoAllocation) -> Exit {
             Exit::AnswerIsNo
         }
         NoAllocation::NotSolved | NoAllocation::Infeasible(_) => {
-            output::error("the cone program of the tolerances was not solved");
+            output::error("the cone program that allocates the tolerances was not solved");
             output::talk("  help: narrow the ranges of the tolerances in the costs of the error set");
             Exit::AnswerIsNo
         }

@@ -33,7 +33,7 @@ pub fn assumed(
     let known: (Vec<_>, Vec<_>) = with_prior.filter(|(_, deviation)| *deviation > 0.0).unzip();
     if known.0.is_empty() {
         output::error(&format!(
-            "the error set `{}` has no tolerance for any parameter of the rows",
+            "the error set `{}` has no tolerance for any parameter of the D-H rows",
             shown(name)
         ));
         output::talk("  help: leave out --prior, or state tolerances in the error set");

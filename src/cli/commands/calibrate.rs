@@ -75,7 +75,8 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
         output::data(&report::measured_errors::table(&robot, &calibration, &document))?;
         if a.harmonics.is_some() && calibration.is_coupled() {
             output::talk(
-                "note: the joints of this arm are coupled; periodic errors are part of their misfit",
+                "note: the joints of this arm are coupled, so the table states no periodic errors; the misfit \
+                 includes them",
             );
         }
         suggest(&format!("check CELL, with this table in a copy of {}", path_word(&a.robot)));

@@ -56,10 +56,10 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     let judged = Feasibility::new(&workcell, &cell.start());
     let nodes: usize = cell.operations.iter().map(|o| o.nodes()).sum();
     output::data(&format!(
-        "{}\n{}, {} equipment and obstacles, {} on {nodes} nodes, {}\n{}\n{}{}\n{}valid{}\n",
+        "{}\n{}, {}, {} on {nodes} nodes, {}\n{}\n{}{}\n{}valid{}\n",
         report::text::headline(cell),
         counted(cell.robot.axes(), "axis", "axes"),
-        cell.equipment.len(),
+        counted(cell.equipment.len(), "piece of equipment or obstacle", "pieces of equipment and obstacles"),
         counted(cell.operations.len(), "operation", "operations"),
         counted(free, "search variable", "search variables"),
         error_sets(cell),

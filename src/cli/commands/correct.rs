@@ -145,7 +145,7 @@ fn of_table(
     if a.operation.is_none() && cell.operations.len() > 1 {
         let name = shown(&cell.operations[operation].name);
         output::talk(&format!(
-            "note: attitude and surface are those of {name}; choose another with --operation"
+            "note: attitude and surface are those of {name}; choose another operation with --operation"
         ));
     }
     output::talk("note: collisions are not checked for the targets of a table");

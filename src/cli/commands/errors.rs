@@ -82,7 +82,7 @@ fn origin(
         Err(Exit::BadInput)
     };
     let ErrorSet::Tolerance(t) = set else {
-        return refused("has signs, so it is that of one robot: there are no tolerances to scale");
+        return refused("is signed, so it describes one robot: it has no tolerances to scale");
     };
     if t.covariance.is_some() {
         return refused("has a covariance: it is measured, so a data sheet cannot improve it");
@@ -126,7 +126,7 @@ fn not_found(robot: &Path, why: GuessFault) -> Exit {
     Exit::BadInput
 }
 
-/// Returns a name for the error set that the robot does not have yet.
+/// Returns a name for the new error set that no other set of the robot has.
 fn free_name(robot: &Robot) -> String {
     let is_free = |name: &String| robot.errors.iter().all(|set| set.name() != name);
     let numbered = (2..).map(|k| format!("{GUESS}-{k}"));

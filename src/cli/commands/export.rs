@@ -37,7 +37,7 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     use ExportFormat::{Dxf, Fanuc, Glb, Krl, Pdf, Rapid, Urscript};
     let next = match a.to {
         Glb => Dxf,
-        // The drawing by which the fitter places what the controller has frames of.
+        // With this drawing, the fitter places the equipment whose frames the controller has.
         Krl | Rapid | Urscript | Fanuc => Pdf,
         _ => Glb,
     };
@@ -72,7 +72,7 @@ fn write(out: &Path, bytes: &[u8]) -> Result<(), Exit> {
     Ok(())
 }
 
-/// Says why a format cannot be written.
+/// Prints why a format cannot be written.
 fn cannot(format: ExportFormat, why: &str) -> Exit {
     output::error(&format!("cannot export {}: {}", format.name(), shown(why)));
     Exit::BadInput
@@ -102,7 +102,7 @@ fn refuse_missing_writer(format: ExportFormat) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Refuses a prefix of mesh files for a format that names none.
+/// Refuses a prefix of mesh files for a format that names no mesh files.
 fn refuse_idle_meshes(a: &ExportArguments) -> Result<(), Exit> {
     if a.meshes.is_none() || a.to == ExportFormat::Urdf {
         return Ok(());
@@ -136,7 +136,7 @@ fn with_meshes(a: &Assessment<'_>, out: &Path, prefix: Option<&str>) -> Result<V
     Ok(urdf.into_bytes())
 }
 
-/// Returns the drawing without envelopes, for formats that show none.
+/// Returns the drawing without envelopes, for formats that show no envelopes.
 fn plain_drawing<'a>(a: &Assessment<'a>) -> Result<Drawing<'a>, String> {
     Drawing::new(a, &Detail { envelopes: false, ..Detail::PLAIN })
 }

@@ -29,7 +29,8 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
         let names = SKETCHES.iter().flat_map(|s| [s.name, s.robot]);
         let exit = lookup::unknown(&format!("unknown first cell `{}`", shown(name)), name, names);
         output::talk(
-            "  help: list them with sweetspot init; for your own robot, give its URDF: sweetspot init robot.urdf",
+            "  help: list the names with sweetspot init; for your own robot, give its URDF: sweetspot init \
+            robot.urdf",
         );
         return Err(exit);
     };
@@ -65,7 +66,7 @@ fn refuse_own_options(a: &InitArguments) -> Result<(), Exit> {
         return Ok(());
     }
     output::error("--tip, --package and arguments of xacro are for a URDF or xacro file");
-    output::talk("  help: give the path of the file, or leave them out");
+    output::talk("  help: give the path of the file, or leave out these arguments");
     Err(Exit::BadInput)
 }
 

@@ -22,10 +22,11 @@ const CELL: &str = "cell.toml";
 /// Least share of usable nodes with which a placement of the table is good.
 const GOOD: f64 = 0.95;
 
-/// Elevations of the tool axis that are tried, degrees, each with heights of the TCP above the table, mm.
+/// Attitudes that are tried: elevation of the tool axis, degrees, and height of the TCP above the table,
+/// mm.
 const ATTITUDES: [(f64, i32); 4] = [(-90.0, 100), (-90.0, 200), (0.0, 100), (0.0, 200)];
 
-/// Deepest folder below a package in which robots are looked for.
+/// Largest depth of the folders below a package that are searched for robots.
 const MAX_DEPTH: usize = 4;
 
 /// Largest number of robots of a package that are listed.
@@ -43,8 +44,9 @@ struct OwnRobot {
     /// Path of the robot file in the folder of the cell.
     file: String,
     files: Vec<(String, Vec<u8>)>,
-    /// Name of an error set of the robot, and comment on it.
+    /// Name of an error set of the robot.
     errors: String,
+    /// Comment on the error set in the cell file.
     about_errors: String,
     /// Whether the error set holds the signed errors of one robot.
     is_signed: bool,
@@ -94,7 +96,10 @@ pub fn init_own(given: &Path, a: &InitArguments) -> Result<Exit, Exit> {
     let found = placed(&own, &command);
     bar.finish_and_clear();
     let Some(found) = found else {
-        output::error(&format!("no table was found that the arm {} can reach", shown(&robot.name)));
+        output::error(&format!(
+            "no place was found for a table that the arm {} can reach",
+            shown(&robot.name)
+        ));
         output::talk(&format!(
             "  help: look at its reach: sweetspot envelope {}; name the link of the tool with --tip LINK",
             path_word(&path)
@@ -163,12 +168,11 @@ fn of_robot_file(path: &Path, a: &InitArguments) -> Result<OwnRobot, Exit> {
     let files: Vec<_> =
         sources.into_iter().map(|source| (format!("robots/{}", source.path), source.bytes)).collect();
     let file = files.first().map_or(String::new(), |(name, _)| name.clone());
-    let about_errors =
-        "# The first error set of the robot file that is a tolerance, or else its first error set.".into();
+    let about_errors = "# The first set of tolerances in the robot file, or else its first error set.".into();
     Ok(OwnRobot { robot, file, files, errors, about_errors, is_signed, is_guessed: false })
 }
 
-/// Returns the cell with the first place of the table whose map is good, or with the best place.
+/// Returns the cell with the table at the first place that gives a good map, or else at the best place.
 fn placed(own: &OwnRobot, command: &str) -> Option<FoundCell> {
     let robot = &own.robot;
     let inverse = Inverse::new(&Chain::new(robot));
@@ -234,7 +238,8 @@ fn refuse_other_files(path: &Path) -> Result<(), Exit> {
         None if path.is_file() => {
             output::error(&format!("{} is not a URDF", path_word(path)));
             output::talk(
-                "  help: give a URDF, a xacro file, a robot file in TOML or the folder of a ROS package; a cell is ready for map",
+                "  help: give a URDF, a xacro file, a robot file in TOML or the folder of a ROS package; a \
+                cell file needs no init",
             );
         }
         None => {
@@ -248,7 +253,8 @@ fn refuse_other_files(path: &Path) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Returns the only URDF of a folder, or its only xacro file that is not part of others. Lists several.
+/// Returns the only URDF of a folder, or else its only xacro file that is not a part of other files.
+/// Prints a list if there are several.
 fn robot_of_folder(folder: &Path, a: &InitArguments) -> Result<PathBuf, Exit> {
     let mut all = Vec::new();
     collect(folder, 0, &mut all);
@@ -283,7 +289,8 @@ fn robot_of_folder(folder: &Path, a: &InitArguments) -> Result<PathBuf, Exit> {
     }
 }
 
-/// Collects the robot files below a folder. A xacro file whose name says that it is a macro is a part of others.
+/// Collects the robot files below a folder. A xacro file with a name such as macro or common is a part
+/// of other files and is skipped.
 fn collect(folder: &Path, depth: usize, all: &mut Vec<PathBuf>) {
     for entry in folder.read_dir().into_iter().flatten().flatten() {
         let (path, name) = (entry.path(), entry.file_name().to_string_lossy().to_ascii_lowercase());

@@ -1,4 +1,5 @@
-//! Measured positions as `calibrate` reads them: tables to sessions, with what the program assumes.
+//! Reading of tables of measured positions into sessions. Prints the units and conventions that are
+//! assumed.
 
 use crate::calibration::{
     DataReading, MeasuredPosition, MeasuringSession, RotationReading, SuspectRows, explain,
@@ -15,14 +16,14 @@ use crate::robot::Chain;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::path::Path;
 
-/// What a command says about the columns of its tables.
+/// Columns of the tables of measured positions, as the command line states them.
 pub struct TableOptions<'a> {
     pub columns: &'a ColumnNames,
     /// Table that holds the joints of the postures, if the tables of positions have none.
     pub joints: Option<&'a Path>,
 }
 
-/// Reads a table, finds its units and conventions, and states them.
+/// Reads a table, finds its units and conventions, and prints them.
 pub fn session(
     path: &Path,
     robot: &Robot,
@@ -66,7 +67,8 @@ pub fn session(
     let still: Vec<_> = still.iter().map(|&k| shown(&robot.joints[k].name)).collect();
     if !still.is_empty() {
         output::talk(&format!(
-            "warning: {name}: {} never moves: its errors and those of its neighbours cannot be told apart",
+            "warning: {name}: joints that never move: {}; their errors cannot be distinguished from those of \
+            their neighbours",
             still.join(", ")
         ));
     }
@@ -115,7 +117,7 @@ fn angles_in_words(degrees: bool) -> &'static str {
     if degrees { "deg" } else { "rad" }
 }
 
-/// Returns which columns of a table mean what, and in which units.
+/// Describes the columns of a table and their units.
 fn in_words(name: &str, positions: usize, table: &MeasuredTable, reading: &DataReading) -> String {
     let listed = |names: &[String]| names.iter().map(|name| shown(name)).collect::<Vec<_>>().join(", ");
     let mut said = format!(
@@ -135,7 +137,7 @@ fn in_words(name: &str, positions: usize, table: &MeasuredTable, reading: &DataR
     said
 }
 
-/// Returns what a user may want to know: rows left out, orientations, the frame of the positions.
+/// Returns remarks for the user: rows left out, orientations, the frame of the positions.
 fn remarks(
     table: &MeasuredTable,
     reading: &DataReading,
@@ -154,7 +156,7 @@ fn remarks(
             rounded(deg_from_rad(of.rms), 3)
         ));
     }
-    // A tracker stands away from the robot.
+    // A robot base this near to the origin of the positions excludes the frame of a distant tracker.
     if reading.base.translation.norm() < NEAR_BASE {
         let axis = reading.base.rotation.column(0).into_owned();
         let is_turned = axis.x < -UPRIGHT;
@@ -169,13 +171,14 @@ fn remarks(
     said
 }
 
-/// Distance, m, of the robot base from the origin of the positions, below which they are in its frame.
+/// Distance between the robot base and the origin of the positions, m, below which the positions count
+/// as given in the base frame.
 const NEAR_BASE: f64 = 0.03;
 
-/// Cosine of the angle between two vertical axes.
+/// Least cosine of the angle between two axes that both count as vertical.
 const UPRIGHT: f64 = 0.9998;
 
-/// Returns how the joints are read, if not as in the file.
+/// Describes how the reading of the joints differs from the columns of the file.
 fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> Vec<String> {
     let map = &reading.joints;
     let name = |k: usize| shown(&joints[k].name);
@@ -203,7 +206,7 @@ fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> V
     }
     if !said.is_empty() {
         said.push(format!(
-            "with these assumptions the rms distance is {}; as the file stands it is {}",
+            "with these assumptions the rms distance is {}; without them it is {}",
             in_mm(reading.rms),
             if reading.plain_rms.is_finite() { in_mm(reading.plain_rms) } else { "undetermined".into() }
         ));
@@ -211,7 +214,8 @@ fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> V
     said
 }
 
-/// Returns what contradicts the file: units in its names, and orientations that nothing explains.
+/// Returns warnings of units that contradict the column names, and of orientations that no convention
+/// explains.
 fn warnings(table: &MeasuredTable, reading: &DataReading, rotation: Option<&RotationReading>) -> Vec<String> {
     let mut said = Vec::new();
     let angle = |unit: StatedUnit| match unit {
@@ -254,7 +258,7 @@ fn warn_of_suspects(name: &str, suspect: &SuspectRows) {
         (
             &suspect.stuck_joints,
             "rows repeat the joints of the row before, although the reflector has moved",
-            "; if they belong to several reflectors, name these in a column `reflector`",
+            "; if they belong to several reflectors, name the reflectors in a column `reflector`",
         ),
     ];
     for (rows, what, help) in kinds.into_iter().filter(|(rows, _, _)| !rows.is_empty()) {

@@ -93,7 +93,9 @@ fn written(
     match csv {
         Some(path) => {
             let path = if is_stdout(path) { "plan.csv".into() } else { path_word(path) };
-            output::talk(&format!("measure the poses, and fill in x, y and z of {path}; then"));
+            output::talk(&format!(
+                "measure the poses, and fill in x, y and z of {path} before the next command"
+            ));
             suggest_with(&format!("calibrate {robot_file} {path}{}", elastic(a)), &a.packages);
         }
         None => {
@@ -163,7 +165,7 @@ fn sightline(
     let opening =
         a.planning.opening.map(|axis| (Vector3::from(axis), rad_from_deg(a.planning.opening_angle)));
     if opening.is_some_and(|(axis, _)| axis.norm() == 0.0) {
-        output::error("the direction of --opening has no length");
+        output::error("the direction of --opening has length 0");
         output::talk(
             "  help: write the direction in the frame of the mechanical interface, for example 1,0,0",
         );
@@ -211,7 +213,7 @@ fn too_few(found: &MeasurablePoses, count: usize) -> Exit {
     if *hidden == 0 && *colliding == 0 { Exit::BadInput } else { Exit::AnswerIsNo }
 }
 
-/// Chooses the best candidates with a progress bar.
+/// Chooses the best candidates, and shows a progress bar.
 fn best(problem: &PlanProblem, count: usize) -> Result<Vec<usize>, Exit> {
     let bar = output::points_bar();
     let mut last = 0;

@@ -30,8 +30,8 @@ pub fn remedies(a: &CompareArguments) -> Result<Exit, Exit> {
         let name = shown(cell.error_set().name());
         output::error(&format!("{}: the errors `{name}` of the robot are not measured", path_word(file)));
         output::talk(
-            "  help: run `sweetspot calibrate ROBOT DATA --toml`, put its table into a copy of the robot file, and \
-             choose it with --errors",
+            "  help: run `sweetspot calibrate ROBOT DATA --toml`, put the printed table into a copy of the \
+            robot file, and choose its error set with --errors",
         );
         return Err(Exit::BadInput);
     };
@@ -50,7 +50,7 @@ pub fn remedies(a: &CompareArguments) -> Result<Exit, Exit> {
     let can_move = !wrong.cell.free().is_empty();
     let document = RemediesDocument::new(&remedies, settings.seed, evaluations, can_move);
     if found.iter().any(|record| record.ended == SearchEnd::Interrupted) {
-        output::talk("note: a search was stopped by --time; a longer one may find a better layout");
+        output::talk("note: a search was stopped by --time; a longer search may find a better layout");
     }
     if a.json {
         json_text::print(&document)?;
@@ -62,7 +62,7 @@ pub fn remedies(a: &CompareArguments) -> Result<Exit, Exit> {
     Ok(if document.advised.is_empty() { Exit::AnswerIsNo } else { Exit::Done })
 }
 
-/// Returns a cell whose reading counts random errors, because a calibrated arm has no others.
+/// Returns the cell with a reading for random errors, because a calibrated arm has only random errors.
 fn random(cell: Cell, file: &Path) -> Result<Cell, Exit> {
     if cell.reading != Reading::Signed {
         return Ok(cell);

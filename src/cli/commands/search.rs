@@ -1,4 +1,5 @@
-//! `search`: with one seed, a job that can be stopped and resumed, or with several seeds on many machines.
+//! `search`: a search with one seed, which can be stopped and resumed, or with several seeds on many
+//! machines.
 
 mod islands;
 mod one;

@@ -16,10 +16,12 @@ use crate::robot::Chain;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::path::Path;
 
-/// Distance, m, from which a joint frame is that of another robot.
+/// Distance between a stated and a nominal joint frame, m, above which the calibration is of another
+/// robot.
 const OTHER_ARM: f64 = 0.02;
 
-/// Angle, rad, from which a joint frame is that of another robot.
+/// Angle between a stated and a nominal joint frame, rad, above which the calibration is of another
+/// robot.
 const OTHER_TURN: f64 = 0.05;
 
 /// STL mesh that replaces every mesh of a URDF, because only the kinematics of the URDF is used.
@@ -46,7 +48,7 @@ pub fn states_calibration(path: &Path) -> bool {
 
 /// Reads a URDF as a robot whose tool is the tip link.
 ///
-/// `links` names base and tip of the chain; None takes the root, and the only link without children.
+/// `links` names base and tip of the chain; None means the root link and the only link without children.
 pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedRobot, Exit> {
     // Collada meshes cannot be read, but their content is not needed here.
     let text = String::from_utf8_lossy(&loading::read_data(path)?).replace(".dae", ".stl");
@@ -109,7 +111,7 @@ pub fn calibrate_as_stated(robot: &Robot, path: &Path, a: &CalibrateArguments) -
     Ok(Exit::Done)
 }
 
-/// Returns the errors between the URDF of the robot and a calibrated one.
+/// Returns the errors of a calibrated URDF relative to the nominal URDF of the robot.
 fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     let refuse = |message: String, help: &str| {
         output::error(&format!("{}: {message}", path_word(path)));
@@ -136,7 +138,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     })?;
     let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     output::talk(&format!(
-        "note: {}: errors of the joint origins, and of the tip link as the tool",
+        "note: {}: the errors are those of the joint origins, and of the tip link as the tool",
         path_word(path)
     ));
     Ok((errors, source))
@@ -156,8 +158,11 @@ fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, Stri
     let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     let chain = Chain::new(robot);
     if chain.axes() != 6 {
-        let message =
-            format!("the file is of a six-axis arm, and {} has {} axes", shown(&robot.name), chain.axes());
+        let message = format!(
+            "the file describes a six-axis arm, but {} has {} axes",
+            shown(&robot.name),
+            chain.axes()
+        );
         return Err(refuse(vec![Fault::of_file(&file, message, "give the robot of the calibration")]));
     }
     match stated {
@@ -165,8 +170,8 @@ fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, Stri
             refuse_other_arm(robot, &chain, &frames, path)?;
             let hash = hash.map_or(String::new(), |hash| format!(", hash {}", shown(&hash)));
             output::talk(&format!(
-                "note: {}: errors of joint frames; errors of the base are those of joint 1, and the file states no \
-                 tool",
+                "note: {}: the errors are those of the joint frames; joint 1 includes the error of the \
+                base, and the file states no tool",
                 path_word(path)
             ));
             Ok((errors_of_frames(&chain, &frames), format!("{name}{hash}")))
@@ -174,7 +179,7 @@ fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, Stri
         StatedCalibration::Rows { theta, a, d, alpha } => {
             let rows = SignedErrors { dq: theta, dr: d, dl: a, dalpha: alpha, ..no_errors(6) };
             output::talk(&format!(
-                "note: {}: errors of the rows; base and tool are nominal",
+                "note: {}: the errors are those of the D-H rows; base and tool are nominal",
                 path_word(path)
             ));
             Ok((rows, name))
@@ -182,7 +187,7 @@ fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, Stri
     }
 }
 
-/// Refuses frames that are too far from the nominal ones.
+/// Refuses frames that are too far from the nominal frames.
 fn refuse_other_arm(robot: &Robot, chain: &Chain, frames: &[Pose], path: &Path) -> Result<(), Exit> {
     for (k, (nominal, stated)) in nominal_frames(chain).iter().zip(frames).enumerate() {
         let off = nominal.inverse() * *stated;

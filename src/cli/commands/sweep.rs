@@ -65,7 +65,7 @@ pub fn sweep(a: &SweepArguments) -> Result<Exit, Exit> {
     table::gather(&sweep, a.json)
 }
 
-/// Returns the combinations of the option `--only`, or all.
+/// Returns the combinations of the option `--only`, or all combinations.
 fn asked(only: Option<&IndexRanges>, combinations: usize) -> Result<Vec<usize>, Exit> {
     let Some(only) = only else { return Ok((0..combinations).collect()) };
     if only.last() < combinations {

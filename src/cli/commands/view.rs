@@ -68,7 +68,7 @@ fn end_at_signals() -> Arc<Notify> {
 fn opened(url: &str) -> Option<TempPath> {
     let opened = open_in_browser(url);
     if let Err(why) = &opened {
-        output::talk(&format!("note: no browser could be started ({why}): copy the address into one"));
+        output::talk(&format!("note: no browser could be started ({why}): copy the address into a browser"));
     }
     opened.ok()
 }

@@ -32,7 +32,7 @@ pub struct OwnCell<'a> {
     pub errors: &'a str,
     /// Note for the user on the errors.
     pub about_errors: &'a str,
-    /// Whether the error set is that of one robot, with signs.
+    /// Whether the error set holds the signed errors of one robot.
     pub is_signed: bool,
     /// Whether the file allows only four spins about the tool axis.
     pub few_spins: bool,

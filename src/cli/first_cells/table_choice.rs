@@ -6,25 +6,31 @@ use crate::reach::{Envelope, Inverse};
 use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
 use nalgebra::Vector3;
 
-/// Numbers of heights and of radii at which the reach is sampled.
+/// Number of heights at which the reach is sampled.
 const HEIGHTS: usize = 13;
+
+/// Number of radii at which the reach is sampled at every height.
 const RADII: usize = 25;
 
-/// Range of the heights of the TCP above the base, in shares of the longest reach.
+/// Least height of the TCP above the base, as a share of the longest reach.
 const LOWEST: f64 = -0.4;
+
+/// Largest height of the TCP above the base, as a share of the longest reach.
 const HIGHEST: f64 = 0.8;
 
 /// Longest reach, m, up to which an arm stands on a pedestal so that the table has the height of a workbench.
 const BENCH_ARM: f64 = 1.5;
 
-/// Height of a workbench, mm, and least height of the top of a table.
+/// Height of a workbench, mm.
 const BENCH: f64 = 800.0;
+
+/// Least height of the top of a table above the floor, mm.
 const LEAST_TOP: f64 = 300.0;
 
 /// Largest number of places for which a map is computed.
 const MAX_PLACES: usize = 12;
 
-/// Range of radii at which an arm reaches one height.
+/// Range of radii, m, at which an arm reaches one height, m.
 struct ReachableStretch {
     height: f64,
     from: f64,
@@ -78,7 +84,7 @@ fn longest_stretch(
     best
 }
 
-/// Returns the place of a table whose depth is this share of a range of radii.
+/// Returns the place of a table whose depth is the fraction `share` of a range of radii.
 fn place(
     stretch: &ReachableStretch,
     share: f64,

@@ -27,7 +27,7 @@ use std::path::Path;
 /// Name of the guessed error set.
 pub const GUESS: &str = "guess";
 
-/// Share of the reach that a guessed footprint is wide.
+/// Width of a guessed footprint, as a share of the reach.
 const FOOTPRINT: f64 = 0.15;
 
 /// Robot read from a URDF, and the files that describe it in the folder of a cell.
@@ -46,12 +46,12 @@ pub struct ImportedRobot {
     pub warnings: Vec<Fault>,
 }
 
-/// How a URDF is to be imported.
+/// Options of the import of a URDF or xacro file.
 #[derive(Clone, Copy)]
 pub struct ImportQuery<'a> {
     pub path: &'a Path,
     pub packages: &'a PackageFolders,
-    /// Link that carries the tool; None guesses it.
+    /// Link that carries the tool; with None, the link is guessed.
     pub tip: Option<&'a str>,
     /// Arguments of a xacro file.
     pub arguments: &'a [String],
@@ -251,7 +251,7 @@ struct Guesses {
 }
 
 impl Guesses {
-    /// Placeholder guesses for a first pass, which reads only the kinematics.
+    /// Returns placeholder guesses for a first pass, which reads only the kinematics.
     fn none() -> Self {
         let errors = "[errors.none]\nkind = \"signed\"\nsource = \"none\"\njoints = []\n".to_string();
         Self { errors, footprint_mm: 100.0 }

@@ -29,7 +29,7 @@ pub fn text(stem: &str, given: &str, outline: &UrdfOutline, footprint_mm: Option
     let guess = if outline.is_guessed {
         "GUESS: the last link of the longest chain of joints"
     } else {
-        "as asked with --tip"
+        "Chosen with --tip"
     };
     let footprint = footprint_mm.map_or(String::new(), |side| {
         format!("\n# GUESS: floor space of the base, because its link has no solids.\nfootprint = {{ size_mm = [{side}, {side}] }}\n")

@@ -3,7 +3,7 @@
 use crate::cli::packages::PackageFolders;
 use std::path::{Path, PathBuf};
 
-/// Number of folders above a URDF in which packages are looked for.
+/// Number of folders that are searched for packages, from the folder of the URDF upwards.
 const MAX_ABOVE: usize = 6;
 
 /// Largest size of a package.xml that is read, bytes.
@@ -31,7 +31,8 @@ fn folders_above(near: &Path) -> impl Iterator<Item = PathBuf> {
     near.ancestors().take(MAX_ABOVE).map(Path::to_path_buf).collect::<Vec<_>>().into_iter()
 }
 
-/// Returns whether a folder is the package: its package.xml names it, or the folder is named so.
+/// Returns whether a folder is the package: its package.xml has the name or, if no name is stated there,
+/// the folder has.
 fn is_package(folder: &Path, name: &str) -> bool {
     let manifest = folder.join("package.xml");
     let small = manifest.metadata().is_ok_and(|about| about.is_file() && about.len() <= MAX_MANIFEST);

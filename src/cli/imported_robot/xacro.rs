@@ -1,5 +1,5 @@
-//! Expansion of xacro files by the program `xacro` or `xacrodoc`, which only `init` and other commands given such a
-//! file by name call.
+//! Expansion of xacro files by the program `xacro` or `xacrodoc`. Only commands to which the user gives
+//! a xacro file call such a program.
 
 use super::ros_packages::package_above;
 use crate::cli::output::{path_word, word};
@@ -11,7 +11,8 @@ use std::process::{Command, Stdio};
 /// Largest number of lines of a program's error output that are shown.
 const MAX_LINES: usize = 4;
 
-/// Returns the URDF that a xacro file expands to. `arguments` are its arguments, each as NAME:=VALUE.
+/// Returns the URDF that a xacro file expands to. `arguments` are the arguments of the xacro file, each
+/// as NAME:=VALUE.
 pub fn expanded(path: &Path, arguments: &[String]) -> Result<String, Exit> {
     let near = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // The packages of a workspace lie side by side.
@@ -26,7 +27,7 @@ pub fn expanded(path: &Path, arguments: &[String]) -> Result<String, Exit> {
         match command.arg(path).args(arguments).stdin(Stdio::null()).output() {
             Ok(run) if run.status.success() => match String::from_utf8(run.stdout) {
                 Ok(text) => return Ok(text),
-                Err(_) => complaints.push(format!("{program} wrote no text")),
+                Err(_) => complaints.push(format!("{program} wrote output that is not UTF-8")),
             },
             Ok(run) => {
                 complaints.push(format!("{program}: {}", last_lines(&String::from_utf8_lossy(&run.stderr))))

@@ -111,7 +111,7 @@ impl SearchThread {
 }
 
 fn run(cell: Cell, board: &Mutex<SearchState>, stop: &AtomicBool) -> Result<LiveResult, String> {
-    // One core stays free for the page.
+    // One core is left free for the page.
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     let threads = rayon::ThreadPoolBuilder::new().num_threads(cores.saturating_sub(1).max(1)).build();
     let threads = threads.map_err(|e| format!("cannot start threads: {e}"))?;

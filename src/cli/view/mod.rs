@@ -176,18 +176,19 @@ impl LiveView {
         Ok(json!({ "outlines": (0..a.maps.len()).map(of).collect::<Vec<_>>() }))
     }
 
-    /// Returns the room of every piece in the current layout, and how far the whole cell may be turned.
+    /// Returns the room of every piece in the current layout, and how far the whole cell may be rotated.
     fn room(&self) -> Result<Value, String> {
         let (workcell, layout) = self.shown()?;
         let a = assessed(&workcell, layout, false).with_regions();
         Ok(json!({ "regions": RegionEntry::all(&a), "whole_cell": TurnEntry::new(&a) }))
     }
 
-    /// Returns where a piece may stand in plan while the rest of the current layout stays, mm.
+    /// Returns the outlines, in plan and in mm, of the region in which a piece may stand. The rest of
+    /// the layout is unchanged.
     fn standing(&self, asked: &StandingBody) -> Result<Value, String> {
         let (workcell, layout) = self.shown()?;
         if asked.equipment >= workcell.cell.equipment.len() {
-            return Err(format!("there is no equipment {}", asked.equipment));
+            return Err(format!("there is no piece of equipment with the index {}", asked.equipment));
         }
         let rings = standing(&workcell, &layout, asked.equipment, asked.refined);
         let mm = |v: f64| rounded(mm_from_m(v), 1);

@@ -1,8 +1,8 @@
 //! Local web server with limits on connections, headers, bodies and time.
 //!
-//! Anybody on this machine can connect, so a connection without the secret must cost little: a head of
-//! limited size and time, no body, no thread. One thread accepts and serves all connections. Each admitted
-//! request computes in a thread of its own, so a long computation delays no other request.
+//! Anybody on this machine can connect. A connection without the secret must therefore cost little: a
+//! head of limited size and time, no body, no thread. One thread accepts and serves all connections.
+//! Each admitted request computes in a thread of its own, so a long computation delays no other request.
 
 use super::LiveView;
 use super::access_control::AccessControl;
@@ -25,7 +25,7 @@ use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::time::{sleep, timeout};
 use tokio_io_timeout::TimeoutStream;
 
-/// Largest number of open connections; further ones wait in the queue of the operating system.
+/// Largest number of open connections; further connections wait in the queue of the operating system.
 const MAX_CONNECTIONS: usize = 64;
 /// Largest head of a request, bytes: request line and headers.
 const MAX_HEAD_BYTES: usize = 16 << 10;

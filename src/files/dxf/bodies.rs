@@ -1,4 +1,5 @@
-//! Bodies of a plan: upright boxes, cylinders and prisms over its outlines, each with the least rectangle round it.
+//! Bodies of a plan: upright boxes, cylinders and prisms over its outlines, each with the least
+//! rectangle around it.
 
 use super::DxfFault;
 use super::convex::convex_parts;
@@ -19,11 +20,13 @@ const BOX_ROUNDING: f64 = 1e-6;
 /// Convex body over an outline, or over a part of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanBody {
-    /// Layer, number of the outline on its layer and, if it has several, number of the part.
+    /// Layer, number of the outline on its layer and, if the outline has several parts, number of the
+    /// part.
     pub name: String,
-    /// Placement of the frame of the body in the frame of the drawing, m: the centre of the rectangle round it.
+    /// Placement of the frame of the body in the frame of the drawing, m: the centre of the rectangle
+    /// around the body.
     pub placement: Placement,
-    /// Sides of the rectangle round the body, along the axes of its frame, m.
+    /// Sides of the rectangle around the body, along the axes of its frame, m.
     pub size: (f64, f64),
     /// Shape in the frame of the body, from 0 up to the height.
     pub shape: Shape,
@@ -32,7 +35,7 @@ pub struct PlanBody {
 /// Returns the bodies of the outlines. An outline that is not convex is divided into convex parts.
 ///
 /// # Errors
-/// Fails if there are too many bodies, or if an outline cannot be divided.
+/// Fails if there are too many bodies, or if an outline cannot be divided into convex parts.
 pub fn bodies(outlines: &[FloorOutline], height: f64) -> Result<Vec<PlanBody>, DxfFault> {
     let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut all = Vec::new();
@@ -44,7 +47,10 @@ pub fn bodies(outlines: &[FloorOutline], height: f64) -> Result<Vec<PlanBody>, D
             OutlineShape::Circle { centre, radius } => all.push(cylinder(name, *centre, *radius, height)),
             OutlineShape::Polygon(corners) => {
                 let parts = convex_parts(corners).ok_or_else(|| {
-                    let message = format!("layer `{}`: an outline cannot be divided", shown(&outline.layer));
+                    let message = format!(
+                        "layer `{}`: an outline cannot be divided into convex parts",
+                        shown(&outline.layer)
+                    );
                     DxfFault::new(
                         outline.line,
                         message,
@@ -106,7 +112,7 @@ fn prism(corners: &[PlanePoint], height: f64) -> Shape {
     }
 }
 
-/// Returns the rectangle of least area round points: its centre and yaw, and its sides, m.
+/// Returns the rectangle of least area around points: its centre and yaw, and its sides, m.
 ///
 /// One of its sides lies on an edge of the convex hull (H. Freeman and R. Shapira, CACM 18 (1975) 409-413).
 fn least_rectangle(points: &[PlanePoint]) -> (Placement, (f64, f64)) {

@@ -1,8 +1,9 @@
 //! Polygons that replace outlines with arcs and contain them.
 //!
-//! An arc that bulges out of the outline becomes its tangents, an arc that bulges into it becomes its chords. Both lie
-//! on the outer side of the arc. The distance between tangents and arc is `r (1 / cos(d / 2) - 1)` at most, and that
-//! between chords and arc `r (1 - cos(d / 2))`, where `d` is the angle of one piece.
+//! Tangents replace an arc that bulges out of the outline, and chords replace an arc that bulges into
+//! it. Both lie on the outer side of the arc. The distance between tangents and arc is at most `r (1 /
+//! cos(d / 2) - 1)`. The distance between chords and arc is at most `r (1 - cos(d / 2))`. In both, `r`
+//! is the radius of the arc and `d` the angle of one piece.
 
 use super::entities::PathVertex;
 use crate::geometry::polygon_area;
@@ -12,7 +13,8 @@ use std::f64::consts::FRAC_PI_2;
 /// Largest number of pieces of one arc.
 const MAX_PIECES: f64 = 500.0;
 
-/// Returns the corners of a closed outline, none of which is farther than `tolerance` from it.
+/// Returns the corners of the polygon for a closed outline. No corner is farther than `tolerance` from
+/// the outline.
 ///
 /// # Errors
 /// Fails if an arc would need more than [`MAX_PIECES`] pieces; the message says so.

@@ -56,7 +56,8 @@ fn joined(corners: &[PlanePoint], first: &[usize], second: &[usize]) -> Option<V
         (next(second, at) == first[*k]).then_some(at)
     };
     let (k, at) = (0..first.len()).find_map(|k| Some((k, shared(&k)?)))?;
-    // From the end of the shared edge round the first part, then round the second without the ends of the edge.
+    // The union runs from the end of the shared edge around the first part. It then runs around the
+    // second part without the ends of the edge.
     let round = (0..first.len()).map(|i| first[(k + 1 + i) % first.len()]);
     let rest = (2..second.len()).map(|i| second[(at + i) % second.len()]);
     let whole: Vec<usize> = round.chain(rest).collect();

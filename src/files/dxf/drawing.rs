@@ -61,7 +61,7 @@ impl PlanDrawing {
         }
     }
 
-    /// Returns whether the drawing inserts anything at all into its model space.
+    /// Returns whether the model space contains no entity that the reader supports.
     pub fn is_empty(&self) -> bool {
         self.entities.iter().all(|e| matches!(e.kind, EntityKind::Other(_)))
     }

@@ -35,7 +35,8 @@ pub struct PlanPath {
     pub is_closed: bool,
 }
 
-/// Vertex of a path, and the bulge of the segment that begins there: the tangent of a quarter of its arc.
+/// Vertex of a path, and the bulge of the segment that begins there: the tangent of a quarter of the
+/// angle of its arc.
 ///
 /// The bulge is positive if the arc turns to the left, and 0 for a straight line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +55,7 @@ pub struct Insert {
     pub rotation: f64,
     pub columns: u64,
     pub rows: u64,
-    /// Distances of columns and of rows, before the rotation.
+    /// Distances between columns and between rows, before the rotation.
     pub spacing: Vector2<f64>,
 }
 

@@ -78,7 +78,8 @@ fn ends(paths: &[OpenPath]) -> Vec<[usize; 2]> {
     paths.iter().map(&mut both).collect()
 }
 
-/// Returns the vertices of a path without its last one; in reverse, arcs turn to the other side.
+/// Returns the vertices of a path without the last vertex. If `is_reversed` is true, the path runs
+/// backwards and its arcs turn to the other side.
 fn pieces(vertices: &[PathVertex], is_reversed: bool) -> Vec<PathVertex> {
     let segments = vertices.windows(2);
     if is_reversed {

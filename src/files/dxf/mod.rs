@@ -1,8 +1,10 @@
-//! Reader of floor plans: closed outlines on named layers of a DXF drawing (ASCII), as bodies of a height.
+//! Reader of floor plans: closed outlines on named layers of a DXF drawing (ASCII), as bodies of a given
+//! height.
 //!
-//! The reader takes LWPOLYLINE, POLYLINE, CIRCLE, LINE and ARC, in blocks and in the model space. Open lines whose ends
-//! meet form outlines, too. Other entities on the named layers are reported. The group codes are those of Autodesk's
-//! DXF reference. The source of every limit is in the file that applies it.
+//! The reader supports LWPOLYLINE, POLYLINE, CIRCLE, LINE and ARC, in blocks and in the model space.
+//! Open lines whose ends meet form outlines, too. Other entities on the named layers are reported. The
+//! group codes are those of Autodesk's DXF reference. The source of every limit is in the file that
+//! applies it.
 
 mod bodies;
 mod chords;

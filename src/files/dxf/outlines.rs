@@ -25,7 +25,8 @@ const ROUNDING: f64 = 1e-9;
 /// Least area of an outline, m2.
 const MIN_AREA: f64 = 1e-8;
 
-/// FloorOutline with its layer as the drawing writes it, and the line of the drawing at which it begins.
+/// Outline of a floor plan, with its layer as the drawing writes it, and the line of the file at which
+/// it begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloorOutline {
     pub layer: String,
@@ -111,7 +112,7 @@ pub fn outlines(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64, tol
 const CLOSED: &str =
     "draw obstacles as closed polylines, circles, or lines and arcs whose ends meet within 0.01 mm";
 
-/// Returns an open path in m, unless it is shorter than a joint.
+/// Returns an open path in m, unless it is shorter than [`JOINT`].
 fn moved(path: &PlanPath, map: &PlaneMap, line: usize) -> Option<OpenPath> {
     let sign = if map.mirrors() { -1.0 } else { 1.0 };
     let vertex = |v: &PathVertex| PathVertex { at: map.of(&v.at), bulge: sign * v.bulge };
@@ -180,7 +181,8 @@ impl Outlines {
         }
     }
 
-    /// Warns of outlines within others, whose inside is solid although a wall of two lines may be meant.
+    /// Warns of an outline within another outline. The whole inside of the outer outline is solid,
+    /// although a wall drawn as two lines may be meant.
     fn warn_of_nested(&mut self) {
         let inside = |k: usize, j: usize| k != j && self.found[j].holds(self.found[k].first());
         let count = self.found.len();
@@ -230,7 +232,8 @@ fn no_area(line: usize, layer: &str) -> DxfFault {
     DxfFault::new(line, message, "delete it, or check the unit of the drawing")
 }
 
-/// Returns the corners without repeated ones and without those on the line between their neighbours.
+/// Returns the corners without repeated corners and without corners on the line between their
+/// neighbours.
 fn cleaned(mut corners: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
     let mut k = 0;
     while corners.len() >= 3 && k < corners.len() {

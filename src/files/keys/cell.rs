@@ -40,7 +40,7 @@ key_table! {
         ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Minimize the worst value over the placement tolerances, not the value as drawn.");
         GAP = number("gap", NumberRange::NotNegative, "Stop when the objective exceeds the proven lower bound by at most this share: 0.01 is 1 %.").example("0.01");
         STAGNATION = Key::new("stagnation", BUDGETS, "Stop after this number of layouts without improvement.").example("5000");
-        PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Search the Pareto front of these goals: layouts of which none is better than another in all of them.").example("[\"error\", \"clearance\"]");
+        PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Search for the Pareto front of these goals: layouts of which none is better than another in every goal.").example("[\"error\", \"clearance\"]");
         KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of layouts to report: the best ones that differ from each other.").example("5");
     }
 }
@@ -69,7 +69,7 @@ key_table! {
         MODEL = word::<Model>("model", "Kinematic error model: how errors of the parameters become the error of the TCP.").default(Literal::Word(Model::Nonlinear.name()));
         READING = word::<Reading>("reading", "How the errors are read: as one signed sample, as the worst corner of tolerances, or as random variables; if left out, worst-case if an error set in use is a tolerance, else signed.");
         QUANTITY = word::<Quantity>("quantity", "Statistic to minimize in the statistical reading.").default(Literal::Word(Quantity::P95.name()));
-        REGISTRATION = word::<Registration>("registration", "What has been measured with the robot itself: nothing, its base frame (least-squares fit to the TCP position errors over all postures between the joint limits), or the frame of each surface.").default(Literal::Word(Registration::None.name()));
+        REGISTRATION = word::<Registration>("registration", "Frames that were measured with the robot itself: none, its base frame (least-squares fit to the TCP position errors over all postures between the joint limits), or the frame of each surface.").default(Literal::Word(Registration::None.name()));
         GUARD = number("guard_percent", NumberRange::Positive, "Guard: difference from the nonlinear model above which a model is reported as not trustworthy.").default(Literal::Number(1.0));
         ROBOT = table("robot", &robot_in_cell::TABLE, "Robot and the placement of its base.").required().remedy("add robot = { from = \"robots/NAME.toml\" }");
         EQUIPMENT = Key::new("equipment", ValueKind::Named(&ValueKind::Table(&equipment::TABLE), 0), "Equipment of the cell: one table [equipment.NAME] for each.");
@@ -79,7 +79,7 @@ key_table! {
         OPERATION = Key::new("operation", ValueKind::Named(&ValueKind::Table(&operation::TABLE), 1), "Operations: one table [operation.NAME] for each.").required().remedy("add [operation.NAME] with on, grid, bend_deg and sense");
         COLLISION = boolean("collision", true, "Whether collisions are checked.");
         CLEARANCE = number("clearance_mm", NumberRange::NotNegative, "Clearance: a smaller distance counts as a collision. Two floor spaces must be this far apart in height or in plan, in the direction of a side of one of them. If left out, it is 10 in a search for a layout to build, otherwise 0.").example("10");
-        FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world.");
+        FLOOR = number_or_zero("floor_mm", NumberRange::Finite, "Height of the floor in the world frame.");
         MARGINS = table("margins", &margins::TABLE, "Least distance of postures from joint limits and singular postures.");
         TRANSFER = table("transfer", &transfer::TABLE, "Check of the motions from operation to operation, and from point to point, for collision.");
         FENCE = table("fence", &fence::TABLE, "Fence around the equipment and the robot base.");

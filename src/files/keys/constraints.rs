@@ -11,7 +11,7 @@ key_table! {
     margins, "margins", "Least distance of postures from joint limits and singular postures.", {
         TURN = number_or_zero("joint_deg", NumberRange::NotNegative, "Least distance from the limits of revolute joints. If left out, it is 2 in a search for a layout to build.");
         SLIDE = number_or_zero("joint_mm", NumberRange::NotNegative, "Least distance from the limits of prismatic joints. If left out, it is 2 in a search for a layout to build.");
-        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Least singular value of the Jacobian, with lengths divided by the reach of the arm. If left out, it is 0.02 in a search for a layout to build.").example("0.02");
+        SINGULARITY = number_or_zero("singularity", NumberRange::Below(1.0), "Lower limit of the smallest singular value of the Jacobian, with lengths divided by the reach of the arm. If left out, it is 0.02 in a search for a layout to build.").example("0.02");
     }
 }
 
@@ -26,7 +26,7 @@ key_table! {
 
 key_table! {
     fence, "a fence", "Fence around the equipment and the robot base.", {
-        POLYGON = Key::new("polygon_mm", ValueKind::List(&PLAN, (3, MANY), "corners"), "Corners (x and y in the world), in their order along the fence; the last corner is joined to the first.").required().example("[[-2000, -1500], [2000, -1500], [2000, 2500], [-2000, 2500]]");
+        POLYGON = Key::new("polygon_mm", ValueKind::List(&PLAN, (3, MANY), "corners"), "Corners (x and y in the world frame), in their order along the fence; the last corner is joined to the first.").required().example("[[-2000, -1500], [2000, -1500], [2000, 2500], [-2000, 2500]]");
         HEIGHT = number("height_mm", NumberRange::Positive, "Height of walls that the robot must not touch; if left out, the fence is a line on the floor.").example("2200");
     }
 }

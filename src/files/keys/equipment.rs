@@ -46,7 +46,7 @@ key_table! {
         X = number("x_mm", NumberRange::Finite, "Position along x.").required();
         Y = number("y_mm", NumberRange::Finite, "Position along y.").required();
         Z = number("z_mm", NumberRange::Finite, "Position along z.").required();
-        YAW = number_or_zero("yaw_deg", NumberRange::Finite, "Turn about z.");
+        YAW = number_or_zero("yaw_deg", NumberRange::Finite, "Rotation about z.");
     }
 }
 
@@ -56,7 +56,7 @@ key_table! {
         LAYERS = Key::new("layers", ValueKind::List(&ValueKind::Text, (1, MANY), "layers"), "Layers of the drawing whose closed outlines are obstacles.").required().example("[\"COLUMNS\", \"MACHINES\"]");
         HEIGHT = number("height_mm", NumberRange::Positive, "Height of the obstacles above the placement.").required().example("3000");
         UNITS = word::<DrawingUnit>("units", "Length of one unit of the drawing; needed if the header of the drawing does not state it.").example("\"mm\"");
-        TOLERANCE = number("tolerance_mm", NumberRange::Positive, "Largest distance of the straight lines that replace an arc, on its outer side.").default(Literal::Number(1.0));
+        TOLERANCE = number("tolerance_mm", NumberRange::Positive, "Largest distance between an arc and the straight lines that replace it, on the outer side of the arc.").default(Literal::Number(1.0));
     }
 }
 
@@ -80,7 +80,7 @@ key_table! {
 
 key_table! {
     keep_out, "a keep-out box", "Box, fixed in the world, that nothing may enter.", {
-        MIN = vector("min_mm", "Low corner.").required();
-        MAX = vector("max_mm", "High corner.").required();
+        MIN = vector("min_mm", "Corner with the least x, y and z, in the world frame.").required();
+        MAX = vector("max_mm", "Corner with the greatest x, y and z, in the world frame.").required();
     }
 }

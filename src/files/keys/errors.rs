@@ -96,7 +96,7 @@ const fn row(name: &'static str, help: &'static str) -> Key {
 key_table! {
     frame_error, "a frame error", "Error of a frame: the erroneous frame is the nominal frame times Trans(position_mm) Rz Ry Rx.", {
         POSITION = vector_or_zero("position_mm", "Errors along x, y and z.");
-        ROTATION = vector_or_zero("rotation_deg", "Errors about x, y and z: after the translation, the frame is turned about its z axis, then its new y, then its new x.");
+        ROTATION = vector_or_zero("rotation_deg", "Errors about x, y and z: after the translation, the frame is rotated about its z axis, then about its new y axis, then about its new x axis.");
     }
 }
 
@@ -110,7 +110,7 @@ key_table! {
 key_table! {
     elastic_term, "an elastic term", "Deflection of a joint by the weight at and beyond the end of a link: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number from 1 or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
-        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its row: the row of the joint or a later one. It leads from the frame before the row to the frame after it.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its row: the row of the joint or a later one. The link leads from the frame before the row to the frame after it.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
         VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
     }
 }
@@ -152,7 +152,7 @@ pub const PARAMETERS: &str = "dq, dr, dl, dalpha or dbeta with a joint number (d
 
 key_table! {
     covariance, "`covariance`", "Covariance from a calibration: normally distributed, correlated parameters. In a set of tolerances, these parameters must have plus-or-minus values of 0.", {
-        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the rows");
+        PARAMETERS = Key::new("parameters", ValueKind::Checked(&ValueKind::List(&ValueKind::Text, (1, MANY), "names"), unique), "Parameters of the matrix rows: dq, dr, dl, dalpha or dbeta with a joint number (dl2), a frame (base, tool, joint2) with x, y, z, rx, ry or rz (joint2 x), elastic with a joint and a link (elastic 2 3), or compliance with a joint (compliance 2).").required().example("[\"dl2\", \"dalpha3\", \"base x\"]").remedy("add parameters = [\"dq1\", \"dl2\"], the parameters of the matrix rows");
         MATRIX = Key::new("matrix", ValueKind::List(&ValueKind::List(&FINITE, (1, MANY), "numbers"), (1, MANY), "rows"), "Covariances, one row for each of the parameters: products of mm, degrees, degrees per m and degrees per N m.").required().example("[[0.25, 0.1], [0.1, 4]]").remedy("add matrix = [[...], ...], a row for each of `parameters`");
     }
 }

@@ -213,9 +213,9 @@ pub enum Rule {
     AnyOf(&'static [&'static str]),
     /// At most one of these keys may be given.
     OneAtMost(&'static [&'static str]),
-    /// If the first key is given, none of the others may be given.
+    /// If the first key is given, none of the other keys may be given.
     Excludes(&'static str, &'static [&'static str]),
-    /// If the first key is missing, none of the others may be given.
+    /// If the first key is missing, none of the other keys may be given.
     OnlyWith(&'static str, &'static [&'static str]),
     /// If the first key is given, the second must be given.
     Needs(&'static str, &'static str),

@@ -59,7 +59,7 @@ key_table! {
     operation, "an operation", "Precision operation: its place, the attitude of the tool, and the error that counts.", {
         ON = text("on", "Equipment on whose work surface the operation happens.").required().example("\"worktable\"").remedy("add on = \"NAME\", the equipment with the work surface");
         GRID = Key::new("grid", DIVISIONS, "Divisions along x and y of the surface: [10, 8] makes 11 x 9 nodes.").required_unless("points_mm").example("[10, 8]").remedy("add grid = [10, 8], the divisions along x and y");
-        REGION = table("region", &rectangle::TABLE, "Part of the surface that the grid covers; if left out, all of it.").example("{ centre_mm = [100, 50], size_mm = [200, 100] }");
+        REGION = table("region", &rectangle::TABLE, "Part of the surface that the grid covers; if left out, the whole surface.").example("{ centre_mm = [100, 50], size_mm = [200, 100] }");
         POINTS_MM = Key::new("points_mm", POINTS, "Points of the surface (x and y) at which the operation happens, in place of a grid.").example("[[-100, 0], [100, 0]]");
         OVER = word::<NodeAggregation>("over", "best: the operation happens at the best node; max, mean, p95: it happens at every node, and the maximum, mean or 95th percentile of their errors counts; if left out, best for a grid, max for points.");
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");

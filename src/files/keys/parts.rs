@@ -105,20 +105,20 @@ key_table! {
 pub const UNITS: Key = table("units", &units::TABLE, "Units of all numbers of the file.")
     .example("{ length = \"mm\", angle = \"deg\" }");
 
-pub const SOURCE: Key = text("source", "Where the numbers come from.").example("\"data sheet, revision 3\"");
+pub const SOURCE: Key = text("source", "Source of the numbers.").example("\"data sheet, revision 3\"");
 
 /// Key of the orientation of a frame or solid.
 pub const RPY: Key = vector_or_zero(
     "rpy_deg",
-    "Orientation: turns about the fixed x, y and z axes, in this order (roll, pitch, yaw).",
+    "Orientation: rotations about the fixed x, y and z axes, in this order (roll, pitch, yaw).",
 );
 
 key_table! {
-    placement, "`placement`", "Placement: x, y, z and the turn about z.", {
+    placement, "`placement`", "Placement: x, y, z and the rotation about z.", {
         X = coordinate("x_mm", "Position along x: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add x_mm = 0, or { min = -500, max = 500 } to let it be searched");
         Y = coordinate("y_mm", "Position along y: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add y_mm = 0, or { min = -500, max = 500 } to let it be searched");
         Z = coordinate("z_mm", "Position along z: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add z_mm = 0, or { min = -500, max = 500 } to let it be searched");
-        YAW = coordinate("yaw_deg", "Turn about z: a number, { min, max, start } to search it, or a list of allowed values.").default(Literal::Number(0.0));
+        YAW = coordinate("yaw_deg", "Rotation about z: a number, { min, max, start } to search it, or a list of allowed values.").default(Literal::Number(0.0));
     }
 }
 
@@ -126,7 +126,7 @@ key_table! {
     range, "a range", "Range to search.", {
         MIN = number("min", NumberRange::Finite, "Low end, in the unit of the key.").required();
         MAX = number("max", NumberRange::Finite, "High end, in the unit of the key.").required();
-        START = number("start", NumberRange::Finite, "Value of the layout as drawn; if left out, the middle.");
+        START = number("start", NumberRange::Finite, "Value in the layout as drawn; if left out, the middle of the range.");
     }
 }
 
@@ -135,6 +135,6 @@ key_table! {
         X = number_or_zero("x_mm", NumberRange::UpTo(500.0), "Plus-or-minus value of x.");
         Y = number_or_zero("y_mm", NumberRange::UpTo(500.0), "Plus-or-minus value of y.");
         Z = number_or_zero("z_mm", NumberRange::UpTo(500.0), "Plus-or-minus value of z.");
-        YAW = number_or_zero("yaw_deg", NumberRange::UpTo(45.0), "Plus-or-minus value of the turn about z.");
+        YAW = number_or_zero("yaw_deg", NumberRange::UpTo(45.0), "Plus-or-minus value of the rotation about z.");
     }
 }

@@ -12,7 +12,7 @@ use crate::cell::{Convention, MAX_JOINTS};
 pub enum JointMotion {
     Revolute,
     Prismatic,
-    /// Revolute joint without an actuator: the joint coupling turns it when other joints move.
+    /// Revolute joint without an actuator: the joint coupling rotates it when other joints move.
     Passive,
 }
 
@@ -61,7 +61,7 @@ key_table! {
         R = number("r_mm", NumberRange::Finite, "Axial offset r along z; a prismatic joint adds its coordinate to it.").required();
         L = number("l_mm", NumberRange::Finite, "Common normal l along x.").required();
         ALPHA = number("alpha_deg", NumberRange::Finite, "Twist alpha about x.").required();
-        MOTION = word::<JointMotion>("kind", "Kind of joint; a passive joint has no actuator and turns with others, by the coupling.").default(Literal::Word(JointMotion::Revolute.name()));
+        MOTION = word::<JointMotion>("kind", "Kind of joint; a passive joint has no actuator and rotates with other joints through the coupling.").default(Literal::Word(JointMotion::Revolute.name()));
         Q_OFFSET = number("q_offset_deg", NumberRange::Finite, "Angle theta of a revolute joint at coordinate 0.");
         THETA = number("theta_deg", NumberRange::Finite, "Angle theta of a prismatic joint.");
         LIMITS_DEG = Key::new("limits_deg", LIMITS, "Lower and upper limit of a revolute joint.").example("[-90, 90]");
@@ -115,18 +115,18 @@ key_table! {
 }
 
 key_table! {
-    tool, "a tool", "Tool: its TCP, working direction and solids, in the mechanical interface (the frame after the last row).", {
+    tool, "a tool", "Tool: its TCP, working direction and solids, in the frame of the mechanical interface (after the last row).", {
         FROM = from("\"equipment/gripper.toml\"");
         SCHEMA = schema("sweetspot/tool/1");
         UNITS = super::UNITS;
         NAME = text("name", "Name of the tool.");
         SOURCE = super::SOURCE;
-        POSITION = vector("position_mm", "Tool centre point (TCP).").required().example("[0, 0, 160]");
+        POSITION = vector("position_mm", "Position of the tool centre point (TCP).").required().example("[0, 0, 160]");
         RPY = super::RPY;
         AXIS = direction("axis", "Working direction in the frame of the TCP, of any length but 0.").required().remedy("add axis = [1, 0, 0], the working direction of the tool");
-        SOLID = Key::new("solid", SOLIDS, "Solids of the tool, in the mechanical interface.");
+        SOLID = Key::new("solid", SOLIDS, "Solids of the tool, in the frame of the mechanical interface.");
         MASS = super::MASS_OF_TOOL;
-        CENTRE = vector_or_zero("centre_mm", "Centre of mass of the tool, in the mechanical interface.");
+        CENTRE = vector_or_zero("centre_mm", "Centre of mass of the tool, in the frame of the mechanical interface.");
     }
 }
 
@@ -153,7 +153,7 @@ key_table! {
         RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Greatest speeds and accelerations of joints; they override those of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
         FULL_SPEED_AFTER = number("full_speed_after_s", NumberRange::Positive, "Time from rest to full speed of every joint without an acceleration limit; if left out, cycle times assume 0.5 s and are estimates.").example("0.3");
         URDF = text("urdf", "URDF file (without xacro) in place of D-H rows, with its path relative to the folder of this file.").example("\"robots/arm.urdf\"");
-        BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, the root of the links.").example("\"base\"");
+        BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, the root link.").example("\"base\"");
         TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only link without children.").example("\"flange\"");
         PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");

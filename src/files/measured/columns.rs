@@ -67,7 +67,7 @@ const ANGLES: [[&str; 3]; 7] = [
 /// Names of the numbers of a quaternion, the scalar part first.
 const QUATERNIONS: [[&str; 4]; 2] = [["qw", "qx", "qy", "qz"], ["quatw", "quatx", "quaty", "quatz"]];
 
-/// Names of a table, taken apart once.
+/// Names of the columns of a table, split into words once.
 pub struct TableNames<'h> {
     header: &'h [String],
     words: Vec<ColumnWords>,
@@ -88,12 +88,12 @@ impl<'h> TableNames<'h> {
         Self { header, words, columns, robot_joints }
     }
 
-    /// Finds all columns. `is_numbered` says that the table has no names: then the joints are the first
-    /// columns, and the position follows.
+    /// Finds all columns. If `is_numbered` is true, the table has no names. The joints are then the
+    /// first columns, and the position follows.
     ///
     /// # Errors
     ///
-    /// Returns what is missing, with what to do.
+    /// Returns what is missing and what to do.
     pub fn find(&self, is_numbered: bool) -> Result<FoundColumns, ColumnFault> {
         let (joints, _) = self.find_joints(is_numbered)?;
         self.find_besides(joints, is_numbered)
@@ -103,7 +103,7 @@ impl<'h> TableNames<'h> {
     ///
     /// # Errors
     ///
-    /// Returns what is missing, with what to do.
+    /// Returns what is missing and what to do.
     pub fn find_joints(&self, is_numbered: bool) -> Result<(Vec<usize>, Option<StatedUnit>), ColumnFault> {
         self.refuse_unknown_quantities()?;
         let joints = self.joints(is_numbered)?;
@@ -111,11 +111,12 @@ impl<'h> TableNames<'h> {
         Ok((joints, unit))
     }
 
-    /// Finds all columns except those of the joints; these are empty if a second table holds the joints.
+    /// Finds all columns except those of the joints. `joints` is empty if a second table holds the
+    /// joints.
     ///
     /// # Errors
     ///
-    /// Returns what is missing, with what to do.
+    /// Returns what is missing and what to do.
     pub fn find_besides(&self, joints: Vec<usize>, is_numbered: bool) -> Result<FoundColumns, ColumnFault> {
         let reflectors = self.reflectors(&joints, is_numbered)?;
         let place = reflectors.first().map_or([0; 3], |first| first.position);
@@ -142,9 +143,10 @@ impl<'h> TableNames<'h> {
     fn refuse_unknown_quantities(&self) -> Result<(), ColumnFault> {
         let known: Vec<String> = self.quantities().collect();
         match self.columns.iter().find(|(name, _)| !known.contains(name)) {
-            Some((unknown, _)) => {
-                Err((format!("`{}` is not a quantity of this arm", shown(unknown)), known.join(", ")))
-            }
+            Some((unknown, _)) => Err((
+                format!("`{}` is not a quantity of this arm", shown(unknown)),
+                format!("the quantities are {}", known.join(", ")),
+            )),
             None => Ok(()),
         }
     }
@@ -172,7 +174,7 @@ impl<'h> TableNames<'h> {
     fn missing(&self, quantity: &str) -> ColumnFault {
         let is_joint = quantity.starts_with('q');
         let other = if is_joint { "; joints in another table are read with --joints FILE" } else { "" };
-        (format!("no column is named as `{quantity}`"), format!("{}{other}", self.remedy(quantity)))
+        (format!("no name of a column stands for `{quantity}`"), format!("{}{other}", self.remedy(quantity)))
     }
 
     fn joints(&self, is_numbered: bool) -> Result<Vec<usize>, ColumnFault> {
@@ -202,7 +204,8 @@ impl<'h> TableNames<'h> {
         numbers.into_iter().find(|k| !is_named(*k)).map_or("q1".into(), |k| format!("q{}", k + 1))
     }
 
-    /// Returns the joints by the names of the robot, by numbers from 1 or 0, or by the word joint alone.
+    /// Returns the columns of the joints: by the names of the robot, by numbers from 1 or 0, or by the
+    /// word joint.
     fn guessed_joints(&self) -> Option<Vec<usize>> {
         let axes = self.robot_joints.len();
         let by_name = || {
@@ -240,7 +243,7 @@ impl<'h> TableNames<'h> {
         })
     }
 
-    /// Returns the column whose words fit, the one with the most telling origin first.
+    /// Returns the column whose words fit. Among several such columns, the most telling origin decides.
     fn best(&self, fits: impl Fn(&[&str]) -> bool) -> Option<usize> {
         let names = self.words.iter().enumerate();
         let fitting = names.filter(|(_, name)| name.uncertain.is_none() && fits(&name.parts()));

@@ -20,7 +20,7 @@ pub fn decode(bytes: &[u8]) -> Result<String, String> {
         },
     };
     if text.contains('\0') {
-        return Err("the file is not a text".into());
+        return Err("the file is not text".into());
     }
     Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
 }

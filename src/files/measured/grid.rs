@@ -25,7 +25,7 @@ const COMMENTS: [&str; 5] = ["#", "%", "//", "!", "'"];
 /// Largest number of lines from which separator and width are determined.
 const SAMPLE: usize = 60;
 
-/// Least number of numbers in a line of numbers: a position.
+/// Least number of numeric fields in a line of data: those of a position.
 const LEAST_NUMBERS: usize = 3;
 
 impl Separator {
@@ -52,7 +52,8 @@ impl Separator {
         fields
     }
 
-    /// Returns how well the separator splits lines: the number of numbers, less half the other words.
+    /// Returns how well the separator splits lines: the number of numeric fields, minus half the number
+    /// of other words.
     fn score(self, lines: &[&str]) -> f64 {
         let value = |field: &str| match FieldValue::read(field) {
             FieldValue::Number(_) => 1.0,
@@ -71,7 +72,7 @@ fn unquoted(field: &str) -> &str {
     inside.map_or(field, str::trim)
 }
 
-/// Returns whether a line has no field for a table.
+/// Returns whether a line is a comment.
 fn is_comment(line: &str) -> bool {
     COMMENTS.iter().any(|start| line.starts_with(start))
 }

@@ -34,7 +34,7 @@ pub struct MeasuredTable {
     pub rotation: Vec<String>,
     /// Names of the columns of the uncertainty, and its number of standard deviations.
     pub uncertainty: Option<(Vec<String>, f64)>,
-    /// Names of the reflectors; one without a name if each row has one position of one reflector.
+    /// Names of the reflectors; a single empty name if each row has one position of one reflector.
     pub reflectors: Vec<String>,
     /// Unit of angles that names or a line of units state.
     pub angle_unit: Option<StatedUnit>,
@@ -42,7 +42,7 @@ pub struct MeasuredTable {
     pub length_unit: Option<StatedUnit>,
     /// Unit of the angles of orientations that names or a line of units state.
     pub rotation_unit: Option<StatedUnit>,
-    /// What a user should know about the reading, in whole sentences.
+    /// Notes for the user on the reading, in whole sentences.
     pub notes: Vec<String>,
 }
 
@@ -77,7 +77,7 @@ pub fn read(
     };
     if grid.header.len() > MAX_COLUMNS {
         let message = format!("the table has {} columns, more than {MAX_COLUMNS}", grid.header.len());
-        return Err(fault(grid.header_line, (message, "export joints and positions alone".into())));
+        return Err(fault(grid.header_line, (message, "export only joints and positions".into())));
     }
     let names = TableNames::new(&grid.header, &grid.units, columns, joints);
     let mut notes = Vec::new();
@@ -87,8 +87,8 @@ pub fn read(
             let found = names.find(is_numbered).map_err(|why| fault(grid.header_line, why))?;
             if is_numbered {
                 notes.push(format!(
-                    "the table has no names of columns: columns 1 to {} are taken for the joints and {} to {} \
-                     for the position; state others with --column q1=NUMBER",
+                    "the table has no names of columns: columns 1 to {} are read as the joints and {} to \
+                    {} as the position; state other columns with --column q1=NUMBER",
                     joints.len(),
                     joints.len() + 1,
                     joints.len() + 3

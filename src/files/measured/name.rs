@@ -1,4 +1,4 @@
-//! Names of columns, taken apart into words and a unit.
+//! Names of columns, split into words and a unit.
 
 /// Unit that a file states for a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,11 +84,11 @@ pub struct ColumnWords {
     pub fillers: usize,
 }
 
-/// Longest name that is taken apart, bytes.
+/// Longest name that is split into words, bytes.
 const MAX_NAME: usize = 80;
 
 impl ColumnWords {
-    /// Takes a name apart; `unit` is the unit of the column in a line of units.
+    /// Splits a name into words; `unit` is the unit of the column in a line of units.
     pub fn new(name: &str, unit: Option<&str>) -> Self {
         let mut of = Self {
             origin: ColumnOrigin::Unstated,

@@ -11,7 +11,8 @@ pub struct ReflectorColumns {
     pub position: [usize; 3],
 }
 
-/// Returns the positions of the most telling origin: one, or those of numbered reflectors.
+/// Returns the columns of the positions with the most telling origin: of one reflector, or of all
+/// numbered reflectors.
 pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
     let mut groups: Vec<(PositionGroup, [Option<usize>; 3])> = Vec::new();
     let mut places = HashMap::new();

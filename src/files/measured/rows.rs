@@ -25,7 +25,8 @@ pub struct ReadRows {
     pub notes: Vec<String>,
 }
 
-/// Reads the rows of a table; `joints` are those of every line if they are from a second table.
+/// Reads the rows of a table; `joints` holds the joint coordinates of every line if a second table
+/// states them.
 ///
 /// # Errors
 ///
@@ -68,7 +69,8 @@ pub fn read(
     if faults.is_empty() { Ok(reader.finished()) } else { Err(faults) }
 }
 
-/// Returns whether a column has another name in most rows: then it names postures, not reflectors.
+/// Returns whether a column has a different name in most rows. Such a column names postures, not
+/// reflectors.
 fn identifies_rows(grid: &FieldGrid<'_>, column: usize) -> bool {
     let names: HashSet<_> =
         grid.lines.iter().filter_map(|line| grid.fields(line).get(column).copied()).collect();
@@ -124,7 +126,7 @@ impl RowReader<'_, '_> {
         faults
     }
 
-    /// Returns the number of a reflector: that of its columns, or of its name in the row.
+    /// Returns the index of a reflector, which its columns or its name in the row identify.
     fn reflector(&mut self, of_columns: usize, fields: &[&str]) -> usize {
         let columns = &self.found.reflectors;
         let name = match (self.found.reflector, columns.len()) {
@@ -196,7 +198,7 @@ pub fn joint_fields(
     for (q, &place) in joints.iter_mut().zip(places) {
         let Some(field) = fields.get(place) else {
             let message =
-                format!("the row has {} fields, and the table {} columns", fields.len(), header.len());
+                format!("the row has {} fields, but the table has {} columns", fields.len(), header.len());
             return Err((message, "give every row as many fields as the table has columns".into()));
         };
         match FieldValue::read(field) {

@@ -157,7 +157,7 @@ fn read_support(t: &mut Table) -> Option<Option<BaseSupport>> {
     t.table(&key, solid::read_rectangle).map(|section| Some(BaseSupport::Pedestal(section)))
 }
 
-/// Refuses a robust search of a cell in which no placement has a tolerance, or that asks for an ideal layout.
+/// Refuses a robust search if no placement has a tolerance, or if the layout is to be ideal.
 fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
     if let Some(node) = t.get(&cell::SEARCH).and_then(|settings| settings.value.get(search::ROBUST.name))
         && read.search.robust

@@ -16,7 +16,7 @@ use nalgebra::Vector2;
 /// Least area of a fence, m2. A smaller area is probably in the wrong unit.
 const MIN_AREA: f64 = 1e-4;
 
-/// Least distance of two consecutive corners of a fence, m.
+/// Least distance between two consecutive corners of a fence, m.
 const MIN_EDGE: f64 = 1e-6;
 
 /// Reads `[margins]`. If `robot` could be read, checks that the margins leave some travel to every joint with

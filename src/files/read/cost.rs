@@ -197,7 +197,10 @@ fn read_names(items: &[Node], parameters: &[CostedParameter], t: &mut Table) -> 
         let Some(place) = parameters.iter().position(|p| p.name == *name && !name.is_empty()) else {
             let help = match did_you_mean(name, known().map(|p| p.name.as_str())) {
                 Some(near) => format!("did you mean \"{near}\"?"),
-                None => format!("tolerances here: {}", listed(known().map(|p| p.name.as_str()))),
+                None => format!(
+                    "the parameters with a tolerance are: {}",
+                    listed(known().map(|p| p.name.as_str()))
+                ),
             };
             t.error(item.at, format!("there is no parameter `{}`", shown(name)), help);
             continue;
@@ -316,7 +319,12 @@ impl StatedLaw {
                 let costs = ToleranceCost::of_grades(all.collect());
                 if costs.is_none() {
                     let message = format!("no grade of ISO 286 is near the tolerance of `{name}`");
-                    t.error(at, message, "each is below 0.01 or above 100 times: is nominal_mm right?");
+                    t.error(
+                        at,
+                        message,
+                        "every grade is below 0.01 times or above 100 times that \
+                    tolerance: is nominal_mm right?",
+                    );
                 }
                 costs
             }

@@ -215,7 +215,7 @@ impl<'n> Matrix<'n> {
         } else if a.abs() > deviations * (1.0 + ROUNDING) {
             let message = format!("{of} and {and} cannot have the covariance {}", plain(a));
             let help = format!(
-                "at most {}, the product of their standard deviations: are all units mm and degrees?",
+                "write at most {}, the product of their standard deviations: are all units mm and degrees?",
                 plain(deviations)
             );
             t.error(self.place(i, j), message, help);

@@ -47,8 +47,8 @@ fn read_terms(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<V
     (t.lib.errors() == before).then_some(read)
 }
 
-/// Returns the index of a term among [`Parameter::elastic`]; records a fault if there is no such term, or if
-/// it is among those that were `given` before.
+/// Returns the index of a term among [`Parameter::elastic`]; records a fault if there is no such term,
+/// or if the term is among those in `given`.
 fn place(
     (joint_node, joint): (&Node, usize),
     (link_node, link): (&Node, usize),
@@ -76,7 +76,7 @@ fn place(
     Some(place)
 }
 
-/// Records a fault for every compliance of a prismatic joint that is not 0.
+/// Records a fault for every nonzero compliance of a prismatic joint.
 fn refuse_sliding(at: At, compliances: &[f64], arm: ErrorRows<'_>, t: &mut Table) {
     let pairs = arm.joints.iter().zip(compliances).enumerate();
     for (i, (joint, _)) in pairs.filter(|(_, (j, v))| j.kind == JointKind::Prismatic && **v != 0.0) {

@@ -70,7 +70,9 @@ pub fn tie(root: &mut Table, all: &mut [Equipment]) {
         let Value::Text(under) = &tied.value else { continue };
         match names.iter().position(|n| n == under) {
             Some(found) if found != k => all[k].on = Some(found),
-            Some(_) => root.error(tied.at, format!("`{}` cannot stand on itself", shown(name)), "remove it"),
+            Some(_) => {
+                root.error(tied.at, format!("`{}` cannot stand on itself", shown(name)), "remove stands_on")
+            }
             None if !root.partial => {
                 let others = || names.iter().filter(|n| *n != name).map(String::as_str);
                 let help = match did_you_mean(under, others()) {
@@ -101,7 +103,7 @@ fn circular(all: &[Equipment], k: usize) -> bool {
     false
 }
 
-/// Reads `[keep_out.NAME]`: low and high corner of a box in the world.
+/// Reads `[keep_out.NAME]`: low and high corner of a box in the world frame.
 pub fn read_keep_out(name: &str, t: &mut Table) -> Option<KeepOut> {
     let (min, max) = (t.vector(&keep_out::MIN), t.vector(&keep_out::MAX));
     let (min, max) = (min?, max?);

@@ -26,7 +26,7 @@ pub fn read_all(
     if let Some(node) = node
         && matches!(&node.value, Value::Table(entries) if entries.is_empty())
     {
-        t.error(node.at, "no error set", robot::ERRORS.remedy);
+        t.error(node.at, "the robot has no error set", robot::ERRORS.remedy);
     }
     let modified = convention == Some(Convention::Modified);
     let is_coupled = coupling

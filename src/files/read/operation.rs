@@ -18,7 +18,7 @@ pub fn read_all(t: &mut Table, equipment: &[Equipment], senses: &[Sense]) -> Vec
     if let Some(node) = operations
         && matches!(&node.value, Value::Table(entries) if entries.is_empty())
     {
-        t.error(node.at, "no operation", cell::OPERATION.remedy);
+        t.error(node.at, "the cell has no operation", cell::OPERATION.remedy);
     }
     let standing = [cell::EQUIPMENT, cell::OBSTACLE].map(|key| t.get(&key));
     let named = t.get(&cell::SENSE);

@@ -83,8 +83,11 @@ fn read_grid(t: &mut Table) -> Option<(usize, usize)> {
     if nodes > MAX_NODES as f64 {
         let (minutes, gigabytes) = (about(nodes * NODE_COST.0 / 60.0), about(nodes * NODE_COST.1 / 1e9));
         let nodes = plain(nodes);
-        let message = format!("a grid of {nodes} nodes: about {minutes} minutes and {gigabytes} GB per map");
-        t.error(node.at, message, format!("at most {MAX_NODES} nodes; [10, 8] makes 99"));
+        let message = format!(
+            "a grid of {nodes} nodes takes about {minutes} minutes and {gigabytes} GB \
+        per map"
+        );
+        t.error(node.at, message, format!("use at most {MAX_NODES} nodes; [10, 8] makes 99 nodes"));
         return None;
     }
     Some((m as usize, n as usize))
@@ -101,10 +104,11 @@ pub fn is_on(surface: &Rectangle, (x, y): (f64, f64)) -> bool {
     beyond(x, centre.0, size.0).max(beyond(y, centre.1, size.1)) <= EDGE_ROUNDING
 }
 
-/// Returns the extent of a surface in words: "x from -750 to 750, y from -350 to 350".
+/// Returns the extent of a surface in words, for example "the surface covers x from -750 to 750 and y from -350
+/// to 350", mm.
 pub fn extent_in_words(surface: &Rectangle) -> String {
     let end = |centre: f64, half: f64| plain(units::rounded(units::mm_from_m(centre + half), 6));
     let range = |c: f64, s: f64| format!("{} to {}", end(c, -s / 2.0), end(c, s / 2.0));
     let (x, y) = (range(surface.centre.0, surface.size.0), range(surface.centre.1, surface.size.1));
-    format!("x from {x}, y from {y}")
+    format!("the surface covers x from {x} and y from {y}")
 }

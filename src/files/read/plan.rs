@@ -137,7 +137,7 @@ fn read_layers(
         if let (Some(name), None) = (name, &known) {
             let near = did_you_mean(&name.to_uppercase(), drawing.layers.keys().map(String::as_str));
             let near = near.and_then(|upper| drawing.layers.get(upper));
-            let has = format!("its layers: {}", listed(drawing.layers.values().map(String::as_str)));
+            let has = format!("the layers are: {}", listed(drawing.layers.values().map(String::as_str)));
             let help = match near {
                 Some(near) => format!("did you mean \"{}\"? {has}", shown(near)),
                 None => has,

@@ -1,9 +1,9 @@
 //! Warnings about sizes that are probably in a wrong unit.
 //!
-//! A size is suspicious if it is more than 20 times the robot's reach, or less than a twentieth of the reach.
-//! An elastic error is suspicious if it may turn a joint by more than 5 degrees.
-//! The largest length tolerance is suspicious if it is more than a twentieth of the reach, or less than a
-//! millionth of the reach.
+//! A size is suspicious if it is more than 20 times the robot's reach, or less than a twentieth of the
+//! reach. An elastic error is suspicious if it may rotate a joint by more than 5 degrees. The largest
+//! length tolerance is suspicious if it is more than a twentieth of the reach, or less than a millionth
+//! of the reach.
 
 use crate::cell::Coordinate;
 use crate::cell::{Cell, Equipment, Role};
@@ -94,7 +94,7 @@ fn warn_of_tolerance(set: &Tolerance, axes: usize, reach: f64, at: At, lib: &mut
     lib.fault(at, Severity::Warning, message, "are its lengths really in mm?");
 }
 
-/// Warns if elastic errors may turn a joint by an implausible angle, or if compliances lack masses.
+/// Warns if elastic errors may rotate a joint by an implausible angle, or if compliances lack masses.
 fn warn_of_deflections(cell: &Cell, at: At, lib: &mut Library<'_>) {
     let (chain, set) = (Chain::new(&cell.robot).with_errors(cell.error_set()), cell.error_set());
     let name = set.name();
@@ -111,7 +111,7 @@ fn warn_of_deflections(cell: &Cell, at: At, lib: &mut Library<'_>) {
         let angle = deg_from_rad(largest.factor * value(k));
         if angle > MAX_DEFLECTION_DEG {
             let message = format!(
-                "`{}` of `{name}` turns its joint by up to {} degrees",
+                "`{}` of `{name}` rotates its joint by up to {} degrees",
                 parameter.name(),
                 rounded(angle, 1)
             );

@@ -103,7 +103,8 @@ fn read_limits(t: &mut Table, [velocity, acceleration]: [&Key; 2], kind: JointKi
         && !PLAUSIBLE_TIME.contains(&(speed / rate))
     {
         let time = plain(rounded(speed / rate, 5));
-        let message = format!("with this `{}`, the joint needs {time} s to full speed", acceleration.name);
+        let message =
+            format!("with this `{}`, the joint needs {time} s to reach full speed", acceleration.name);
         let help = format!("is it really in {}?", acceleration.unit().name());
         t.lib.fault(node.at, Severity::Warning, message, help);
     }

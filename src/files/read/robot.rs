@@ -193,8 +193,8 @@ fn standard_rows(joints: &mut [Joint]) -> Pose {
     mount
 }
 
-/// Converts the solids of every link from the frame after its modified row to the frame after its standard
-/// row. The solids stay in place.
+/// Converts the solids of every link from the frame after its modified row to the frame after its
+/// standard row. The position of the solids on the robot does not change.
 ///
 /// The two frames differ by the common normal and twist of the next row.
 fn onto_standard_rows(solids: &mut [LinkSolid], rows: &[Joint]) {

@@ -10,7 +10,8 @@ use crate::files::toml::tree::{At, Node};
 use crate::files::toml::value;
 use nalgebra::Vector3;
 
-const ROWS_OF: &str = "a term with rotation or xyz has 3 rows, with xy or a plane 2, any other 1";
+const ROWS_OF: &str = "a term with rotation or xyz has 3 rows, a term with xy or a plane has 2, and any \
+other term has 1";
 
 /// Reads every `[sense.NAME]`.
 pub fn read_all(t: &mut Table) -> Vec<Sense> {
@@ -89,7 +90,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
             t.miss_one_of(ways, "add for example of = \"xy\", or direction = [0, 0, 1]");
         } else {
             let names: Vec<_> = given.iter().map(|(key, _)| key.name).collect();
-            let message = format!("a term has only one of its keys `{}`", names.join("` and `"));
+            let message = format!("a term may have only one of the keys `{}`", names.join("` and `"));
             t.error(t.at, message, "write term = [{ ... }, { ... }], with one of them in each");
         }
         return None;
@@ -105,7 +106,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
 /// Reads `mm_per_deg` and returns it in m per rad.
 fn read_lever(node: &Node, turns: bool, t: &mut Table) -> Option<f64> {
     if !turns {
-        let message = "`mm_per_deg` applies to a rotation, and this term is a length";
+        let message = "`mm_per_deg` applies to a rotation, but this term is a length";
         t.error(node.at, message, "write weight instead");
         return None;
     }

@@ -116,7 +116,7 @@ fn read_bar(kind: &str, t: &mut Table) -> Option<Shape> {
     let (a, b, radius) = (a?, b?, radius?);
     if (b - a).norm() < MIN_BAR_LENGTH {
         let message = format!("the ends a_mm and b_mm of the {kind} are the same point");
-        t.error(t.at, message, "move them apart, or make it a sphere");
+        t.error(t.at, message, "move the ends apart, or use a sphere");
         return None;
     }
     Some(if kind == "capsule" { Shape::Capsule { a, b, radius } } else { Shape::Cylinder { a, b, radius } })

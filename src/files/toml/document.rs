@@ -50,8 +50,8 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
-    /// Numbers of errors and warnings among the faults, because hostile files make the reader ask for them
-    /// a million times.
+    /// Number of errors and number of warnings among the faults. They are stored because hostile files
+    /// make the reader ask for them a million times.
     found: [usize; 2],
     /// Index of the source that holds the settings, and one truth value per setting; None without settings.
     ///
@@ -232,7 +232,11 @@ impl<'a> Library<'a> {
         } else if name.starts_with('/') || name.contains(':') {
             ("is an absolute path", NAMING)
         } else if leaves {
-            ("leaves the folder of the cell file", "put the file beside the cell file or below it")
+            (
+                "leaves the folder of the cell file",
+                "put the file into the folder of the cell file, or into \
+            a folder below it",
+            )
         } else if parts.is_empty() || name.ends_with('/') || name.contains('\0') {
             ("is not a file", NAMING)
         } else {

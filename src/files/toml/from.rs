@@ -70,8 +70,8 @@ fn lay_part(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
 
 /// Merges a table over the file that its `from` names, then over the `from` of that file, and so on.
 ///
-/// Returns the index of the last file of the chain; None if there is no `from` that can be followed. A `from`
-/// that cannot be followed stays as [`Value::Unread`].
+/// Returns the index of the last file of the chain; None if there is no `from` that can be followed. A
+/// `from` that cannot be followed becomes [`Value::Unread`].
 fn merge_over(node: &mut Node, chain: &mut Vec<String>, lib: &mut Library<'_>) -> Option<usize> {
     let Value::Table(entries) = &mut node.value else { return None };
     let mut lowest = None;

@@ -181,7 +181,7 @@ pub fn apply(root: &mut Node, settings: &[Setting], lib: &mut Library<'_>) {
 }
 
 /// Removes `reading = "signed"` of the file if a flag chooses the error set or the registration. The key
-/// stays if a setting states a reading.
+/// is kept if a setting states a reading.
 ///
 /// Without the key, the kind of the error sets decides the reading. The word "signed" would be wrong for
 /// tolerances, which have no signed sample.
@@ -194,8 +194,8 @@ fn take_back_signed(settings: &[Setting], under: &mut Vec<Entry>) {
     }
 }
 
-/// Checks the named tables of a setting: a table that the cell does not have is removed and recorded as a
-/// fault.
+/// Checks the named tables of a setting. A table that the cell does not have is removed and recorded as
+/// a fault.
 ///
 /// If a setting gives such a table as a whole, the table is kept and added to the cell.
 fn without_strangers(entry: Entry, settings: &[Setting], under: &[Entry], lib: &mut Library<'_>) -> Entry {

@@ -13,7 +13,8 @@ use toml::de::{DeString, DeTable, DeValue};
 /// Deepest nesting at which recursion over the tree is safe.
 const MAX_NESTING: usize = 32;
 
-const TOO_DEEP: (&str, &str) = ("nested too deep", "no key of a cell file is nested so deeply");
+const TOO_DEEP: (&str, &str) =
+    ("the values are nested too deeply", "no key of a cell file is nested so deeply");
 
 /// Largest number of syntax faults that are examined.
 const MAX_SLIPS: usize = 5_000;
@@ -140,7 +141,7 @@ fn one_each(text: &str, mut faults: Vec<SyntaxFault>) -> Vec<SyntaxFault> {
     let bytes = text.as_bytes();
     // End of the line of the last kept fault.
     let mut end: Option<usize> = None;
-    // The same offset if that fault is in a table that is given twice.
+    // Equal to `end` if that fault is in a table that is given twice.
     let mut repeated: Option<usize> = None;
     faults.retain(|(offset, _, help)| {
         let offset = *offset.min(&bytes.len());
@@ -171,7 +172,7 @@ impl Reader {
     fn entry(&mut self, key: &Spanned<DeString<'_>>, value: &Spanned<DeValue<'_>>, depth: usize) -> Entry {
         let at = At { file: self.file, offset: key.span().start };
         let mut node = self.node(value, depth);
-        // The parser places such a table at its header or brace; messages show the place of its key.
+        // The parser places a table at its header or brace; messages show the place of its key.
         if matches!(node.value, Value::Table(_)) {
             node.at = at;
         }

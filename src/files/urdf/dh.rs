@@ -1,9 +1,9 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! If all joint coordinates are 0, the joint axes are fixed lines. Row k has the angle theta, the axial
-//! offset r, the common normal l and the twist alpha. The row leads from a frame with z along axis k to a
-//! frame with z along the next axis. The x axis of the second frame lies along the common normal of the two
-//! axes. If this definition leaves a choice, the following rules apply:
+//! With all joint coordinates at 0, the joint axes are fixed lines. Row k has the angle theta, the axial
+//! offset r, the common normal l and the twist alpha. The row leads from a frame with z along axis k to
+//! a frame with z along the next axis. The x axis of the second frame lies along the common normal of
+//! the two axes. If this definition leaves a choice, the following rules apply:
 //!
 //! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is the
 //!   projection of the base x axis onto the plane perpendicular to axis 1. If axis 1 is within 26 degrees of
@@ -68,8 +68,8 @@ const SHORTEST: f64 = 1e-13;
 /// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Sine of the angle between the last joint axis and the z axis of the tip, from which a row connects the
-/// two. At a smaller angle all values of the last row are 0, unless the axes are parallel.
+/// Least sine of the angle between the last joint axis and the z axis of the tip at which a row connects
+/// the two. At a smaller angle all values of the last row are 0, unless the axes are parallel.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.

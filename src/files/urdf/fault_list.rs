@@ -21,7 +21,7 @@ pub struct Faults {
     pub snapped: (usize, f64),
 }
 
-/// Least change of an angle, rad, that counts as one; a smaller change is a rounding error.
+/// Least difference of an angle, rad, that counts as a change. A smaller difference is a rounding error.
 const LEAST_CHANGE: f64 = 1e-9;
 
 impl Faults {
@@ -29,7 +29,7 @@ impl Faults {
         Self { file, found: Vec::new(), snapped: (0, 0.0) }
     }
 
-    /// Replaces an angle by the right angle that is meant, and counts it.
+    /// Replaces an angle by the right angle that is meant, and counts the replacement.
     pub fn snap(&mut self, angle: &mut f64, meant: f64) {
         let change = (*angle - meant).abs();
         if change > LEAST_CHANGE {

@@ -10,9 +10,9 @@ use std::fmt::Write;
 
 /// Copies the parts of a URDF that are used.
 ///
-/// `meshes` gives new paths; the shape of a mesh without one is left out. Angles that plainly mean right
-/// angles are written with all digits. Continuous joints get the limits with which they are read. `about`
-/// becomes a comment.
+/// `meshes` gives new paths. The shape of a mesh without a new path is left out. Angles that plainly
+/// mean right angles are written with all digits. Continuous joints get the limits with which they are
+/// read. `about` becomes a comment.
 pub fn lean(
     text: &str,
     outline: &UrdfOutline,
@@ -104,7 +104,7 @@ fn child<'a, 'i>(e: &Node<'a, 'i>, tag: &str) -> Option<Node<'a, 'i>> {
     e.children().find(|c| c.has_tag_name(tag))
 }
 
-/// Returns an attribute as it stands in a tag; empty if the element does not have it.
+/// Returns an attribute as it is written in a tag; empty if the element does not have it.
 fn attribute(e: &Node<'_, '_>, name: &str) -> String {
     e.attribute(name).map_or(String::new(), |value| format!(" {name}=\"{}\"", escaped(value)))
 }

@@ -14,7 +14,7 @@ impl RosPackages {
     /// Returns the path of a file that a URDF names.
     ///
     /// The path is relative to the folder of the cell. If the robot file does not give the folder of the
-    /// package, the path stays `package://NAME/PATH`.
+    /// package, the path remains `package://NAME/PATH`.
     pub fn path(&self, file: &Named, lib: &mut Library<'_>) -> Option<String> {
         let naming =
             lib.sources[file.at.file].path.strip_prefix(SCHEME).and_then(|path| path.rsplit_once('/'));

@@ -68,7 +68,11 @@ fn read_robot(root: Node<'_, '_>, faults: &mut Faults) -> Option<Urdf> {
     for (name, plural) in [("link", "links"), ("joint", "joints")] {
         if let Some(extra) = root.children().filter(is(name)).nth(MAX_ELEMENTS) {
             let help = "name the URDF of one robot";
-            faults.error(faults.at(extra.range().start), format!("more than {MAX_ELEMENTS} {plural}"), help);
+            faults.error(
+                faults.at(extra.range().start),
+                format!("the URDF has more than {MAX_ELEMENTS} {plural}"),
+                help,
+            );
             return None;
         }
     }
@@ -79,7 +83,7 @@ fn read_robot(root: Node<'_, '_>, faults: &mut Faults) -> Option<Urdf> {
     if urdf.links.iter().map(|l| l.collisions.len()).sum::<usize>() > MAX_ELEMENTS {
         faults.error(
             at,
-            format!("more than {MAX_ELEMENTS} collision elements"),
+            format!("the URDF has more than {MAX_ELEMENTS} collision elements"),
             "simplify the shapes of the links",
         );
     }

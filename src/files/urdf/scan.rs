@@ -23,7 +23,7 @@ const LARGE: &str = "is this the URDF of one robot? remove everything but its li
 /// Returns the first reason why the text must not be parsed, if there is one.
 pub fn refuse(text: &str, faults: &Faults) -> Option<UrdfFault> {
     let many = |what: &str, most: usize| {
-        Some(faults.wrong(0, format!("more than {most} {what}"), LARGE)) // the file as a whole
+        Some(faults.wrong(0, format!("the file has more than {most} {what}"), LARGE)) // the file as a whole
     };
     let count = |byte: u8| text.bytes().filter(|b| *b == byte).count();
     if text.len() > MAX_BYTES {
@@ -53,7 +53,7 @@ fn walk(text: &str) -> Result<(), Refusal> {
             rest.find("?>")
         } else if rest.starts_with("<!") {
             let help = "remove it: entities and document types are not read";
-            return Err((start, "a document type declaration".into(), help));
+            return Err((start, "the file has a document type declaration".into(), help));
         } else {
             let end = end_of_tag(rest).map_err(|(message, help)| (start, message, help))?;
             if rest.starts_with("</") {
@@ -62,7 +62,7 @@ fn walk(text: &str) -> Result<(), Refusal> {
                 depth += 1;
             }
             if depth > MAX_NESTING {
-                let message = format!("nested deeper than {MAX_NESTING} elements");
+                let message = format!("the elements are nested more than {MAX_NESTING} deep");
                 return Err((start, message, "no element of a URDF is nested so deeply"));
             }
             end
@@ -78,7 +78,7 @@ fn end_of_tag(rest: &str) -> Result<Option<usize>, (String, &'static str)> {
     let (mut quote, mut attributes) = (None, 0);
     for (i, byte) in rest.bytes().enumerate() {
         if i > MAX_TAG {
-            return Err((format!("a tag of more than {MAX_TAG} bytes"), "shorten its attributes"));
+            return Err((format!("a tag has more than {MAX_TAG} bytes"), "shorten its attributes"));
         }
         match (quote, byte) {
             (None, b'>') => return Ok(Some(i)),
@@ -88,7 +88,7 @@ fn end_of_tag(rest: &str) -> Result<Option<usize>, (String, &'static str)> {
             _ => {}
         }
         if attributes > MAX_ATTRIBUTES {
-            let message = format!("a tag with more than {MAX_ATTRIBUTES} attributes");
+            let message = format!("a tag has more than {MAX_ATTRIBUTES} attributes");
             return Err((message, "no element of a URDF has that many"));
         }
     }

@@ -8,13 +8,15 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// Number of moving joints from which a branching of moving links is taken for the fingers of a gripper.
+/// Least number of moving joints before a branching of moving links that counts as the fingers of a
+/// gripper.
 const ARM: usize = 3;
 
 /// Largest number of moving joints of a finger.
 const FINGER: usize = 3;
 
-/// Number of moving joints from which a short prismatic joint at the end is taken for the jaw of a gripper.
+/// Least number of moving joints before a short prismatic joint at the end that counts as the jaw of a
+/// gripper.
 const ARM_BEFORE_JAW: usize = 5;
 
 /// Largest travel of a jaw, m.
@@ -96,7 +98,8 @@ fn is_short_slide(joint: &UrdfJoint) -> bool {
     joint.kind == UrdfJointKind::Prismatic && travel <= JAW
 }
 
-/// Returns whether branches are fingers: several are driven, or one is driven and others mimic a joint of it.
+/// Returns whether branches are fingers: several of them are driven, or one is driven and the others
+/// mimic its joints.
 ///
 /// The passive bars of a parallelogram, in contrast, mimic joints that come before the branching.
 fn are_fingers(urdf: &Urdf, tree: &Tree<'_>, branches: &[usize]) -> bool {

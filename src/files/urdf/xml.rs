@@ -107,7 +107,8 @@ pub fn origin(e: Node<'_, '_>, faults: &mut Faults) -> Option<Pose> {
     Some(Pose::from_translation_rpy(Vector3::from(xyz?), Vector3::from(rpy)))
 }
 
-/// Returns the multiple of a right angle, rad, that a number of a file plainly means; otherwise the number.
+/// Returns the multiple of a right angle, rad, that a number of a file plainly means. Returns any other
+/// number unchanged.
 ///
 /// The number must be that multiple rounded, or cut off, to the digits that the file writes. It needs at least two
 /// digits after the point.

@@ -85,7 +85,7 @@ fn wrong_tables_are_refused_with_their_place() {
             assert!(ran.err.contains(words), "{name}: no {words:?} in {}", ran.err);
         }
     };
-    refused("columns.csv", ROWS, &[], &["no column is named as `x`", "--column x=NAME", "across"]);
+    refused("columns.csv", ROWS, &[], &["no name of a column stands for `x`", "--column x=NAME", "across"]);
     let named = ["--column", "x=along", "--column", "y=across", "--column", "z=up"];
     refused("few.csv", ROWS, &named, &["few.csv"]);
     refused("unknown.csv", ROWS, &["--column", "q7=up"], &["`q7` is not a quantity of this arm"]);

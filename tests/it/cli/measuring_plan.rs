@@ -79,7 +79,7 @@ fn a_plan_that_cannot_be_is_refused_in_words() {
     refused(&["--plan", "20", "cells/nowhere.toml"], 3, &["no such file"]);
     refused(&["--plan", "20", "ur10"], 3, &["no such file"]);
     let opening = ["--plan", "20", CELL, "--tracker=3000,0,800", "--opening=0,0,0"];
-    refused(&opening, 2, &["--opening has no length"]);
+    refused(&opening, 2, &["--opening has length 0"]);
     let empty = shop.text(CELL).split("[operation.").next().unwrap().to_string();
     shop.write("cells/empty.toml", &empty);
     refused(&["--plan", "20", "cells/empty.toml"], 2, &["`operation` is missing"]);

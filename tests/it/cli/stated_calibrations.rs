@@ -93,7 +93,7 @@ fn the_yaml_of_the_driver_gives_errors_of_the_joint_frames() {
     shop.write("my_calibration.yaml", &yaml(&calibrated()));
     let table = shop.done(&["calibrate", "ur10", "my_calibration.yaml", "--toml"]);
     assert!(table.out.contains("hash calib_7316905243862112345"), "{}", table.out);
-    assert!(table.err.contains("errors of the base are those of joint 1"), "{}", table.err);
+    assert!(table.err.contains("joint 1 includes the error of the base"), "{}", table.err);
     shop.write("measured.toml", &(ur10(&shop) + "\n" + &table.out));
     let (robot, errors) = read_robot(&shop, "measured.toml");
     assert_same(robot, &errors, |q| flange(&calibrated(), q).translation.vector);

@@ -193,18 +193,8 @@ fn a_mimic_joint_follows_one_before_it() {
         let tip = chain.forward(&chain.posture(&q)).translation;
         assert!((tip.z - (0.5 - 0.3 * f64::sin(bend))).abs() < 1e-15, "{tip}");
     }
-    one(
-        &[(second, &mimic("j3"))],
-        (5, "j3\" mult"),
-        "mimics `j3`, which is not a joint before it",
-        "before it",
-    );
-    one(
-        &[(second, &mimic("j2"))],
-        (5, "j2\" mult"),
-        "mimics `j2`, which is not a joint before it",
-        "before it",
-    );
+    one(&[(second, &mimic("j3"))], (5, "j3\" mult"), "mimics `j3`, which does not precede it", "before it");
+    one(&[(second, &mimic("j2"))], (5, "j2\" mult"), "mimics `j2`, which does not precede it", "before it");
 }
 
 #[test]

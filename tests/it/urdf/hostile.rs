@@ -100,11 +100,11 @@ fn hostile() -> BTreeMap<&'static str, (String, &'static str)> {
     let attributes: String = (0..5000).map(|k| format!(" a{k}=\"\"")).collect();
     let file = "<!DOCTYPE r [<!ENTITY f SYSTEM \"file:///etc/passwd\">]><robot name=\"&f;\"/>";
     let cases: Vec<(&'static str, String, &'static str)> = vec![
-        ("nested", format!("<robot>{}", "<a>".repeat(20_000)), "nested deeper"),
+        ("nested", format!("<robot>{}", "<a>".repeat(20_000)), "nested more than"),
         (
             "nested and closed",
             format!("<robot>{}{}</robot>", "<a>".repeat(900), "</a>".repeat(900)),
-            "nested deeper",
+            "nested more than",
         ),
         ("entities", bomb, "document type"),
         ("outer entity", file.into(), "document type"),
@@ -118,7 +118,7 @@ fn hostile() -> BTreeMap<&'static str, (String, &'static str)> {
         (
             "long name",
             swap("name=\"base\"", &format!("name=\"{}\"", "x".repeat(100_000))),
-            "a tag of more than",
+            "a tag has more than",
         ),
         ("100 000 joints", joints(100_000, "revolute"), "more than"),
         ("1 100 joints", joints(1_100, "fixed"), "more than 1000 links"),

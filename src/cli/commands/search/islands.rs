@@ -1,5 +1,6 @@
-//! Search with several successive seeds: the islands are the combinations of a sweep over the seed, in the folder
-//! `islands` of the result. When none is missing, they are merged into the result of one search.
+//! Search with several successive seeds: the islands are the combinations of a sweep over the seed, in
+//! the folder `islands` of the result. When no island is missing, the islands are merged into the result
+//! of one search.
 
 use super::outcome::SearchOutcome;
 use super::session::{proven, threads};
@@ -29,7 +30,7 @@ pub fn are_asked(a: &SearchArguments) -> bool {
     a.islands.is_some() || a.claim.is_some() || a.engine.on.is_some() || is_stored
 }
 
-/// Searches the missing islands as the command line asks, and merges all of them.
+/// Processes the missing islands as the command line asks, and merges all islands.
 pub fn search_islands(a: &SearchArguments) -> Result<Exit, Exit> {
     let clock = Instant::now();
     let IslandPlan { plan, kept, loaded } = match a.cell.as_ref().filter(|_| a.resume.is_none()) {

@@ -83,7 +83,7 @@ impl<'a> SearchOutcome<'a> {
         let (proof, gap) = best.unwrap_or_else(|| ((*proof).clone(), None));
         let said = match (record.ended, record.found()) {
             (SearchEnd::NothingToSearch, _) => "nothing to search: every placement is fixed".to_string(),
-            (_, false) => "no feasible layout found; `best` is the closest to feasible".to_string(),
+            (_, false) => "no feasible layout found; `best` is the layout closest to feasible".to_string(),
             (_, true) => match comparison.change_percent(1, Assessment::objective) {
                 Some(change) if change > -0.05 => "no layout better than the start was found".to_string(),
                 Some(change) => {

@@ -92,7 +92,7 @@ fn searched(
     (record.ended != SearchEnd::Interrupted).then_some(record)
 }
 
-/// Writes NNNN.island.json, from which islands are merged. Returns the file with its hash.
+/// Writes NNNN.island.json, which the merging of the islands reads. Returns the file with its hash.
 fn write_island(
     sweep: &CheckedSweep,
     index: usize,

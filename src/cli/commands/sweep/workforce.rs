@@ -1,4 +1,4 @@
-//! Who processes the combinations of a sweep: this process alone, this and other workers, or a batch system.
+//! Workforce of a sweep: this process alone, this process with other workers, or a batch system.
 
 use super::alone::run_all;
 use super::combination::CheckedSweep;
@@ -10,7 +10,7 @@ use crate::cli::slurm::ArrayOptions;
 use crate::cli::sweep::continuing;
 use std::sync::atomic::Ordering;
 
-/// Who processes the combinations of a sweep.
+/// Workforce that processes the combinations of a sweep.
 pub struct Workforce<'a> {
     /// Whether other workers share the work.
     pub claims: bool,
