@@ -40,7 +40,7 @@ pub struct MapDocument<'a> {
     pub unit: Unit,
     /// Caveats on the interpretation of the errors.
     pub notes: Vec<String>,
-    /// Pairs of objects whose floor spaces overlap, or are nearer than the clearance.
+    /// Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance.
     pub overlaps: Vec<String>,
     /// Share of arms that keep the limits of all operations, and of each operation alone. Left out unless the
     /// reading is statistical, every operation has a spot and at least one has a limit.
@@ -308,8 +308,8 @@ pub struct MonteCarloEntry {
     pub share_above_first_order_p95: EstimateEntry,
     /// Whether the samples confirm the first-order figures. If they do not, the figures of the samples
     /// replace the first-order figures of the spot. The value and margin of the operation are then also
-    /// computed from the samples. An exception is a value that is robust or combines several nodes: it stays
-    /// first-order.
+    /// computed from the samples. An exception is a value that is robust or combines several nodes: such a
+    /// value remains first-order.
     pub first_order_holds: Option<bool>,
 }
 

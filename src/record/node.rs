@@ -127,7 +127,7 @@ impl MapNode {
 }
 
 /// Returns a figure of a posture for every reported sense whose unit is `unit`; None if no sense has this
-/// unit, or if the errors are no tolerances and the figure needs some.
+/// unit, or if the figure needs tolerances and the errors are not tolerances.
 fn by_sense(
     map: &OperationMap,
     p: &PostureRecord,

@@ -60,7 +60,7 @@ pub struct SearchResult {
     pub notes: Vec<String>,
     pub objective: Objective,
     pub solver: Solver,
-    /// Seed of the random numbers; of several islands, the seed of the first one.
+    /// Seed of the random numbers; for several islands, the seed of the first one.
     pub seed: u64,
     /// Largest number of layouts to evaluate, or to evaluate on each island.
     pub budget: u64,
@@ -84,7 +84,8 @@ pub struct SearchResult {
     /// Where each piece that the search places may stand instead.
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
-    /// Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be turned.
+    /// Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be
+    /// rotated.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the best layout is not feasible.
@@ -120,7 +121,8 @@ pub struct SearchResult {
 #[serde(deny_unknown_fields)]
 pub struct IslandEntry {
     pub seed: u64,
-    /// Whether the best layout is of this island: the one with the least objective, the first one among equals.
+    /// Whether this island found the best layout, the one with the least objective. Among equals, the first
+    /// island counts.
     pub is_best: bool,
     /// Least objective found, in `unit`; null if no layout is feasible and keeps every limit.
     pub least_value: Option<f64>,

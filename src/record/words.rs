@@ -12,7 +12,7 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Returns the name of the figure that the reading gives, whatever a search minimizes.
+/// Returns the name of the figure that the reading gives, regardless of the figure that a search minimizes.
 pub fn reading_word(cell: &Cell) -> &'static str {
     match (cell.reading, cell.quantity) {
         (Reading::Signed, _) => "error",

@@ -33,16 +33,16 @@ const KRL: [&str; 4] = [
 ];
 /// Convention of RAPID, as comment lines.
 const RAPID: [&str; 4] = [
-    "Positions in mm. Rotations as unit quaternions q1 to q4, q1 is the scalar part.",
-    "A user frame is relative to the world frame: the values hold if the base frame is the world frame.",
+    "Positions in mm. Rotations as unit quaternions q1 to q4; q1 is the scalar part.",
+    "A user frame is relative to the world frame: the values hold if the base frame of the robot is the world frame.",
     "The object frame of each work object is zero.",
     "A spot is the pose of the TCP in the work object on which the operation happens.",
 ];
 /// Convention of URScript, as comment lines.
 const URSCRIPT: [&str; 4] = [
     "Poses p[x, y, z, rx, ry, rz]: positions in m, rotation vectors in rad.",
-    "The values are relative to the base feature of the controller. The frame base_link of ROS is turned by 180",
-    "degrees about z against it.",
+    "The values are relative to the base feature of the controller. The frame base_link of ROS is rotated by 180",
+    "degrees about z relative to it.",
     "A spot is the pose of the TCP in the feature: pose_trans(feature_NAME, spot_NAME) is the pose in the base.",
 ];
 /// Convention of FANUC user frames, as comment lines.
@@ -116,7 +116,9 @@ fn comment(mark: &str, frames: &LayoutFrames, convention: &[&str]) -> String {
         format!("Frames of the equipment in the frame of the robot base (ISO 9787); sweetspot {VERSION}."),
         format!("cell: {cell}"),
         format!("layout: {layout}"),
-        format!("robot: {robot}; its base frame is that of its robot file: compare it with the controller."),
+        format!(
+            "robot: {robot}. The robot file defines its base frame; compare it with the base frame of the controller."
+        ),
     ];
     lines.extend(convention.iter().map(|line| line.to_string()));
     let spotless = frames.spotless.iter();
@@ -128,7 +130,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Returns one line for each work object and each spot.
 ///
-/// `line` receives the identifier, the pose, and whether it is that of a spot.
+/// `line` receives the identifier, the pose, and whether the pose is that of a spot.
 fn entries(
     frames: &LayoutFrames,
     names: &mut Identifiers,

@@ -27,7 +27,7 @@ const MAX_TITLES: usize = 400;
 ///
 /// `field` is the index into [`Drawing::fields`], `take` into [`Field::takes`], and `sense` into
 /// [`Field::senses`]. The colours span `range` (m or rad), which several maps may share. The axes of the plot
-/// are those of the work surface.
+/// are the axes of the work surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);

@@ -26,7 +26,7 @@ pub fn histogram(cell: &Cell, d: &ErrorDistribution) -> String {
     let operation = &cell.operations[d.operation];
     let word = d.unit.word();
     let heading =
-        format!("{}: how the error in {} spreads at the spot", operation.name, operation.sense.name);
+        format!("{}: distribution of the error in {} at the spot", operation.name, operation.sense.name);
     let mut canvas = ChartCanvas::new(&heading, &told(d));
     let marks = marks(d);
     let [low, high] = [d.samples.histogram.low, d.samples.histogram.high].map(|v| d.unit.from_si(v));

@@ -1,4 +1,4 @@
-//! Places of texts in plan at which they cover neither objects nor each other.
+//! Positions in plan at which texts cover neither objects nor each other.
 
 use super::text::width;
 use crate::drawing::silhouette::{ABOVE, silhouette};
