@@ -34,7 +34,7 @@ const KRL: [&str; 4] = [
 /// Convention of RAPID, as comment lines.
 const RAPID: [&str; 4] = [
     "Positions in mm. Rotations as unit quaternions q1 to q4; q1 is the scalar part.",
-    "A user frame is relative to the world frame: the values hold if the base frame of the robot is the world frame.",
+    "A user frame is relative to the world frame: the values hold if the robot base frame is the world frame.",
     "The object frame of each work object is zero.",
     "A spot is the pose of the TCP in the work object on which the operation happens.",
 ];

@@ -180,10 +180,10 @@ pub fn readme(chapters: &[(String, Vec<PaperFigure>)], command: &str) -> String 
     // Writing to a String cannot fail; the results below are dropped for that reason.
     let _ = writeln!(out, "    sweetspot {command}\n");
     out.push_str(
-        "Arrows are the errors, enlarged as each picture says; their colour is the size of what is \
-        shown. An error without a sign has two arrows in opposite directions. The spot in each picture \
-        is the best in the sense of \
-         that picture.\n",
+        "Arrows show the errors, enlarged by the factor in each picture; their colour shows the size \
+        of the displayed \
+        error. An error without a sign has two arrows in opposite directions. The spot in each \
+        picture is the best node in the sense of that picture.\n",
     );
     for (name, figures) in chapters {
         let _ = writeln!(out, "\n## {}", marked(name));

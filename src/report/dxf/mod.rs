@@ -107,7 +107,7 @@ fn arrows(file: &mut DxfFile, drawing: &Drawing<'_>, field: usize) {
     }
 }
 
-/// Writes a spot; a line leads from it to its text in the column beside all objects.
+/// Writes a spot. A line leads from the spot to its text in the column beside all objects.
 fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field, labels: &mut Labels) {
     let Some(at) = field.spot else { return };
     let radius = 1.4 * field.radius();
@@ -133,13 +133,15 @@ fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field, labels: &mut L
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// Returns a tolerance (half a width) in words, with a unit sign after it; empty if it is 0.
+/// Returns a tolerance (half width) in words, followed by the unit sign `sign`. Returns an empty text if the
+/// tolerance is 0.
 fn plus_minus(half: f64, sign: &str) -> String {
     if half == 0.0 { String::new() } else { format!(" \u{b1}{}{sign}", rounded(half, 3)) }
 }
 
-/// Writes the dimensions from the robot base to the frame of every piece of equipment: along x and y below and left of
-/// all objects, the yaw at the frame, the height in the column.
+/// Writes the dimensions from the robot base to the frame of every piece of equipment. The dimensions along x
+/// and y are below and left of all objects. The yaw is at the frame, and the height is in the column of
+/// texts.
 fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>, labels: &mut Labels) {
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);

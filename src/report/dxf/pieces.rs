@@ -66,7 +66,7 @@ fn block_of(
     })
 }
 
-/// Returns the robot with its tool and what it holds, then the equipment and the obstacles.
+/// Returns the robot with its tool and the parts that it holds, then the equipment and the obstacles.
 fn pieces<'d>(drawing: &'d Drawing<'_>, all: &[(&'d DrawnPart, Pose)]) -> Vec<CadPiece<'d>> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let of = |keep: &dyn Fn(&DrawnPart) -> bool| all.iter().filter(|(part, _)| keep(part)).copied().collect();
@@ -107,7 +107,7 @@ fn block(file: &mut DxfFile, drawing: &Drawing<'_>, piece: &CadPiece<'_>, labels
             file.line(piece.layer, &Vector3::zeros(), &(axis * AXIS));
         }
         if let Some(at) = place {
-            // The text turns with the block, so it is turned back.
+            // The text rotates with the block, so it is rotated back.
             file.text(TEXT, &own.transform(&at_height(&at, piece.at.z)), &said, (-piece.at.yaw, false));
         }
     });

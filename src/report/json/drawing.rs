@@ -242,7 +242,7 @@ fn kept(m: &Movement) -> Vec<usize> {
 
 fn twelve(at: &Pose) -> [f64; 12] {
     let mut numbers = [0.0; 12];
-    // Column by column.
+    // The rotation matrix is written column by column.
     numbers[..9].copy_from_slice(at.rotation.as_slice());
     numbers[9..].copy_from_slice(&millimetres(&at.translation));
     numbers

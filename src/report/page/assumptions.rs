@@ -100,7 +100,7 @@ fn trust(subject: &Subject<'_>) -> String {
     let guard = rounded(percent_from_share(a.cell.guard), 3);
     match distrusted.is_empty() {
         true => format!(
-            "its error is within {guard} % of the nonlinear model at every node, so it can be trusted"
+            "the error is within {guard} % of the nonlinear model at every node, so the model can be trusted"
         ),
         false => distrusted.join("; "),
     }
