@@ -56,7 +56,7 @@ fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Pa
     let table = PageTable::new(format!("{name}: {} nodes", map.nodes.len()), &head, rows).folded();
     match is_long {
         true => table.with_note(format!(
-            "The best {BEST_ROWS} of {}; all are in {}.",
+            "These are the best {BEST_ROWS} of {} nodes; all nodes are in {}.",
             map.nodes.len(),
             plain(csv)
         )),

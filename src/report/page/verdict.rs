@@ -102,7 +102,7 @@ fn headline(v: &VerdictDocument, a: &Assessment<'_>) -> String {
     capital(&format!("{answer}{layout} {works}; {word} of {}", errors.join(", ")))
 }
 
-/// Returns where the equipment stands, seen from the robot base, with the room of each piece.
+/// Returns the placements of the equipment in the frame of the robot base, with the room of each piece.
 ///
 /// The robot base comes first if the search places it.
 fn placements(a: &Assessment<'_>) -> Vec<VerdictPlacement> {
@@ -156,7 +156,7 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     facts
 }
 
-/// Returns the entry on the objective, which matters to the optimizer.
+/// Returns the entry on the objective, the figure that the search minimizes.
 fn objective(cell: &Cell, value: f64) -> FactEntry {
     let text = told(cell.unit(), value);
     let note = format!("what the optimizer minimizes: {}; {}", summed(cell), reading_in_words(cell));

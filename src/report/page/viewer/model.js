@@ -54,7 +54,7 @@ function readField(written) {
 }
 
 /**
- * Reads a mesh, unless it is known.
+ * Reads a mesh, or returns the known mesh with the same content.
  * @param {MeshRecord} written
  * @param {Map<string, Mesh>} known
  * @returns {Mesh}

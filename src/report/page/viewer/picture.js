@@ -1,4 +1,4 @@
-// The picture on the page, with its labels and legend, and when it is drawn.
+// The picture on the page, with its labels and legend, and the times at which it is drawn.
 
 /** Time between two pictures above which drawing counts as slow, and as interrupted, ms. */
 const SLOW = 60;
@@ -7,7 +7,7 @@ const INTERRUPTED = 400;
 /** Resolution of the canvas while drawing is slow and things move. */
 const COARSE = 0.55;
 
-/** Time at rest after which the full resolution comes back, ms. */
+/** Time at rest after which the full resolution is restored, ms. */
 const REST_BEFORE_FINE = 260;
 
 class Picture {
@@ -51,7 +51,7 @@ class Picture {
   }
 
   /**
-   * Asks for a picture.
+   * Requests a picture.
    * @param {boolean} data whether the buffers must be filled with changed data
    */
   request(data) {
@@ -71,7 +71,8 @@ class Picture {
   }
 
   /**
-   * Lowers the resolution during motion if drawing is slow (no graphics card). At rest, restores it.
+   * Lowers the resolution during motion if drawing is slow (no graphics card). Restores the resolution at
+   * rest.
    * @param {number} now ms
    */
   keepPace(now) {
@@ -125,7 +126,7 @@ class Picture {
   describe() {
     const { cell, name } = this.view.drawing;
     const what = `Three-dimensional view of ${cell}, layout ${name}: robot, equipment and error map.`;
-    this.canvas.setAttribute("aria-label", `${what} Arrow keys turn it.`);
+    this.canvas.setAttribute("aria-label", `${what} Arrow keys rotate it.`);
   }
 
   /** Draws again at once, after the canvas has lost its content or the colours have changed. */

@@ -223,7 +223,7 @@ type NodeStatus =
   | "retract"
   | "unjudged";
 type Mark = NodeStatus | "spot" | "diamond";
-/** Mark of a node and what it means. */
+/** Mark of a node, with its meaning. */
 interface NodeSign {
   mark: Mark;
   text: string;
@@ -280,7 +280,7 @@ interface ViewerState {
 interface ViewerOptions extends Partial<ViewerState> {
   /** `false` shows the bare picture. */
   controls?: boolean;
-  /** `"always"` zooms by the wheel without a click before. */
+  /** `"always"` zooms with the wheel without a preceding click. */
   wheel?: "always";
 }
 
@@ -317,7 +317,7 @@ interface ValueRange {
 interface ColourScale {
   /** Range of the values by unit. */
   ranges: Record<string, ValueRange>;
-  /** Comparison with another layout; null without one. */
+  /** Comparison with another layout; null if no layout is compared. */
   comparison: { other: Drawing; greatest: number; unit: string } | null;
 }
 
@@ -355,7 +355,7 @@ interface View {
   playing: boolean;
   picked: NodeReference | null;
   graphics: Graphics;
-  /** Key of what the shadow map shows. */
+  /** Key of the content of the shadow map. */
   shadowKey: string;
   shadowCamera: Matrix;
 }
