@@ -113,8 +113,8 @@ pub fn regions(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
 
 const SPOT: &str = "#99286e";
 
-/// Draws the spots in a view, where `place` maps a point of the world to the plane of the view. The names stand
-/// where they cover nothing.
+/// Draws the spots in a view, where `place` maps a point of the world to the plane of the view. The names are
+/// placed where they cover nothing.
 pub fn spots(
     out: &mut String,
     drawing: &Drawing<'_>,
@@ -187,7 +187,8 @@ fn extents(drawing: &Drawing<'_>, view: &SheetView, solids: &[SheetSolid]) -> Ve
     let base = floor_corners(&cell.robot.footprint, &layout.base).map(on_paper);
     all.push((cell.robot.name.clone(), base.to_vec()));
     for (e, at) in cell.equipment.iter().zip(&layout.placements) {
-        // The surface of equipment holds the arrows, so its name stands within its floor space or beside it.
+        // The surface of equipment holds the arrows, so the name is placed within the floor space or beside
+        // it.
         all.push((e.name.clone(), floor_corners(&e.footprint, at).map(on_paper).to_vec()));
     }
     for solid in solids.iter().filter(|s| s.kind == PartKind::KeepOut) {

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Colour of lines and texts.
 pub const BLACK: &str = "#000000";
 
-/// Position of a sheet in a set: its number and how many there are.
+/// Position of a sheet in a set: the number of the sheet and the number of all sheets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SheetNumber {
     pub number: usize,
@@ -17,7 +17,7 @@ pub struct SheetNumber {
 }
 
 impl SheetNumber {
-    /// Number of a sheet that stands alone.
+    /// Position of a single sheet.
     pub const ALONE: Self = Self { number: 1, count: 1 };
 
     pub fn in_words(self) -> String {

@@ -53,7 +53,7 @@ pub fn allocation(d: &AllocationDocument) -> String {
     out
 }
 
-/// Returns what is limited, in one line.
+/// Returns the limits of the operations in one line.
 fn limits(d: &AllocationDocument) -> String {
     let mut names: Vec<&str> = Vec::new();
     for requirement in &d.requirements {
@@ -134,7 +134,7 @@ fn costs(d: &AllocationDocument) -> String {
     out
 }
 
-/// Returns a line for each requirement at its limit, the dearest first.
+/// Returns a line for each requirement at its limit, the one with the highest shadow price first.
 fn bindings(d: &AllocationDocument) -> String {
     let mut binding: Vec<&AllocationRequirement> = d.requirements.iter().filter(|r| r.is_binding).collect();
     binding.sort_by(|a, b| b.shadow_price.unwrap_or(0.0).total_cmp(&a.shadow_price.unwrap_or(0.0)));
@@ -171,7 +171,7 @@ fn judgement(d: &AllocationDocument) -> String {
     if j.missed_percent > 1e-4 {
         let _ = writeln!(
             out,
-            "  the first solution exceeded a limit by {} % by the {model} model; {} further rounds \
+            "  the first solution exceeded a limit by {} % according to the {model} model; {} further rounds \
             corrected this",
             fixed(j.missed_percent, 4),
             j.rounds
@@ -225,7 +225,7 @@ fn shortfall(s: &ShortfallEntry) -> String {
     out
 }
 
-/// Lists the first names, and how many more there are.
+/// Lists the first names, and the number of further names.
 fn few(names: &[String]) -> String {
     let first = names.iter().take(2 * MAX_LISTED).map(|name| shown(name)).collect::<Vec<_>>().join(", ");
     match names.len().saturating_sub(2 * MAX_LISTED) {

@@ -1,5 +1,5 @@
-//! The answer to the question of a search or map: where everything stands, the errors of the operations, and the
-//! room to place.
+//! The answer to the question of a search or map: the placements, the errors of the operations, and the room
+//! to place.
 
 use super::compare::margin;
 use super::table::TextTable;
@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 /// Returns the answer for one feasible layout, in the order in which a fitter needs it.
 ///
-/// It is empty if the layout is not feasible.
+/// The text is empty if the layout is not feasible.
 pub fn answer(a: &Assessment<'_>) -> String {
     if a.evaluation.objective.is_none() {
         return String::new();
@@ -120,11 +120,11 @@ fn room(a: &Assessment<'_>) -> String {
     out
 }
 
-/// Returns how far the whole cell may be turned about the base axis, as a line of text.
+/// Returns how far the whole cell may be rotated about the base axis, as a line of text.
 fn whole_cell(turn: &TurnEntry) -> String {
     let [least, most] = turn.turn_deg;
     format!(
-        "the whole cell may be turned about the base axis by {least} to {most} deg with the same \
+        "the whole cell may be rotated about the base axis by {least} to {most} deg with the same \
         errors; limited by {}\n",
         turn.ends_with
     )

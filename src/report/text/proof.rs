@@ -6,7 +6,8 @@ use crate::layout::Workcell;
 use crate::proof::Proof;
 use std::fmt::Write;
 
-/// Returns the lower bound, the gap from it to the best layout found, and what the bound covers.
+/// Returns the lower bound, the gap from it to the best layout found, and the operations that the bound
+/// covers.
 pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
     let (cell, covers) = (&workcell.cell, proof.in_words(workcell));
     let Some(bound) = proof.bound else { return format!("{covers}\n") };

@@ -227,6 +227,6 @@ interface Refusal {
 interface Window {
   /** Durations from a change to the drawn map, ms; tests/browser/view.mjs reads them. */
   sweetspotDrawn: number[];
-  /** Returns the position of the origin of a piece of equipment in the 3-D view, px; for tests/browser/view.mjs. */
+  /** Returns the position of the origin of equipment in the 3-D view, px; for tests/browser/view.mjs. */
   sweetspotSpot(name: string): number[] | null;
 }

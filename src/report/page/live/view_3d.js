@@ -141,7 +141,7 @@ class View3d {
     );
   }
 
-  /** Shows a still copy while the view is not used. Without a graphics card, a live picture slows the page. */
+  /** Shows a still copy while the view is idle. Without a graphics card, a live picture slows the page. */
   rest() {
     this.isLookedAt = false;
     const { canvas } = this.viewer;

@@ -68,7 +68,7 @@ function compiledShader(gl, kind, text) {
 }
 
 /**
- * Makes everything that lives on the graphics card, at the start and again after a loss of the context.
+ * Makes all objects on the graphics card, at the start and again after a loss of the context.
  * @param {WebGL2RenderingContext} gl
  * @returns {Graphics}
  */
