@@ -43,8 +43,8 @@ pub struct ErrorsDocument {
     pub ap: AccuracyQuantiles,
     /// Predicted accuracy of the tolerances as printed, random errors included.
     pub ap_of_set: AccuracyQuantiles,
-    /// Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a prismatic
-    /// joint; null without a repeatability.
+    /// Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a
+    /// prismatic joint. Null without a repeatability.
     pub joint_scatter: Option<Vec<f64>>,
     pub cube: TestCubeEntry,
     /// Tolerances that are not 0.

@@ -30,8 +30,8 @@ pub struct ComparedFile {
     /// The random errors are taken as constant over the poses. The fit of base and reflectors absorbs a part
     /// of them.
     pub coverage_95: Option<f64>,
-    /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
-    /// misfit of a calibration does. Null unless the errors are measured.
+    /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
+    /// misfit of a calibration changes like this. Null unless the errors are measured.
     pub coverage_95_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all positions. Null if all are equal.
     pub rank_correlation: Option<f64>,

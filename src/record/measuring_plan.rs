@@ -46,7 +46,8 @@ pub struct PlannedPoseEntry {
 
 /// Expected root mean square error of predicted positions at the operations.
 ///
-/// The base is registered anew. The part of the error that the unknowns do not explain is not counted.
+/// The base is assumed to be registered again. The part of the error that the unknowns do not explain is not
+/// counted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectedEntry {

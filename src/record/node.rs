@@ -126,8 +126,8 @@ impl MapNode {
     }
 }
 
-/// Returns a figure of a posture for every reported sense whose unit is `unit`; None if no sense has this
-/// unit, or if the figure needs tolerances and the errors are not tolerances.
+/// Returns a figure of a posture for every reported sense whose unit is `unit`. Returns None if no sense has
+/// this unit, or if the figure needs tolerances and the errors are not tolerances.
 fn by_sense(
     map: &OperationMap,
     p: &PostureRecord,

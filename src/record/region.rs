@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 /// Region in which one piece may stand, world frame. All other pieces keep the placements that the search
 /// found, and every operation keeps its spot and branch.
 ///
-/// Everywhere in the region, the layout still works within the placement tolerances, and the objective is at
-/// most `indifference_percent` above the objective of the layout.
+/// Everywhere in the region, the layout still works within the placement tolerances. The objective is at most
+/// `indifference_percent` above the objective of the layout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionEntry {
@@ -28,10 +28,10 @@ pub struct RegionEntry {
     pub z_mm: [f64; 2],
     /// Least and greatest yaw, at the x, y and z of the layout.
     pub yaw_deg: [f64; 2],
-    /// Largest distance by which the piece may be displaced in every direction in plan; null if the search
+    /// Largest distance by which the piece may be displaced in every direction in plan. Null if the search
     /// does not displace the piece in plan.
     pub room_mm: Option<f64>,
-    /// Largest angle by which the piece may be rotated in both directions; null if the search does not rotate
+    /// Largest angle by which the piece may be rotated in both directions. Null if the search does not rotate
     /// the piece.
     pub room_deg: Option<f64>,
     /// Reason that limits the room in plan, or the room to rotate if the piece has no room in plan.

@@ -328,8 +328,8 @@ impl EnvelopeDocument {
     }
 }
 
-/// Converts the outlines of a region with `make`. The arguments of `make` are whether the outline is a hole,
-/// and the coordinates of the outline along both axes, mm.
+/// Converts the outlines of a region with `make`. `make` receives whether the outline is a hole, and the
+/// coordinates of the outline along both axes, mm.
 fn outlines<O>(region: &EnvelopeSection, make: impl Fn(bool, [Vec<f64>; 2]) -> O) -> Vec<O> {
     let outlines = region.outlines.iter();
     let axes = |o: &crate::reach::Outline| {

@@ -1,4 +1,4 @@
-//! State of a sweep: which combinations are done, which ones run where, and which ones have failed.
+//! State of a sweep: combinations that are done, that run on a host, and that have failed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -131,7 +131,7 @@ pub struct VerdictPlacement {
     /// Placement in the frame of the robot base; the placement of the robot base itself is in the world
     /// frame.
     pub at: PlacementEntry,
-    /// Largest distance by which the piece may be displaced in every direction in plan; null if the distance
+    /// Largest distance by which the piece may be displaced in every direction in plan. Null if the distance
     /// is not known.
     pub room_mm: Option<f64>,
     /// Largest angle by which the piece may be rotated in both directions; null if the angle is not known.

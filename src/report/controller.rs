@@ -1,11 +1,11 @@
 //! Work objects for robot controllers: frames of the equipment in the frame of the robot base, and spots.
 //!
-//! ISO 9787 names the frames: the base frame of the robot, and the task frame, which manufacturers call base, work
-//! object, feature or user frame. Each controller states rotations in its own way:
+//! ISO 9787 names the frames: the base frame of the robot, and the task frame. Manufacturers call the task
+//! frame base, work object, feature or user frame. Each controller states rotations in its own way:
 //!
 //! | controller | rotation | matrix |
 //! |---|---|---|
-//! | KUKA KRL | A, B, C (degrees) about z, the turned y and the twice turned x | `Rz(A) Ry(B) Rx(C)` |
+//! | KUKA KRL | A, B, C (degrees) about z, the rotated y and the twice rotated x | `Rz(A) Ry(B) Rx(C)` |
 //! | ABB RAPID | unit quaternion q1 (scalar), q2, q3, q4 | |
 //! | Universal Robots URScript | rotation vector rx, ry, rz (rad) | |
 //! | FANUC | W, P, R (degrees) about the fixed x, then y, then z axis | `Rz(R) Ry(P) Rx(W)` |
@@ -57,8 +57,8 @@ const FANUC: [&str; 6] = [
 
 /// Returns the file of a controller. All characters are ASCII.
 ///
-/// Lengths have 4 decimals in mm or 7 in m; angles have 6 decimals in degrees or 9 in rad; quaternions have 10.
-/// `stem` is the file name without its extension, after which KRL and RAPID modules are named.
+/// Lengths have 4 decimals in mm or 7 in m. Angles have 6 decimals in degrees or 9 in rad. Quaternions have
+/// 10 decimals. `stem` is the file name without its extension, after which KRL and RAPID modules are named.
 pub fn file(controller: Controller, stem: &str, frames: &LayoutFrames) -> String {
     let module = |longest: usize| {
         let prefix = if stem.starts_with(|c: char| c.is_ascii_alphabetic()) { "" } else { "cell_" };

@@ -14,8 +14,8 @@ impl Identifiers {
         Self { longest, given: HashSet::new() }
     }
 
-    /// Returns the identifier of a name: `prefix`, then the letters and digits of the name, with `_` in place
-    /// of all other characters.
+    /// Returns the identifier of a name: `prefix`, then the name with `_` in place of all characters other
+    /// than letters and digits.
     ///
     /// The prefix must begin with a letter. A number at the end distinguishes equal identifiers.
     pub fn give(&mut self, prefix: &str, name: &str) -> String {

@@ -131,8 +131,8 @@ fn covariance(robot: &Robot, calibration: &Calibration) -> String {
     let names: Vec<String> = parameters.iter().map(|parameter| format!("\"{}\"", parameter.name())).collect();
     let mut out = format!("[errors.measured.covariance]\nparameters = [{}]\nmatrix = [\n", names.join(", "));
     for i in 0..size {
-        // The lower half of the matrix is copied from the upper half, so that the file is symmetric to the
-        // last digit.
+        // The lower half of the matrix repeats the upper half, so that the file is symmetric to the last
+        // digit.
         let entry = |j: usize| {
             let (a, b) = (i.min(j), i.max(j));
             format!("{:e}", matrix[(a, b)] * scales[a] * scales[b])

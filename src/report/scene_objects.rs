@@ -51,7 +51,7 @@ pub const WORLD: &str = "world";
 
 /// Returns the pedestal of the robot, the equipment and obstacles, the fence and the keep-out boxes of a layout.
 ///
-/// The pedestal comes first, in the frame of the robot base under the name [`ROBOT_BASE`]; without a
+/// The pedestal comes first, in the frame of the robot base under the name [`ROBOT_BASE`]. Without a
 /// pedestal, this object has no solids. A capsule becomes a cylinder with two spheres. A leg becomes a box
 /// down to the floor.
 pub fn scene_objects<'a>(drawing: &Drawing<'a>) -> Vec<SceneObject<'a>> {

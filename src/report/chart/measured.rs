@@ -105,7 +105,7 @@ fn enlargement(drawn: &[&ComparedPosition], px_per_mm: f64) -> f64 {
     if long > NOTHING { round_down(LONG_ARROW / (long * px_per_mm), DIGITS) } else { 1.0 }
 }
 
-/// Draws the legend with a bar that shows the length of a round error; `stretch` is in px per mm of error.
+/// Draws the legend with a bar that shows the length of a round error. `stretch` is in px per mm of error.
 fn draw_legend(canvas: &mut ChartCanvas, stretch: f64, enlarged: f64, has_direction: bool) {
     let entry = |ink: Ink, said: &str| LegendEntry {
         mark: format!("<path d=\"{}\" {}/>", arrow((-11.0, 0.0), (22.0, 0.0)), ink.line(1.8)),

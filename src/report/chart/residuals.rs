@@ -17,8 +17,8 @@ const BAR: f64 = 92.0;
 /// Largest height of a panel, px.
 const TALLEST: f64 = 520.0;
 
-/// Draws the size of the residual of every position of one file in the base frame of the robot, in plan and
-/// from the side.
+/// Draws the size of the residual of every position of one file, in plan and from the side. Positions are in
+/// the base frame of the robot.
 pub fn residuals(file: &ComparedFile) -> String {
     let every = thinning(file.positions.len(), MAX_DOTS);
     let mut drawn: Vec<_> = file.positions.iter().step_by(every).collect();

@@ -150,8 +150,8 @@ impl DxfFile {
         std::iter::once(name.to_string()).chain(numbered).find(|name| is_free(name)).unwrap_or_default()
     }
 
-    /// Writes the paper space: a sheet of this size (m) with the entities that `content` draws, in
-    /// coordinates on paper, m.
+    /// Writes the paper space: a sheet of this size (m) with the entities that `content` draws. The
+    /// coordinates are on paper, m.
     pub fn paper(&mut self, size: (f64, f64), content: impl FnOnce(&mut Self)) {
         let before = (self.space, self.low, self.high, self.height);
         (self.space, self.paper) = (PAPER, size);

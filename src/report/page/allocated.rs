@@ -12,7 +12,8 @@ use crate::report::chart;
 /// allocate` has the same default.
 const SHARE: f64 = 0.99;
 
-/// Returns the section of the shown layout; empty if no operation has a limit, or if the errors are read signed.
+/// Returns the section of the shown layout. The section is empty if no operation has a limit, or if the
+/// reading is signed.
 pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "The chart shows the cheapest tolerances with which every operation keeps its limit at its \

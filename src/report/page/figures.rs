@@ -158,8 +158,8 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
 }
 
 /// Returns whether figures of a layout depend on the linearized model. They do if the cell does not choose
-/// the nonlinear model. They also do if a reading of tolerances uses the linearized model at nodes where the
-/// two models differ by more than the guard.
+/// the nonlinear model. They also do if a reading of tolerances uses the linearized model where the two
+/// models differ by more than the guard.
 fn rests_on_linearized(a: &Assessment<'_>) -> bool {
     let differs = || a.maps.iter().any(|map| map.off(Model::Linear, a.cell.guard).1 > 0);
     a.cell.model != Model::Nonlinear || (a.cell.reading != Reading::Signed && differs())
@@ -223,7 +223,10 @@ fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();
     match found.bound {
         Some(bound) => {
-            format!("It is proven that no layout within the ranges has less than {}.", down(unit, bound))
+            format!(
+                "It is proven that no layout within the ranges has an objective below {}.",
+                down(unit, bound)
+            )
         }
         None => "There is no proven bound.".into(),
     }

@@ -312,14 +312,14 @@ fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
             // Rounded up, so that the printed gap is never too small.
             if gap <= 0.0 { "0 %".into() } else { format!("{} %", up(gap)) },
             format!(
-                "it is proven that no layout within the ranges has less than {}{covers}",
+                "it is proven that no layout within the ranges has an objective below {}{covers}",
                 down(unit, bound)
             ),
         ),
         (None, Some(bound)) => (
             "none".into(),
             format!(
-                "it is proven that no layout within the ranges has less than {}{covers}",
+                "it is proven that no layout within the ranges has an objective below {}{covers}",
                 down(unit, bound)
             ),
         ),

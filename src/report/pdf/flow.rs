@@ -72,7 +72,7 @@ impl PageFlow {
         self.y += height;
     }
 
-    /// Writes a heading that gets an entry in the table of contents; at least `below` mm of its page are left
+    /// Writes a heading that gets an entry in the table of contents. At least `below` mm of its page are left
     /// for the content that follows.
     pub fn heading(&mut self, said: &str, below: f64) {
         self.need(9.0 + below);

@@ -97,7 +97,7 @@ pub fn map(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, (k, field)
     );
 }
 
-/// Draws in plan where the frame origin of each piece may stand.
+/// Draws the regions in plan in which the frame origin of each piece may be.
 pub fn regions(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
     let rings = drawing.regions.iter().flat_map(|region| &region.rings);
     let outline: String =
@@ -143,7 +143,8 @@ pub fn spots(
     }
 }
 
-/// Occupies and returns the first of several places at which a text `wide` mm wide covers nothing, or the first place.
+/// Occupies and returns the first place at which a text `wide` mm wide covers nothing. Returns the first
+/// place if there is none.
 fn free_place(
     taken: &mut OccupiedBoxes,
     places: impl Iterator<Item = (f64, f64)> + Clone,

@@ -1,5 +1,5 @@
-//! Dimensions: distances along the world x and y from the robot base to the nearest corner of every piece of
-//! equipment, the yaw of the piece, and the heights in the front view.
+//! Dimensions of the views: distances along the world x and y from the robot base to the nearest corner of
+//! every piece of equipment. The yaw of every piece and the heights in the front view are dimensioned, too.
 
 use super::SheetView;
 use super::ink::{TextAnchor, TextStyle, put, stroke};
@@ -31,8 +31,8 @@ pub struct Mark {
     pub equipment: usize,
     /// Corner nearest to the robot base, world frame, m.
     pub corner: Vector2<f64>,
-    /// Tolerances of the corner along x and y, m; None if no tolerance is stated, or if the tolerance of the
-    /// yaw uses up the whole tolerance.
+    /// Tolerances of the corner along x and y, m. None if no tolerance is stated, or if the tolerance of the
+    /// yaw uses it up.
     pub tolerance: [Option<f64>; 2],
     /// Tolerance of the yaw, rad; 0 if none is stated.
     pub turn: f64,
@@ -50,7 +50,7 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
         Some((k, e, at, corner))
     });
     let mark = |(n, (equipment, e, at, corner)): (usize, (usize, &Equipment, &Placement, _))| {
-        // The tolerance of a piece on another one is not along the world axes.
+        // The tolerance of a piece that stands on another piece is not along the world axes.
         let given = if e.on.is_none() { e.tolerance.0 } else { [0.0; 4] };
         Mark {
             letter: letter(n),
@@ -65,8 +65,8 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
 
 /// Returns the tolerances of a corner that keep the frame within its own tolerances at every allowed yaw, m.
 ///
-/// A yaw error d moves the frame by d times its distance from the corner, and the tolerance of the corner
-/// is smaller by this amount.
+/// A yaw error d moves the frame by d times its distance from the corner. The tolerance of the corner is
+/// smaller by this amount.
 fn of_corner(given: &[f64; 4], at: &Placement, corner: &Vector2<f64>) -> [Option<f64>; 2] {
     let arm = Vector2::new(at.x, at.y) - corner;
     let left = [given[0] - given[3] * arm.y.abs(), given[1] - given[3] * arm.x.abs()];
@@ -148,7 +148,8 @@ fn balloon(out: &mut String, (x, y): (f64, f64), letter: &str) {
     put(out, (x, y + 0.95), style, "", letter);
 }
 
-/// Draws the yaw of a piece as an angular dimension at its corner, from the world x to the x axis of the piece.
+/// Draws the yaw of a piece as an angular dimension at its corner. The angle goes from the world x to the x
+/// axis of the piece.
 fn angle(
     out: &mut String,
     drawing: &Drawing<'_>,

@@ -25,7 +25,7 @@ impl SheetNumber {
     }
 }
 
-/// Entries of a title block other than those of the cell file.
+/// Entries of a title block that do not come from the cell file.
 pub struct BlockEntries<'a> {
     pub cell: &'a Cell,
     pub sheet: SheetNumber,
@@ -33,11 +33,12 @@ pub struct BlockEntries<'a> {
     pub kind: String,
     /// Scale, for example "1:20".
     pub scale: String,
-    /// Remarks on what the sheet shows; at most three.
+    /// Remarks on the content of the sheet; at most three.
     pub notes: Vec<String>,
 }
 
-/// Field of the title block: place (left, top, width and height from the corner of the block, mm), label and text.
+/// Field of the title block: place, label and text. The place is left, top, width and height from the corner
+/// of the block, mm.
 pub type BlockField = ([f64; 4], &'static str, String);
 
 /// Returns the title of the drawings of a cell.

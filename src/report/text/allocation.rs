@@ -215,7 +215,7 @@ fn shortfall(s: &ShortfallEntry) -> String {
     let bounds = s.in_the_way.iter().take(3).map(|b| {
         let tightest = rounded(b.tightest, 6);
         format!(
-            "{} (at least {tightest} {}; without it {} {unit})",
+            "{} (at least {tightest} {}; without this error {} {unit})",
             b.parameter,
             b.unit.word(),
             fixed(b.without, 4)

@@ -1,5 +1,4 @@
-//! The answer to the question of a search or map: the placements, the errors of the operations, and the room
-//! to place.
+//! The answer of a search or map: the placements, the errors of the operations, and the room to place.
 
 use super::compare::margin;
 use super::table::TextTable;
@@ -78,8 +77,8 @@ fn operations(a: &Assessment<'_>) -> String {
     table.render() + &buildability::verdict(a)
 }
 
-/// Returns the room of every piece, what limits it, and the rotation of the whole cell; empty without
-/// regions.
+/// Returns the room of every piece, the reasons that limit it, and the rotation of the whole cell; empty
+/// without regions.
 fn room(a: &Assessment<'_>) -> String {
     let regions = RegionEntry::all(a);
     if regions.is_empty() {

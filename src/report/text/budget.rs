@@ -106,10 +106,10 @@ fn tighten(a: &BudgetReport<'_>) -> String {
     let mut out = String::new();
     for tighter @ Tighter { parameters, figure: left } in &a.tighter {
         let names: Vec<String> = parameters.iter().map(|p| names::parameter(cell, *p)).collect();
-        let (all, what) = if names.len() > 1 { (" together", "it") } else { ("", figure) };
+        let all = if names.len() > 1 { " together" } else { "" };
         let _ = writeln!(
             out,
-            "  halving {}{all} cuts {what} by {}, from {} to {}",
+            "  halving {}{all} cuts {figure} by {}, from {} to {}",
             names.join(", "),
             percent1(a.cut(tighter)),
             amount(unit, a.figure),

@@ -4,8 +4,8 @@ use crate::assess::Assessment;
 use crate::cell::Cell;
 use crate::files::shown;
 
-/// Returns whether a layout works at every misplacement, with the worst errors; empty if the cell demands no
-/// certificate.
+/// Returns whether a layout works at every misplacement, with the worst errors. The text is empty if the cell
+/// demands no certificate.
 pub fn certificate(a: &Assessment<'_>) -> String {
     if !a.workcell.certifies() {
         return String::new();
@@ -40,8 +40,8 @@ pub fn assumptions(cell: &Cell) -> String {
     format!("assumed, because the cell does not state these keys: {}\n", all.join("; "))
 }
 
-/// Returns whether a feasible layout works at every misplacement, as a line of text; empty if the cell
-/// demands no certificate.
+/// Returns a line of text on whether a feasible layout works at every misplacement. The text is empty if the
+/// cell demands no certificate.
 pub fn verdict(a: &Assessment<'_>) -> String {
     if !a.workcell.certifies() {
         return String::new();

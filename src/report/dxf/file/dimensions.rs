@@ -50,8 +50,8 @@ impl DxfFile {
         out.put(100, "AcDbRotatedDimension");
     }
 
-    /// Returns the middle of the number of a dimension: above the line or, if the line is too short, beside
-    /// its end.
+    /// Returns the middle of the number of a dimension. The number is above the line or, if the line is too
+    /// short, beside its end.
     fn number_place(&self, [from, to]: [&Vector3<f64>; 2], across: &Vector3<f64>, wide: f64) -> Vector3<f64> {
         let lift = across * (0.9 * self.height);
         let along = (to - from).try_normalize(1e-9).unwrap_or_else(Vector3::x);
@@ -117,8 +117,7 @@ impl DxfFile {
         self.face(layer, &[*tip, tip + back + side, tip + back - side], [false; 3]);
     }
 
-    /// Begins a dimension with the name of its block, a point on its line or arc, the middle of its text, and
-    /// its kind.
+    /// Begins a dimension with the given block, point on the line or arc, middle of the text, and kind.
     fn begun_dimension(
         &mut self,
         layer: &str,
@@ -126,7 +125,7 @@ impl DxfFile {
         kind: u16,
         after: &str,
     ) -> &mut Codes {
-        // `<>` stands for the measured value.
+        // `<>` represents the measured value.
         let text = if after.is_empty() { String::new() } else { format!("<>{}", safe(after)) };
         let out = self.entity("DIMENSION", layer);
         out.put(100, "AcDbDimension");

@@ -76,8 +76,8 @@ impl DxfFile {
     }
 
     /// Writes a viewport on the model. `on_paper` is the middle and the size of the viewport on paper, m.
-    /// `of_model` is the point of the model in the middle of the viewport, and the height of the visible part
-    /// of the model, m.
+    /// `of_model` is the point of the model in the middle of the viewport, and the visible height of the
+    /// model, m.
     pub fn viewport(
         &mut self,
         layer: &str,

@@ -271,7 +271,7 @@ class Page {
 
 /**
  * Returns whether a drag may change number `k` of x, y, z and yaw. It may always change yaw and never z. It
- * may change x or y unless the file fixes only that one of the two.
+ * may change x or y, unless the file fixes this coordinate and leaves the other one free.
  * @param {NumberGroup} group
  * @param {number} k
  */

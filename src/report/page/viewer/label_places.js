@@ -98,7 +98,8 @@ const isNear = (at, { x, y }) =>
   x > at.x - 5 && x < at.x + at.width + 5 && y > at.y - 5 && y < at.y + at.height + 5;
 
 /**
- * Returns the path of a line from the edge of a label to its nearest anchor; empty if that anchor is close.
+ * Returns the path of a line from the edge of a label to its nearest anchor. The path is empty if that anchor
+ * is close.
  * @param {Rectangle} at
  * @param {number[][]} anchors
  */

@@ -154,7 +154,8 @@ function featureEdges(positions, indices) {
 }
 
 /**
- * Returns some points on a mesh to which a leader line may lead: corners and middles of edges spread over it.
+ * Returns points on a mesh to which a leader line may lead: corners and middles of edges, spread over the
+ * mesh.
  * @param {ArrayLike<number>} positions
  * @param {ArrayLike<number>} indices
  */

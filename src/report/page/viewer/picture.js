@@ -31,7 +31,7 @@ class Picture {
     this.isSized = false;
     /** Whether the data shown have changed since the last picture, and whether a picture is queued. */
     this.dirty = { data: true, queued: false };
-    /** Time of the last picture, count of slow ones, and resolution. */
+    /** Time of the last picture, number of slow pictures, and resolution. */
     this.pace = { last: 0, slow: 0, coarse: 1, timer: 0 };
     /** Scale that the legend shows, px per mm. */
     this.legendScale = 0;
@@ -145,7 +145,7 @@ class Picture {
     view.height = height;
     this.fitCanvas(1);
     if (!this.isSized) view.camera = fittedCamera(view, "iso");
-    // If the picture becomes narrower, the camera moves back, so that the whole width of the cell stays
+    // If the picture becomes narrower, the camera moves back, so that the whole width of the cell remains
     // visible.
     else if (width / height < before && before < 1.2) view.camera.distance *= before / (width / height);
     this.isSized = true;

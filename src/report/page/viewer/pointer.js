@@ -36,7 +36,7 @@ function listenToPointer(target, canvas, options) {
   listenToDrags(target, canvas, () => {
     taken = true;
   });
-  // A touch pointer leaves the canvas after every tap, but the tip must stay.
+  // A touch pointer leaves the canvas after every tap, but the tip must remain visible.
   canvas.addEventListener("pointerleave", (event) => {
     if (event.pointerType !== "touch") target.hover(null, 0);
   });

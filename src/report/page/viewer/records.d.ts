@@ -1,5 +1,6 @@
-// Types of the document `sweetspot/drawing/1`, which src/report/json/drawing.rs writes, and of what the
-// viewer makes of it. Lengths are in mm, angles of joints in degrees, angles of the camera in radians.
+// Types of the document `sweetspot/drawing/1`, which src/report/json/drawing.rs writes, and of the data that
+// the viewer derives from it. Lengths are in mm, angles of joints in degrees, angles of the camera in
+// radians.
 
 /** Three numbers: x, y and z in the world frame. */
 type Vector = number[];
@@ -52,7 +53,7 @@ interface PartRecord<Pose = PoseRecord, Mesh = number> {
   name: string;
   owner: string;
   kind: PartKind;
-  /** Index of the robot link that carries the part; null for a part that stands in the world. */
+  /** Index of the robot link that carries the part; null for a part that is fixed in the world. */
   link: number | null;
   at: Pose | null;
   equipment: number | null;

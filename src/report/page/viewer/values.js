@@ -9,7 +9,7 @@ const shownFields = ({ drawing, state }) =>
   drawing.fields.filter((field) => state.operation === null || field.operation === state.operation);
 
 /**
- * Returns the index of the lens of a drawing with the model and reading of another lens; -1 if there is none.
+ * Returns the index of the lens of a drawing with the model and reading of another lens, or -1.
  * @param {Drawing} drawing
  * @param {LensRecord} lens
  */
@@ -199,7 +199,7 @@ function heldAt({ times_s: moments, holding }, time) {
 const REST = 0.3;
 
 /**
- * Returns a time at which the robot is at the spot of an operation, s; 0 if there is no such time.
+ * Returns a time at which the robot is at the spot of an operation, s. Returns 0 if there is no such time.
  * @param {Drawing} drawing
  * @param {number | null} operation `null` selects the first spot
  */
