@@ -107,7 +107,7 @@ pub fn remedy_name(remedy: Remedy) -> &'static str {
     }
 }
 
-/// Returns the advice in one sentence, or two if a remedy gives nothing.
+/// Returns the advice in one sentence, or in two sentences if a remedy brings no improvement.
 fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
     let unit = remedies.layout(Remedy::AsDrawn).cell.unit();
     let value = |remedy| match remedies.objective(remedy) {
@@ -124,7 +124,7 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
             "Neither calibrating nor moving lowers the error by 1 % or more.".into()
         }
         ([Remedy::Calibrated, Remedy::Moved, ..], _) => format!(
-            "Calibrate or move: either keeps every limit; calibrating takes the error {}, moving to {}.",
+            "Calibrate or move: each alone keeps every limit; calibrating takes the error {}, and moving takes it to {}.",
             to(Remedy::Calibrated),
             value(Remedy::Moved)
         ),
@@ -158,9 +158,9 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
         ),
     };
     let idle = match (remedies.helps(Remedy::Calibrated), remedies.helps(Remedy::Moved)) {
-        (false, true) => " Calibrating alone gives nothing.",
+        (false, true) => " Calibrating alone brings no improvement.",
         (true, false) if !can_move => " Every placement is fixed, so nothing can be moved.",
-        (true, false) => " Moving alone gives nothing.",
+        (true, false) => " Moving alone brings no improvement.",
         _ => "",
     };
     said + idle

@@ -277,7 +277,7 @@ impl<'a> HeatMap<'a> {
             is_there.then(|| LegendEntry { mark, said: said.to_string() })
         };
         let all = self.drawing.cell.operations[self.field.operation].over.needs_every_node();
-        let spot = if all { "the worst node, which counts" } else { "spot chosen" };
+        let spot = if all { "worst node, which counts" } else { "chosen spot" };
         let spots = [
             entry(self.field.spot.is_some(), signs::spot(origin), spot),
             entry(self.field.refined.is_some(), signs::refined(origin), "spot between the nodes"),

@@ -130,7 +130,7 @@ fn placement(cell: &Cell) -> &'static str {
             "evaluated as drawn; the section on misplacement shows the effect of the placement tolerances"
         }
         (true, false) => {
-            "the layout must work at every misplacement within the placement tolerances; errors are shown as drawn"
+            "the layout must work at every misplacement within the placement tolerances; errors are shown for the layout as drawn"
         }
         (false, _) => "all equipment and the robot base are assumed to stand exactly where they are drawn",
     }

@@ -168,7 +168,7 @@ fn rests_on_linearized(a: &Assessment<'_>) -> bool {
 /// Returns the section on the error distribution of arms that are built within the tolerances.
 fn distributions(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Monte Carlo simulation of arms with random errors within the tolerances. The nonlinear model gives the \
+    let text = "A Monte Carlo simulation draws arms with random errors within the tolerances. The nonlinear model gives the \
                 error of each arm; the chart shows the distribution of these errors at the spot.";
     let mut section = Section::new("distribution", "Distribution at the spots", vec![text.into()]);
     for k in 0..a.maps.len() {
@@ -246,7 +246,7 @@ fn pareto(subject: &Subject<'_>) -> Section {
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
         None => {
-            "These are the best layouts that clearly differ. Each one is a cell file in the folder of the search.".into()
+            "These are the best layouts that clearly differ from each other. Each is a cell file in the folder of the search.".into()
         }
     });
     let heads: Vec<String> =

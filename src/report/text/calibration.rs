@@ -51,7 +51,10 @@ pub fn calibration(document: &CalibrationDocument) -> String {
             fixed(of.p95_mm, 3),
             fixed(of.max_mm, 3)
         ),
-        None => writeln!(out, "\nCross-validation: too few positions for a fit without a block."),
+        None => writeln!(
+            out,
+            "\nCross-validation: there are too few positions for a fit that leaves a block out."
+        ),
     };
     out.push_str("\nParameters\n");
     let mut parameters = TextTable::indented(1);
