@@ -26,8 +26,8 @@ pub enum Controller {
 
 /// Convention of KRL, as comment lines.
 const KRL: [&str; 4] = [
-    "X, Y, Z in mm. A, B, C in degrees: A about Z, then B about the turned Y, then C about the twice turned X.",
-    "The values are relative to $ROBROOT, which is $WORLD if it is zero.",
+    "X, Y, Z in mm. A, B, C in degrees: A about Z, then B about the rotated Y, then C about the twice rotated X.",
+    "The values are relative to $ROBROOT, which equals $WORLD if $ROBROOT is zero.",
     "Use a frame as $BASE = $ROBROOT : base_NAME, or enter it as BASE_DATA[n] if $ROBROOT is zero.",
     "A spot is the frame of the TCP in the base on which the operation happens.",
 ];

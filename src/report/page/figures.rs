@@ -99,7 +99,7 @@ const MAX_PARAMETERS_SHOWN: usize = 12;
 
 fn budget(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The budget lists the contribution of every parameter to the error at the spot. Tighten the tolerances of the first ones first. The shares of the worst case add up to 100 %, and so do the shares of the variance.";
+    let text = "The budget lists the contribution of every parameter to the error at the spot. Tighten the tolerances of the first parameters first. The shares of the worst case add up to 100 %, and so do the shares of the variance.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {
         let Ok(context) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {

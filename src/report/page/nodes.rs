@@ -20,7 +20,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let which = if subject.best.is_some() { "the best layout" } else { "the layout as drawn" };
     let text = vec![format!(
-        "The nodes of {which}. Positions and errors are in world axes. Joints, all readings and the nodes of the other layouts are \
+        "This section lists the nodes of {which}. Positions and errors are in world axes. Joints, all readings and the nodes of the other layouts are \
          in {}.",
         plain(&subject.manifest.csv)
     )];

@@ -18,8 +18,7 @@ pub fn allocation(d: &AllocationDocument) -> String {
     out.push_str(&table(d));
     // Writing to a String cannot fail.
     if !d.fixed.is_empty() {
-        let _ =
-            writeln!(out, "  cannot be ordered, because they are measured or correlated: {}", few(&d.fixed));
+        let _ = writeln!(out, "  not allocated, because they are measured or correlated: {}", few(&d.fixed));
     }
     if d.status == AllocationStatus::Infeasible {
         d.shortfalls.iter().take(MAX_LISTED).for_each(|s| out.push_str(&shortfall(s)));
@@ -148,7 +147,7 @@ fn bindings(d: &AllocationDocument) -> String {
         let (name, node) = (shown(&r.operation), format!("({}, {})", r.node[0], r.node[1]));
         let _ = writeln!(
             out,
-            "  {name} at node {node} is at its limit of {} {unit}, now {}: {} {unit} more would save {} %",
+            "  {name} at node {node} is at its limit of {} {unit} ({} with the present tolerances): {} {unit} more would save {} %",
             rounded(r.limit, 6),
             fixed(r.before, 4),
             rounded(step, 9),

@@ -44,7 +44,7 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     let _ = match &document.held_out {
         Some(of) => writeln!(
             out,
-            "\nCross-validation: each block of the joint space is predicted by a fit without it. The error \
+            "\nCross-validation: each block of the joint space is predicted by a fit without this block. The error \
              has mean {} mm, rms {} mm, 95 % {} mm, max {} mm.",
             fixed(of.mean_mm, 3),
             fixed(of.rms_mm, 3),
