@@ -131,7 +131,7 @@ pub struct AllocationRequirement {
     pub is_binding: bool,
     /// Decrease of the cost per unit of a larger limit.
     pub shadow_price: Option<f64>,
-    /// Figure by Monte Carlo samples of the nonlinear model; null if it was not sampled.
+    /// Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled.
     pub sampled: Option<f64>,
 }
 

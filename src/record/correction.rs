@@ -73,7 +73,7 @@ pub struct CorrectionEntry {
     /// Position of the target, world frame.
     pub position_mm: Option<[f64; 3]>,
     pub state: CorrectionState,
-    /// Reason why the target is not corrected; null if it is.
+    /// Reason why the target is not corrected; null if the target is corrected.
     pub reason: Option<String>,
     /// Joint coordinates without correction: degrees, or mm for a prismatic joint.
     pub nominal_joints: Option<Vec<f64>>,

@@ -57,7 +57,7 @@ pub struct MapDocument<'a> {
     /// prevents them. Left out if the cell does not check motions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
-    /// Cycle time of the layout; left out if it is not feasible.
+    /// Cycle time of the layout; left out if the layout is not feasible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycle_time: Option<CycleTimeEntry>,
     /// Placement of every piece of equipment, without obstacles.

@@ -24,7 +24,7 @@ pub struct MapNode {
     /// Target position of the TCP.
     pub position_mm: [f64; 3],
     pub status: NodeSign,
-    /// Reason why the node cannot be used; empty if it can.
+    /// Reason why the node cannot be used; empty if the node is usable.
     pub reason: String,
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Option<Vec<f64>>,

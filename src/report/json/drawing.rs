@@ -92,7 +92,7 @@ fn drawing<'a>(d: &'a Drawing<'_>, meshes: &mut MeshList) -> DrawingRecord<'a> {
     }
 }
 
-/// Returns the pose of a piece of equipment, taken from its solids; None if it has no solid.
+/// Returns the pose of a piece of equipment, taken from its solids; None if the equipment has no solid.
 fn pose_of(d: &Drawing<'_>, equipment: usize) -> Option<Pose> {
     let own = d.parts.iter().filter(|p| p.equipment == Some(equipment));
     own.map(|p| d.pose_of(p, d.movement.home())).next()

@@ -12,7 +12,7 @@ function displaced(view, field, point) {
 }
 
 /**
- * Returns the colour of a node; null if it has no value.
+ * Returns the colour of a node; null if the node has no value.
  * @param {View} view
  * @param {Field} field
  * @param {number} k

@@ -185,7 +185,7 @@ function framesAt(movement, time) {
 }
 
 /**
- * Returns the operation whose part the robot holds at a time; null if it holds no part.
+ * Returns the operation whose part the robot holds at a time; null if the robot holds no part.
  * @param {Movement} movement
  * @param {number} time
  */
