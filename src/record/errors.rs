@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `errors --json`.
 pub const ERRORS_SCHEMA: &str = "sweetspot/errors/1";
 
-/// Tolerances of a robot with the pose accuracy (ISO 9283) that they give. They are a guess, not a measurement.
+/// Tolerances of a robot, with the pose accuracy (ISO 9283) that these tolerances give. Guessed tolerances
+/// are not a measurement of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorsDocument {

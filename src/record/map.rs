@@ -130,7 +130,8 @@ pub struct OperationMapEntry<'a> {
     #[schemars(with = "Vec<MapNode>")]
     pub nodes: MapNodes<'a>,
     /// Spot: the usable node with the least value; null if no node is usable. For an operation at every node,
-    /// the spot is the node with the greatest value. It is then null if any node is unusable.
+    /// the spot is the node with the greatest value. For such an operation, the spot is null if any node is
+    /// unusable.
     pub best: Option<MapNode>,
     /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
