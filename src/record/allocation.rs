@@ -35,15 +35,16 @@ pub struct AllocationDocument {
     pub cost_before: f64,
     /// Least cost found; null if the limits cannot be kept.
     pub cost: Option<f64>,
-    /// Proven lower bound of the cost, by the linear model scaled to the figures of the full error model;
-    /// null if infeasible.
+    /// Proven lower bound of the cost; null if infeasible. The proof uses the linear model, scaled to the
+    /// figures of the full error model.
     pub lower_bound: Option<f64>,
     /// Duality gap: relative distance of the cost from its lower bound; null if infeasible.
     pub duality_gap: Option<f64>,
     /// Uniform tightening for comparison; null if no common scale keeps the limits.
     pub uniform: Option<UniformEntry>,
     pub parameters: Vec<AllocatedEntry>,
-    /// Names of the errors that stay as they are, because they are measured or correlated.
+    /// Names of the error parameters that the allocation does not change, because they are measured or
+    /// correlated.
     pub fixed: Vec<String>,
     pub requirements: Vec<AllocationRequirement>,
     /// Limits that even the tightest tolerances exceed.
@@ -58,7 +59,7 @@ pub struct AllocationDocument {
 pub enum AllocationStatus {
     /// The tolerances keep all limits at the least cost.
     Cheapest,
-    /// The judged figures exceed a limit: the rounds of adaptation did not suffice.
+    /// The figures of the full error model still exceed a limit after the last round of adaptation.
     Exceeded,
     /// Even the tightest tolerances exceed a limit.
     Infeasible,
@@ -91,16 +92,16 @@ pub enum ToleranceEnd {
     Loosest,
 }
 
-/// Tolerance of one parameter, before and after.
+/// Tolerance of one parameter before and after the allocation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AllocatedEntry {
     pub parameter: String,
     pub unit: ParameterUnit,
     pub cost_kind: CostKind,
-    /// Half width of the error set.
+    /// Half width of the tolerance in the error set.
     pub before: f64,
-    /// Cheapest half width; null if infeasible.
+    /// Half width of the cheapest tolerance; null if infeasible.
     pub after: Option<f64>,
     /// `after` divided by `before`.
     pub scale: Option<f64>,
@@ -130,7 +131,7 @@ pub struct AllocationRequirement {
     pub is_binding: bool,
     /// Decrease of the cost per unit of a larger limit.
     pub shadow_price: Option<f64>,
-    /// Figure by Monte Carlo samples of the nonlinear model; null if it was not sampled.
+    /// Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled.
     pub sampled: Option<f64>,
 }
 
@@ -146,7 +147,7 @@ pub struct ShortfallEntry {
     pub least: f64,
     /// `least` minus `limit`.
     pub excess: f64,
-    /// Tightest permitted tolerances that prevent the limit, the most effective first.
+    /// Tightest permitted tolerances that keep the figure above the limit, the most effective first.
     pub in_the_way: Vec<BoundEntry>,
 }
 
@@ -165,7 +166,8 @@ pub struct BoundEntry {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
-    /// How much the first solution exceeds a limit by the full model, percent; negative if it keeps all.
+    /// Largest excess of the first solution over a limit by the full error model, percent. Negative if the
+    /// solution keeps all limits.
     pub missed_percent: f64,
     /// Number of rounds that adapted the linear requirements to the full model.
     pub rounds: usize,
@@ -173,7 +175,7 @@ pub struct JudgementEntry {
     pub sampled_rounds: usize,
     /// Largest excess over a limit at the end, percent; negative if all limits are kept.
     pub excess_percent: f64,
-    /// Number of cone programs of the last solution.
+    /// Number of cone programs that the last solution took.
     pub programs: usize,
 }
 
@@ -261,7 +263,7 @@ impl AllocatedEntry {
     }
 }
 
-/// Rounds a gap up to 1e-9, the digits of the costs.
+/// Rounds a gap up to a multiple of 1e-9, because the costs have 9 decimals.
 fn rounded_up(gap: f64) -> f64 {
     nine_digits((gap * 1e9).ceil() / 1e9)
 }

@@ -1,4 +1,4 @@
-//! What a layout withstands: assumptions and certificate.
+//! Assumptions of a cell and certificate of a layout in documents.
 
 use crate::assess::Assessment;
 use crate::cell::Cell;
@@ -29,12 +29,12 @@ impl AssumedEntry {
 pub enum CertifiedEntry {
     /// True: the layout is certified.
     Yes(bool),
-    /// Reason why it is not certified.
+    /// Reason why the layout is not certified.
     No(String),
 }
 
 impl CertifiedEntry {
-    /// Returns the certificate of a layout; None if the cell demands none: it asks for an ideal layout, or no body
+    /// Returns the certificate of a layout. Returns None if the cell requests an ideal layout, or if no body
     /// has a tolerance.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         if !a.workcell.certifies() {

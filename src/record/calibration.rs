@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `calibrate --json`.
 pub const CALIBRATION_SCHEMA: &str = "sweetspot/calibration/1";
 
-/// Least share of a parameter in an undetermined combination with which the parameter is named.
+/// Share in an undetermined combination above which a parameter is named.
 const NAMED_SHARE: f64 = 0.3;
 
 /// Kinematic errors of a robot, identified from measured positions.
@@ -25,13 +25,13 @@ pub struct CalibrationDocument {
     pub robot: String,
     /// Files from which the parameters are identified.
     pub sessions: Vec<CalibratedFile>,
-    /// Files that were not part of the fit. Base and reflector are fitted to each.
+    /// Files that were not part of the fit. Base and reflector are fitted to each file.
     pub tests: Vec<TestedFile>,
     /// Errors of predictions for blocks of the joint space that were left out of the fit. Null if the data do
     /// not allow such a fit.
     pub held_out: Option<AccuracyEntry>,
     pub parameters: Vec<IdentifiedParameter>,
-    /// Periodic errors of the joints; empty if they were not asked for.
+    /// Periodic errors of the joints; empty if none were requested.
     #[serde(default)]
     pub harmonics: Vec<HarmonicsEntry>,
     /// Number of combinations of parameters whose standard deviation the data reduce to less than half.
@@ -50,7 +50,7 @@ pub struct CalibrationDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MisfitEntry {
-    /// Standard deviation of every joint: deg for a revolute joint, mm for a prismatic one.
+    /// Standard deviation of the error of every joint: degrees, or mm for a prismatic joint.
     pub joints: Vec<f64>,
     /// Standard deviation of a position per axis, mm.
     pub position_mm: f64,
@@ -119,7 +119,8 @@ pub struct IdentifiedParameter {
     pub unit: String,
     /// Standard deviation before the measurement. Null if a file states the parameter.
     pub prior: Option<f64>,
-    /// Standard deviation after the measurement. Null if a file states the parameter without it.
+    /// Standard deviation after the measurement. Null if a file states the parameter without a standard
+    /// deviation.
     pub sigma: Option<f64>,
     /// Whether the data reduce the standard deviation to less than half.
     pub identified: bool,
@@ -188,9 +189,9 @@ impl OutlierRow {
 pub struct HarmonicsEntry {
     pub joint: String,
     /// Standard deviation of a coefficient of the highest order before the measurement, found by the fit.
-    /// Orders up to 4 have twice the standard deviation of the others.
+    /// Orders up to 4 have twice the standard deviation of higher orders.
     pub prior_deg: f64,
-    /// Root mean square of the identified error over a turn of the joint.
+    /// Root mean square of the identified error over one revolution of the joint.
     pub rms_deg: f64,
     pub cos_deg: Vec<f64>,
     pub sin_deg: Vec<f64>,
@@ -255,7 +256,7 @@ impl IdentifiedParameter {
     }
 }
 
-/// Returns the name of an unknown. Rows count from 1 and are those of the robot file.
+/// Returns the name of an unknown. Row numbers start at 1 and refer to the rows of the robot file.
 fn unknown_name(robot: &Robot, unknown: Unknown) -> String {
     let modified = robot.convention == Convention::Modified;
     match unknown {
@@ -272,8 +273,8 @@ fn unknown_name(robot: &Robot, unknown: Unknown) -> String {
 }
 
 impl CalibrationDocument {
-    /// Returns the document of errors (m and rad) that a file states: parameters without sessions and
-    /// standard deviations.
+    /// Returns the document of errors (m and rad) that a file states. The document contains parameters
+    /// without standard deviations, and no sessions.
     pub fn stated(robot: &Robot, errors: &SignedErrors) -> Self {
         let values = Parameter::of_robot(robot.axes()).zip(errors.values());
         let parameters = values.filter(|(_, value)| *value != 0.0).map(|(parameter, value)| {
@@ -300,7 +301,7 @@ impl CalibrationDocument {
             tests: Vec::new(),
             held_out: None,
             rank: parameters.len(),
-            unidentified: vec!["the covariance: the file states none".into()],
+            unidentified: vec!["the covariance, which the file does not state".into()],
             parameters,
             harmonics: Vec::new(),
             residual_mm: None,

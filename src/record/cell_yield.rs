@@ -23,8 +23,8 @@ pub struct CellYieldEntry {
 }
 
 impl CellYieldEntry {
-    /// Makes the entry; None unless the reading is statistical, every operation has a spot and at least one
-    /// has a limit.
+    /// Makes the entry. Returns None unless the reading is statistical, every operation has a spot, and an
+    /// operation has a limit.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         let together = EstimateEntry::new(a.cell_yield.as_ref()?, Unit::Share);
         let sampled = a.cell.operations.iter().zip(&a.samples);

@@ -23,8 +23,8 @@ pub struct CheckDocument {
     pub schema: String,
     pub valid: bool,
     pub faults: Vec<Fault>,
-    /// Pairs of the robot's solids, with the reason for each pair that may touch. Empty if self-collision is
-    /// not checked.
+    /// Pairs of the robot's solids, with a reason if the two solids may touch. Empty if self-collision is not
+    /// checked.
     pub self_collision: Vec<OwnPairEntry>,
     /// How a search treats each operation. Empty if the cell is not valid.
     #[serde(default)]
@@ -39,8 +39,8 @@ pub struct CheckDocument {
 #[serde(deny_unknown_fields)]
 pub struct OperationOrderEntry {
     pub name: String,
-    /// Postures that the search judges: "ranked-nodes", "spin-families" or "bounded-postures" if lower bounds of the
-    /// error leave some of them out, otherwise "every-posture".
+    /// Postures that the search judges. If lower bounds of the error leave some postures out, this is
+    /// "ranked-nodes", "spin-families" or "bounded-postures". Otherwise, it is "every-posture".
     pub judges: String,
     /// Reason why every posture is judged; null if lower bounds leave some postures out.
     pub why: Option<String>,
@@ -71,7 +71,7 @@ pub struct OwnPairEntry {
 
 impl OwnPairEntry {
     /// Returns every pair of robot solids except pairs of parts that are held in different operations.
-    /// Returns none if self-collision is not checked.
+    /// Returns no pair if self-collision is not checked.
     pub fn all(workcell: &Workcell) -> Vec<Self> {
         let pair = |p: &SelfCollisionPair| {
             let [a, b] = [p.a, p.b].map(|id| id.in_words(&workcell.cell).to_string());

@@ -46,7 +46,7 @@ pub enum CorrectionState {
     JointLimit,
     /// Newton's method has not converged.
     NotConverged,
-    /// The nominal robot cannot be at the target.
+    /// The target is not usable for the nominal robot.
     Unusable,
 }
 
@@ -73,11 +73,11 @@ pub struct CorrectionEntry {
     /// Position of the target, world frame.
     pub position_mm: Option<[f64; 3]>,
     pub state: CorrectionState,
-    /// Reason why the target is not corrected; null if it is.
+    /// Reason why the target is not corrected; null if the target is corrected.
     pub reason: Option<String>,
     /// Joint coordinates without correction: degrees, or mm for a prismatic joint.
     pub nominal_joints: Option<Vec<f64>>,
-    /// Joint command: corrected coordinates, degrees, or mm for a prismatic joint.
+    /// Corrected joint coordinates, the joint command: degrees, or mm for a prismatic joint.
     pub joints: Option<Vec<f64>>,
     /// Pose command for a controller without calibration: the nominal pose at the joint command, base frame.
     pub command: Option<PoseEntry>,
@@ -114,7 +114,8 @@ impl CorrectionDocument {
 }
 
 impl CorrectionEntry {
-    /// Makes the entry of a target of an operation: `name` of a row of a table, or `node` of the grid.
+    /// Makes the entry of a target of an operation. A target of a table has a `name`; a target on the grid
+    /// has a `node`.
     ///
     /// `position` is the position of the target, world frame, m.
     pub fn new(

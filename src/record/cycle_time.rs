@@ -7,7 +7,8 @@ use crate::cycle_time::{CyclePhase, CycleStep, CycleTime};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Least time of a layout for its operations, under the greatest speeds and accelerations of the joints.
+/// Least time of the operations and motions of a layout, at the greatest speeds and accelerations of the
+/// joints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CycleTimeEntry {
@@ -17,7 +18,7 @@ pub struct CycleTimeEntry {
     pub is_cycle: bool,
     /// Whether an acceleration is assumed, so that the times are estimates.
     pub is_estimate: bool,
-    /// Steps in their order; empty if a joint has no greatest speed.
+    /// Steps in the order of execution; empty if a joint has no greatest speed.
     pub steps: Vec<CycleStepEntry>,
     /// Joints whose greatest speed is missing.
     pub missing_speeds: Vec<String>,
@@ -28,9 +29,9 @@ pub struct CycleTimeEntry {
 #[serde(deny_unknown_fields)]
 pub struct CycleStepEntry {
     pub phase: CyclePhaseWord,
-    /// Operation; of a move between operations, the one before it.
+    /// Operation of the step; for a move between operations, the operation before the move.
     pub operation: String,
-    /// Operation after the move; null if the step is no move between operations.
+    /// Operation after the move; null if the step is not a move between operations.
     pub next: Option<String>,
     pub time_s: f64,
 }

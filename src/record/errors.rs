@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `errors --json`.
 pub const ERRORS_SCHEMA: &str = "sweetspot/errors/1";
 
-/// Tolerances of a robot with the pose accuracy (ISO 9283) that they give. They are a guess, not a measurement.
+/// Tolerances of a robot, with the pose accuracy (ISO 9283) that these tolerances give. Guessed tolerances
+/// are not a measurement of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorsDocument {
@@ -21,7 +22,8 @@ pub struct ErrorsDocument {
     pub robot: String,
     /// Name of the error set in the table for the robot file.
     pub name: String,
-    /// Whether the tolerances are guessed from a preset or a data sheet. If not, they are those of the robot.
+    /// Whether the tolerances are guessed from a preset or a data sheet. If not, they are the tolerances of
+    /// an error set of the robot.
     pub guess: bool,
     /// Origin of the numbers in words, as in the table for the robot file.
     pub source: String,
@@ -42,11 +44,11 @@ pub struct ErrorsDocument {
     pub ap: AccuracyQuantiles,
     /// Predicted accuracy of the tolerances as printed, random errors included.
     pub ap_of_set: AccuracyQuantiles,
-    /// Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a prismatic
-    /// joint; null without a repeatability.
+    /// Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a
+    /// prismatic joint. Null without a repeatability.
     pub joint_scatter: Option<Vec<f64>>,
     pub cube: TestCubeEntry,
-    /// Tolerances, without those that are 0.
+    /// Tolerances that are not 0.
     pub parameters: Vec<SpreadEntry>,
 }
 
@@ -75,9 +77,9 @@ pub enum BaseChoice {
 #[serde(deny_unknown_fields)]
 pub struct AccuracyQuantiles {
     pub median_mm: f64,
-    /// 5 % of the robots are better.
+    /// 5th percentile: 5 % of the robots are better.
     pub p5_mm: f64,
-    /// 95 % of the robots are better.
+    /// 95th percentile: 95 % of the robots are better.
     pub p95_mm: f64,
     /// Median over the robots of the worst of the five poses.
     pub worst_pose_mm: f64,
@@ -88,12 +90,12 @@ pub struct AccuracyQuantiles {
 #[serde(deny_unknown_fields)]
 pub struct TestCubeEntry {
     pub edge_mm: f64,
-    /// Whether the standard names a cube of this size.
+    /// Whether ISO 9283 names a cube of this size.
     pub is_standard: bool,
     pub centre_mm: [f64; 3],
     /// Elevation of the tool axis.
     pub bend_deg: f64,
-    /// Spin of the tool; null if the arm cannot keep it the same at all poses.
+    /// Spin of the tool; null if the arm cannot keep one spin at all poses.
     pub spin_deg: Option<f64>,
     /// The poses P1 to P5.
     pub poses: Vec<TestPoseEntry>,
@@ -106,7 +108,7 @@ pub struct TestPoseEntry {
     pub position_mm: [f64; 3],
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints: Vec<f64>,
-    /// Median accuracy at this pose.
+    /// Median over the robots of the accuracy at this pose.
     pub ap_mm: f64,
 }
 

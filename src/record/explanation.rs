@@ -55,7 +55,7 @@ pub struct ExplanationDocument {
     pub convention: String,
     /// Rows of the Denavit-Hartenberg table at the posture, always in standard convention.
     ///
-    /// If the robot file has modified rows, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file.
+    /// For modified rows in the robot file, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file.
     /// `l_mm` and `alpha_deg` of row 1 of the file are part of frame 0. In the last row of this table, both
     /// are 0.
     pub dh: Vec<DhEntry>,
@@ -165,7 +165,8 @@ pub struct MotionEntry {
     #[schemars(extend("enum" = AXES))]
     pub axis: String,
     pub frame: String,
-    /// Amount of the motion per unit of the parameter; for an elastic parameter, a lever in m or a torque in N m.
+    /// Amount of the motion per unit of the parameter. For an elastic parameter, this is a lever in m or a
+    /// torque in N m.
     pub factor: f64,
     pub axis_base: [f64; 3],
     /// Vector from the origin of `frame` to the TCP, base frame.

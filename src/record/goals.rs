@@ -126,7 +126,7 @@ pub fn key(goal: Goal) -> &'static str {
 pub fn in_words(goals: &Goals, record: &SearchRecord) -> String {
     let count = record.alternatives.len();
     match goals.is_empty() {
-        true => format!("the {count} best layouts that differ clearly"),
+        true => format!("the {count} best layouts that differ clearly from each other"),
         false => {
             let names: Vec<_> = goals.iter().map(Goal::name).collect();
             format!("front of {count} layouts in {}", names.join(", "))

@@ -40,10 +40,10 @@ pub struct MapDocument<'a> {
     pub unit: Unit,
     /// Caveats on the interpretation of the errors.
     pub notes: Vec<String>,
-    /// Pairs of objects whose floor spaces overlap, or are nearer than the clearance.
+    /// Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance.
     pub overlaps: Vec<String>,
     /// Share of arms that keep the limits of all operations, and of each operation alone. Left out unless the
-    /// reading is statistical, every operation has a spot and at least one has a limit.
+    /// reading is statistical, every operation has a spot, and an operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
     /// Values that the cell file leaves out and that were assumed.
@@ -57,7 +57,7 @@ pub struct MapDocument<'a> {
     /// prevents them. Left out if the cell does not check motions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
-    /// Cycle time of the layout; left out if it is not feasible.
+    /// Cycle time of the layout; left out if the layout is not feasible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycle_time: Option<CycleTimeEntry>,
     /// Placement of every piece of equipment, without obstacles.
@@ -130,7 +130,8 @@ pub struct OperationMapEntry<'a> {
     #[schemars(with = "Vec<MapNode>")]
     pub nodes: MapNodes<'a>,
     /// Spot: the usable node with the least value; null if no node is usable. For an operation at every node,
-    /// the spot is the node with the greatest value. It is then null if any node is unusable.
+    /// the spot is the node with the greatest value. For such an operation, the spot is null if any node is
+    /// unusable.
     pub best: Option<MapNode>,
     /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
@@ -308,8 +309,8 @@ pub struct MonteCarloEntry {
     pub share_above_first_order_p95: EstimateEntry,
     /// Whether the samples confirm the first-order figures. If they do not, the figures of the samples
     /// replace the first-order figures of the spot. The value and margin of the operation are then also
-    /// computed from the samples. An exception is a value that is robust or combines several nodes: it stays
-    /// first-order.
+    /// computed from the samples. An exception is a value that is robust or combines several nodes: such a
+    /// value remains first-order.
     pub first_order_holds: Option<bool>,
 }
 

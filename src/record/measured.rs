@@ -27,10 +27,11 @@ pub struct ComparedFile {
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
-    /// The random errors are constant: the fit of base and reflectors absorbs a part of them.
+    /// The random errors are taken as constant over the poses. The fit of base and reflectors absorbs a part
+    /// of them.
     pub coverage_95: Option<f64>,
-    /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
-    /// misfit of a calibration does. Null unless the errors are measured.
+    /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
+    /// misfit of a calibration changes like this. Null unless the errors are measured.
     pub coverage_95_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all positions. Null if all are equal.
     pub rank_correlation: Option<f64>,
@@ -115,14 +116,14 @@ pub struct RepeatsEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RepeatedPostureEntry {
-    /// Row of the first visit.
+    /// Row of the file with the first visit, counted from 1 without the header.
     pub row: usize,
     pub visits: usize,
     /// Position of the reflector for the nominal robot, base frame.
     pub position_mm: [f64; 3],
-    /// Distance of the barycentre from the command position.
+    /// Distance of the barycentre of the measured positions from the command position.
     pub ap_mm: f64,
-    /// Mean distance from the barycentre plus three standard deviations.
+    /// Mean distance of the measured positions from the barycentre, plus three standard deviations.
     pub rp_mm: f64,
 }
 

@@ -25,9 +25,9 @@ pub struct MeasuringPlanDocument {
     pub tried: TriedEntry,
     /// Number of unknowns of the calibration, including those of base and reflector.
     pub unknowns: usize,
-    /// Place of the reflector in the frame of the mechanical interface.
+    /// Position of the reflector in the frame of the mechanical interface.
     pub reflector_mm: [f64; 3],
-    /// Place of the instrument in the world frame; null if visibility was not checked.
+    /// Position of the instrument in the world frame; null if visibility was not checked.
     pub tracker_mm: Option<[f64; 3]>,
     pub seed: u64,
 }
@@ -38,15 +38,16 @@ pub struct MeasuringPlanDocument {
 pub struct PlannedPoseEntry {
     /// Number of the pose, counted from 1.
     pub pose: usize,
-    /// Joint coordinates, degrees or mm.
+    /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints: Vec<f64>,
-    /// Nominal place of the reflector in the world frame.
+    /// Nominal position of the reflector in the world frame.
     pub reflector_mm: [f64; 3],
 }
 
 /// Expected root mean square error of predicted positions at the operations.
 ///
-/// The base is registered anew. The part of the error that the unknowns do not explain is not counted.
+/// The base is assumed to be registered again. The part of the error that the unknowns do not explain is not
+/// counted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectedEntry {
@@ -70,7 +71,7 @@ pub struct ExpectedEntry {
 pub struct TriedEntry {
     /// Number of postures among which the plan chose.
     pub candidates: usize,
-    /// Number of postures that touch something or come nearer than the clearance.
+    /// Number of postures at which the robot touches something or comes nearer to it than the clearance.
     pub colliding: usize,
     /// Number of other postures at which the tracker does not see the reflector.
     pub hidden: usize,
@@ -97,7 +98,7 @@ impl TriedEntry {
 }
 
 impl PlannedPoseEntry {
-    /// Returns the entry of pose number `pose`; the place of the reflector is in the world frame, m.
+    /// Returns the entry of pose number `pose`. The position of the reflector is in the world frame, m.
     pub fn new(cell: &Cell, pose: usize, q: &JointVector, reflector: &Vector3<f64>) -> Self {
         let joints = joints(cell, q).into_iter().map(nine_digits).collect();
         Self { pose, joints, reflector_mm: position_mm(reflector) }

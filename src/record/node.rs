@@ -24,7 +24,7 @@ pub struct MapNode {
     /// Target position of the TCP.
     pub position_mm: [f64; 3],
     pub status: NodeSign,
-    /// Reason why the node cannot be used; empty if it can.
+    /// Reason why the node cannot be used; empty if the node is usable.
     pub reason: String,
     /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Option<Vec<f64>>,
@@ -126,8 +126,8 @@ impl MapNode {
     }
 }
 
-/// Returns a figure of a posture for every reported sense whose unit is `unit`; None if no sense has this
-/// unit, or if the errors are no tolerances and the figure needs some.
+/// Returns a figure of a posture for every reported sense whose unit is `unit`. Returns None if no sense has
+/// this unit, or if the figure needs tolerances and the errors are not tolerances.
 fn by_sense(
     map: &OperationMap,
     p: &PostureRecord,

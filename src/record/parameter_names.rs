@@ -4,7 +4,7 @@ use crate::assess::MotionFrame;
 use crate::cell::{Cell, Convention, Parameter, Robot};
 use crate::files::shown;
 
-/// Returns the name of a parameter, such as dq1, dalpha3, base rx, tool z, joint2 y, elastic 2 3 or worktable rz.
+/// Returns the name of a parameter, such as dq1, dalpha3, base rx, joint2 y, elastic 2 3 or worktable rz.
 /// Joint numbers start at 1 and refer to the rows of the robot file.
 pub fn parameter(cell: &Cell, parameter: Parameter) -> String {
     match parameter {

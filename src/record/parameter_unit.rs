@@ -69,7 +69,7 @@ impl ParameterUnit {
         }
     }
 
-    /// Converts a value from SI to the unit of documents, with nine significant digits.
+    /// Converts a value from SI to the unit of documents, rounded to 9 decimals.
     pub fn shown(self, value: f64) -> f64 {
         nine_digits(self.from_si(value))
     }

@@ -16,8 +16,8 @@ pub struct RefinedEntry {
     pub joints_deg: Vec<f64>,
     /// Value of the operation at the refined spot, in the unit of the objective.
     pub value: f64,
-    /// Certified upper bound of the value over all misplacements inside the placement tolerances, in the unit of
-    /// the objective; absent if the layout need not withstand misplacements, or if no bound is known.
+    /// Certified upper bound of the value over all misplacements within the placement tolerances, in the unit
+    /// of the objective. Absent if the layout need not withstand misplacements, or if no bound is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worst_value: Option<f64>,
     /// Value of the operation at the best node, in the unit of the objective.

@@ -8,19 +8,19 @@ use crate::units::rounded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Region of one piece: where it may stand while all other pieces stay as found and every operation keeps its spot
-/// and branch. World frame.
+/// Region in which one piece may stand, world frame. All other pieces keep the placements that the search
+/// found, and every operation keeps its spot and branch.
 ///
-/// Everywhere in the region, the layout still works within the placement tolerances, and the objective is
-/// at most `indifference_percent` above that of the layout.
+/// Everywhere in the region, the layout still works within the placement tolerances. The objective is at most
+/// `indifference_percent` above the objective of the layout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionEntry {
     /// Name of the equipment, or `robot base`.
     pub equipment: String,
-    /// Closed rings of points x, y in plan, at the z and yaw of the layout. A point is inside if it lies in an odd
-    /// number of rings. A line of two points if the search moves the piece along one axis only; empty if it moves the
-    /// piece along neither.
+    /// Closed rings of points x, y in plan, at the z and yaw of the layout. A point is inside if it lies in
+    /// an odd number of rings. If the search moves the piece along one axis only, the only ring is a line of
+    /// two points. The list is empty if the search moves the piece along neither axis.
     pub outline_mm: Vec<Vec<[f64; 2]>>,
     /// Width of the rim along the outline that is not resolved.
     pub rim_mm: f64,
@@ -28,13 +28,13 @@ pub struct RegionEntry {
     pub z_mm: [f64; 2],
     /// Least and greatest yaw, at the x, y and z of the layout.
     pub yaw_deg: [f64; 2],
-    /// Largest distance by which the piece may be displaced in every direction in plan; null if the search does not
-    /// displace it in plan.
+    /// Largest distance by which the piece may be displaced in every direction in plan. Null if the search
+    /// does not displace the piece in plan.
     pub room_mm: Option<f64>,
-    /// Largest angle by which the piece may be turned in both directions; null if the search does not turn
-    /// it.
+    /// Largest angle by which the piece may be rotated in both directions. Null if the search does not rotate
+    /// the piece.
     pub room_deg: Option<f64>,
-    /// What limits the room in plan, or the room to turn if there is none in plan.
+    /// Reason that limits the room in plan, or the room to rotate if the piece has no room in plan.
     pub ends_with: String,
 }
 
@@ -44,7 +44,7 @@ pub struct RegionEntry {
 pub struct TurnEntry {
     /// Least and greatest angle.
     pub turn_deg: [f64; 2],
-    /// What limits the rotation at its nearer end.
+    /// Reason that limits the rotation at the nearer end of its range.
     pub ends_with: String,
 }
 
@@ -72,7 +72,7 @@ impl RegionEntry {
 
 impl TurnEntry {
     /// Returns the rotation of the whole cell; None if no regions were computed, or if a piece cannot be
-    /// turned.
+    /// rotated.
     pub fn new(a: &Assessment<'_>) -> Option<Self> {
         let WholeTurn { least, most, ended } = a.regions.as_ref()?.whole.as_ref()?;
         let turn_deg = inward([*least, *most].map(degrees), 2);
@@ -96,6 +96,6 @@ fn inward([least, most]: [f64; 2], digits: i32) -> [f64; 2] {
 /// Rounds a room down, because a larger room may not be feasible.
 fn down(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);
-    // Values that are multiples except for rounding stay; adding 0 avoids a negative zero.
+    // Adding 1e-6 keeps values that are multiples up to rounding errors. Adding 0 avoids a negative zero.
     ((value * scale + 1e-6).floor() / scale) + 0.0
 }

@@ -34,7 +34,7 @@ pub struct RemediesDocument {
     pub evaluations: u64,
     /// One entry for each remedy: as drawn, calibrated, moved, both.
     pub remedies: Vec<RemedyEntry>,
-    /// Remedies that are each enough; empty if none helps.
+    /// Remedies each of which is sufficient alone; empty if no remedy helps.
     pub advised: Vec<Remedy>,
     /// Advice in one sentence.
     pub advice: String,
@@ -48,7 +48,7 @@ pub struct RemedyEntry {
     pub feasible: bool,
     /// Objective in the unit of the document; null if the layout is not feasible.
     pub objective: Option<f64>,
-    /// By how much the objective is lower than as drawn, percent.
+    /// Reduction of the objective against the layout as drawn, percent.
     pub gain_percent: Option<f64>,
     /// Whether every operation keeps its limit; null if no operation has one.
     pub within_limits: Option<bool>,
@@ -61,7 +61,7 @@ pub struct RemedyEntry {
 }
 
 impl RemediesDocument {
-    /// Makes the document; `can_move` says whether the cell has free coordinates.
+    /// Makes the document; `can_move` states whether the cell has free coordinates.
     pub fn new(remedies: &Remedies<'_>, seed: u64, evaluations: u64, can_move: bool) -> Self {
         let cell = remedies.layout(Remedy::AsDrawn).cell;
         Self {
@@ -107,7 +107,7 @@ pub fn remedy_name(remedy: Remedy) -> &'static str {
     }
 }
 
-/// Returns the advice in one sentence, or two if a remedy gives nothing.
+/// Returns the advice in one sentence, or in two sentences if a remedy brings no improvement.
 fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
     let unit = remedies.layout(Remedy::AsDrawn).cell.unit();
     let value = |remedy| match remedies.objective(remedy) {
@@ -124,7 +124,7 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
             "Neither calibrating nor moving lowers the error by 1 % or more.".into()
         }
         ([Remedy::Calibrated, Remedy::Moved, ..], _) => format!(
-            "Calibrate or move: either keeps every limit; calibrating takes the error {}, moving to {}.",
+            "Calibrate or move: each alone keeps every limit; calibrating takes the error {}, and moving takes it to {}.",
             to(Remedy::Calibrated),
             value(Remedy::Moved)
         ),
@@ -158,9 +158,9 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
         ),
     };
     let idle = match (remedies.helps(Remedy::Calibrated), remedies.helps(Remedy::Moved)) {
-        (false, true) => " Calibrating alone gives nothing.",
+        (false, true) => " Calibrating alone brings no improvement.",
         (true, false) if !can_move => " Every placement is fixed, so nothing can be moved.",
-        (true, false) => " Moving alone gives nothing.",
+        (true, false) => " Moving alone brings no improvement.",
         _ => "",
     };
     said + idle

@@ -83,7 +83,8 @@ pub struct RobotSheetDocument {
     /// Names of the solids of the links.
     pub solids: Vec<String>,
     pub errors: Vec<ErrorSetEntry>,
-    /// Null for a redundant arm and for numeric inverse kinematics; `sweetspot envelope` computes it.
+    /// Size of the working envelope; null for a redundant arm and for numeric inverse kinematics. The command
+    /// `sweetspot envelope` computes the envelope of such an arm.
     pub envelope: Option<EnvelopeSize>,
 }
 
@@ -327,8 +328,8 @@ impl EnvelopeDocument {
     }
 }
 
-/// Converts the outlines of a region with `make`. The arguments of `make` are whether the outline is a hole,
-/// and the coordinates of the outline along both axes, mm.
+/// Converts the outlines of a region with `make`. `make` receives whether the outline is a hole, and the
+/// coordinates of the outline along both axes, mm.
 fn outlines<O>(region: &EnvelopeSection, make: impl Fn(bool, [Vec<f64>; 2]) -> O) -> Vec<O> {
     let outlines = region.outlines.iter();
     let axes = |o: &crate::reach::Outline| {

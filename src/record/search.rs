@@ -60,7 +60,7 @@ pub struct SearchResult {
     pub notes: Vec<String>,
     pub objective: Objective,
     pub solver: Solver,
-    /// Seed of the random numbers; of several islands, the seed of the first one.
+    /// Seed of the random numbers; for several islands, the seed of the first one.
     pub seed: u64,
     /// Largest number of layouts to evaluate, or to evaluate on each island.
     pub budget: u64,
@@ -77,14 +77,15 @@ pub struct SearchResult {
     /// Whether the best layout certainly works at every misplacement within its placement tolerances: true, or the
     /// reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
     pub certified: Option<CertifiedEntry>,
-    /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of it, the best layout is
-    /// one with much room. Null if no layout is feasible and keeps every limit.
+    /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective,
+    /// the best layout is one with much room. Null if no layout is feasible and keeps every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
-    /// Where each piece that the search places may stand instead.
+    /// Regions in which each piece that the search places may stand instead.
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
-    /// Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be turned.
+    /// Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be
+    /// rotated.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the best layout is not feasible.
@@ -120,7 +121,8 @@ pub struct SearchResult {
 #[serde(deny_unknown_fields)]
 pub struct IslandEntry {
     pub seed: u64,
-    /// Whether the best layout is of this island: the one with the least objective, the first one among equals.
+    /// Whether this island found the best layout, the one with the least objective. Among equals, the first
+    /// island counts.
     pub is_best: bool,
     /// Least objective found, in `unit`; null if no layout is feasible and keeps every limit.
     pub least_value: Option<f64>,
@@ -144,7 +146,8 @@ pub enum SearchStatus {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProofEntry {
-    /// Whether the bound covers all operations, some or none, or proves that no layout is feasible.
+    /// Whether the bound covers all operations, some operations or none, or proves that no layout is
+    /// feasible.
     pub covers: Covers,
     pub operations: Vec<ProvenOperation>,
 }
@@ -269,7 +272,7 @@ impl SearchResult {
         Some(Self::new(record, proof, start, best, gain))
     }
 
-    /// Adds the islands from which the result was merged; an empty list stands for a plain search.
+    /// Adds the islands from which the result was merged; an empty list means a plain search.
     pub fn of_islands(mut self, islands: Vec<IslandEntry>) -> Self {
         self.islands = Some(islands).filter(|islands| !islands.is_empty());
         self

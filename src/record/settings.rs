@@ -24,7 +24,7 @@ pub struct ResolvedSettings {
     pub seed: u64,
     /// Largest number of layouts to evaluate.
     pub budget: u64,
-    /// Whether placement tolerances do not count.
+    /// Whether the layout need only work exactly as drawn.
     pub ideal: bool,
     /// Whether the worst case over the placement tolerances is minimized.
     pub robust: bool,

@@ -48,8 +48,8 @@ pub struct SpotEntry {
     pub counts: StatusCounts,
 }
 
-/// Error figures for several senses, each under the name of its sense; null if the operation has no spot, or if the
-/// errors compensate each other, so that they are no tolerances and the figure needs some.
+/// Error figures for several senses, each under the name of its sense; null if the operation has no spot. A
+/// figure that needs tolerances is also null if the errors compensate each other in one arm.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
 /// Limit of an operation and the margin to it, in the unit of the objective.
@@ -60,7 +60,7 @@ pub struct RequirementEntry {
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     /// withstand misplacements, `worst` takes the place of the value.
     pub margin: f64,
-    /// Whether the limit is kept. It counts as missed if `worst` is needed but no bound is known.
+    /// Whether the limit is kept. The limit counts as missed if `worst` is needed but no bound is known.
     pub met: bool,
 }
 

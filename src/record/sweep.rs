@@ -66,7 +66,7 @@ pub fn combination(sets: &[Choices], index: usize) -> Vec<&str> {
 }
 
 impl SweepPlan {
-    /// Makes the plan of searching a cell once, by this version of the program.
+    /// Makes the plan of a single search for the layout of a cell, with this version of the program.
     pub fn of_cell(cell: &Path, packages: &[(String, PathBuf)]) -> Self {
         Self {
             schema: SWEEP_PLAN_SCHEMA.into(),
@@ -221,7 +221,7 @@ pub struct SweepTable {
     pub rows: Vec<SweepRow>,
 }
 
-/// Whether the combinations of a sweep were searched or mapped.
+/// Whether a sweep searched for the layout of every combination, or mapped the layout as drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SweepMode {

@@ -1,4 +1,4 @@
-//! State of a sweep: which combinations are done, which ones run where, and which ones have failed.
+//! State of a sweep: combinations that are done, that run on a host, and that have failed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,14 +14,14 @@ pub struct SweepStatus {
     pub schema: String,
     pub combinations: usize,
     pub done: usize,
-    /// Number of combinations that nobody has begun.
+    /// Number of combinations that no worker has begun.
     pub free: usize,
     pub running: Vec<RunningCombination>,
     pub failed: Vec<FailedCombination>,
     /// Estimated time until the last combination is done, if the workers that run now go on. Null if no worker
     /// runs, or if none has finished a combination yet.
     pub seconds_left: Option<f64>,
-    /// What each host has done. Only workers of `sweep --claim` leave this information.
+    /// Work that each host has done. Only workers of `sweep --claim` leave this information.
     pub hosts: Vec<HostWork>,
     /// Whether the table is written.
     pub complete: bool,
@@ -34,14 +34,14 @@ pub struct RunningCombination {
     pub index: usize,
     pub host: String,
     pub process: u32,
-    /// Time since the worker began the combination, at its last heartbeat.
+    /// Time from the start of the combination to the last heartbeat of the worker.
     pub seconds: f64,
     /// Time since the last heartbeat, by the clock of the file server.
     pub seconds_since_heartbeat: f64,
 }
 
-/// Combination whose last worker did not finish it. A worker that looks for work takes it over, unless it is
-/// given up.
+/// Combination that its last worker did not finish. A worker that looks for work takes the combination over,
+/// unless it is given up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FailedCombination {
@@ -72,7 +72,8 @@ impl SweepStatus {
         (finished > 0).then(|| seconds / finished as f64)
     }
 
-    /// Estimates the time left from the mean time of a finished combination and the number of those that run.
+    /// Estimates the time left from the mean time of a finished combination and the number of running
+    /// combinations.
     pub fn with_estimate(mut self) -> Self {
         let spent: f64 = self.running.iter().map(|running| running.seconds).sum();
         if let Some(mean) = self.mean_seconds().filter(|_| !self.running.is_empty()) {

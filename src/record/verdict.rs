@@ -43,11 +43,11 @@ pub struct VerdictDocument {
     /// statistical, every operation has a spot, and at least one operation has a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_yield: Option<CellYieldEntry>,
-    /// Where everything stands; empty if the layout is not feasible.
+    /// Placements of the equipment and of the robot base; empty if the layout is not feasible.
     #[serde(default)]
     pub placements: Vec<VerdictPlacement>,
     pub operations: Vec<VerdictSpot>,
-    /// Rotation of all pieces together about the base axis; null if a piece cannot be turned.
+    /// Rotation of all pieces together about the base axis; null if a piece cannot be rotated.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the answer is no.
@@ -128,13 +128,15 @@ pub enum RunnerUpKind {
 #[serde(deny_unknown_fields)]
 pub struct VerdictPlacement {
     pub equipment: String,
-    /// Placement in the frame of the robot base; that of the robot base itself is in the world frame.
+    /// Placement in the frame of the robot base; the placement of the robot base itself is in the world
+    /// frame.
     pub at: PlacementEntry,
-    /// Largest distance by which the piece may be displaced in every direction in plan; null if it is not known.
+    /// Largest distance by which the piece may be displaced in every direction in plan. Null if the distance
+    /// is not known.
     pub room_mm: Option<f64>,
-    /// Largest angle by which the piece may be turned in both directions; null if it is not known.
+    /// Largest angle by which the piece may be rotated in both directions; null if the angle is not known.
     pub room_deg: Option<f64>,
-    /// What limits the room; null if the room is not known.
+    /// Reason that limits the room; null if the room is not known.
     pub ends_with: Option<String>,
 }
 

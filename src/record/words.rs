@@ -12,7 +12,7 @@ pub fn value_word(cell: &Cell) -> &'static str {
     }
 }
 
-/// Returns the name of the figure that the reading gives, whatever a search minimizes.
+/// Returns the name of the figure that the reading gives, regardless of the figure that a search minimizes.
 pub fn reading_word(cell: &Cell) -> &'static str {
     match (cell.reading, cell.quantity) {
         (Reading::Signed, _) => "error",
@@ -79,7 +79,7 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
         if cell.errors_compensate() {
             said.push(format!(
                 "the errors of {} compensate each other in one calibrated arm; read as tolerances, they \
-                exceed the length of the arm, so worst case and statistics describe no arm",
+                exceed the length of the arm, so worst case and statistics do not describe a real arm",
                 cell.error_set().name()
             ));
         }

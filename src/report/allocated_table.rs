@@ -7,7 +7,8 @@ use crate::files::toml_string;
 use crate::record::AllocationDocument;
 use std::fmt::Write;
 
-/// Returns the error set of the robot and the errors of the equipment with the tolerances at some scales.
+/// Returns the error set of the robot and the errors of the equipment, with the tolerances multiplied by
+/// `scales`.
 pub fn tables(problem: &CellAllocation<'_>, scales: &[f64], document: &AllocationDocument) -> String {
     let cell = problem.scaled_cell(scales);
     let cost = document.cost.unwrap_or(0.0);
@@ -34,7 +35,11 @@ pub fn tables(problem: &CellAllocation<'_>, scales: &[f64], document: &Allocatio
             }
         }
         set => {
-            let _ = writeln!(out, "# The errors of the robot are measured and stay: [errors.{}]", set.name());
+            let _ = writeln!(
+                out,
+                "# The errors of the robot are measured and do not change: [errors.{}]",
+                set.name()
+            );
         }
     }
     for equipment in cell.equipment.iter().filter(|_| cell.registration != Registration::Taught) {

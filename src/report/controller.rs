@@ -1,11 +1,11 @@
 //! Work objects for robot controllers: frames of the equipment in the frame of the robot base, and spots.
 //!
-//! ISO 9787 names the frames: the base frame of the robot, and the task frame, which manufacturers call base, work
-//! object, feature or user frame. Each controller states rotations in its own way:
+//! ISO 9787 names the frames: the base frame of the robot, and the task frame. Manufacturers call the task
+//! frame base, work object, feature or user frame. Each controller states rotations in its own way:
 //!
 //! | controller | rotation | matrix |
 //! |---|---|---|
-//! | KUKA KRL | A, B, C (degrees) about z, the turned y and the twice turned x | `Rz(A) Ry(B) Rx(C)` |
+//! | KUKA KRL | A, B, C (degrees) about z, the rotated y and the twice rotated x | `Rz(A) Ry(B) Rx(C)` |
 //! | ABB RAPID | unit quaternion q1 (scalar), q2, q3, q4 | |
 //! | Universal Robots URScript | rotation vector rx, ry, rz (rad) | |
 //! | FANUC | W, P, R (degrees) about the fixed x, then y, then z axis | `Rz(R) Ry(P) Rx(W)` |
@@ -26,23 +26,23 @@ pub enum Controller {
 
 /// Convention of KRL, as comment lines.
 const KRL: [&str; 4] = [
-    "X, Y, Z in mm. A, B, C in degrees: A about Z, then B about the turned Y, then C about the twice turned X.",
-    "The values are relative to $ROBROOT, which is $WORLD if it is zero.",
+    "X, Y, Z in mm. A, B, C in degrees: A about Z, then B about the rotated Y, then C about the twice rotated X.",
+    "The values are relative to $ROBROOT, which equals $WORLD if $ROBROOT is zero.",
     "Use a frame as $BASE = $ROBROOT : base_NAME, or enter it as BASE_DATA[n] if $ROBROOT is zero.",
     "A spot is the frame of the TCP in the base on which the operation happens.",
 ];
 /// Convention of RAPID, as comment lines.
 const RAPID: [&str; 4] = [
-    "Positions in mm. Rotations as unit quaternions q1 to q4, q1 is the scalar part.",
-    "A user frame is relative to the world frame: the values hold if the base frame is the world frame.",
+    "Positions in mm. Rotations as unit quaternions q1 to q4; q1 is the scalar part.",
+    "A user frame is relative to the world frame: the values hold if the robot base frame is the world frame.",
     "The object frame of each work object is zero.",
     "A spot is the pose of the TCP in the work object on which the operation happens.",
 ];
 /// Convention of URScript, as comment lines.
 const URSCRIPT: [&str; 4] = [
     "Poses p[x, y, z, rx, ry, rz]: positions in m, rotation vectors in rad.",
-    "The values are relative to the base feature of the controller. The frame base_link of ROS is turned by 180",
-    "degrees about z against it.",
+    "The values are relative to the base feature of the controller. The frame base_link of ROS is rotated by 180",
+    "degrees about z relative to it.",
     "A spot is the pose of the TCP in the feature: pose_trans(feature_NAME, spot_NAME) is the pose in the base.",
 ];
 /// Convention of FANUC user frames, as comment lines.
@@ -57,8 +57,8 @@ const FANUC: [&str; 6] = [
 
 /// Returns the file of a controller. All characters are ASCII.
 ///
-/// Lengths have 4 decimals in mm or 7 in m; angles have 6 decimals in degrees or 9 in rad; quaternions have 10.
-/// `stem` is the file name without its extension, after which KRL and RAPID modules are named.
+/// Lengths have 4 decimals in mm or 7 in m. Angles have 6 decimals in degrees or 9 in rad. Quaternions have
+/// 10 decimals. `stem` is the file name without its extension, after which KRL and RAPID modules are named.
 pub fn file(controller: Controller, stem: &str, frames: &LayoutFrames) -> String {
     let module = |longest: usize| {
         let prefix = if stem.starts_with(|c: char| c.is_ascii_alphabetic()) { "" } else { "cell_" };
@@ -116,7 +116,9 @@ fn comment(mark: &str, frames: &LayoutFrames, convention: &[&str]) -> String {
         format!("Frames of the equipment in the frame of the robot base (ISO 9787); sweetspot {VERSION}."),
         format!("cell: {cell}"),
         format!("layout: {layout}"),
-        format!("robot: {robot}; its base frame is that of its robot file: compare it with the controller."),
+        format!(
+            "robot: {robot}. The robot file defines its base frame; compare it with the base frame of the controller."
+        ),
     ];
     lines.extend(convention.iter().map(|line| line.to_string()));
     let spotless = frames.spotless.iter();
@@ -128,7 +130,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Returns one line for each work object and each spot.
 ///
-/// `line` receives the identifier, the pose, and whether it is that of a spot.
+/// `line` receives the identifier, the pose, and whether the pose is that of a spot.
 fn entries(
     frames: &LayoutFrames,
     names: &mut Identifiers,

@@ -39,7 +39,7 @@ fn row(entry: &CorrectionEntry, axes: usize) -> Vec<String> {
     cells
 }
 
-/// Returns the name of a target: that of the table, or the node.
+/// Returns the name of a target: the name in the table of targets, or the node.
 pub fn target(entry: &CorrectionEntry) -> String {
     match (&entry.name, entry.node) {
         (Some(name), _) => name.clone(),

@@ -34,7 +34,7 @@ enum FilePlace {
 
 /// Returns the table `[errors.NAME]` with the tolerances `spreads`, in the order of [`Parameter::of_robot`].
 ///
-/// The rows are those of the robot file.
+/// The numbers of the rows are those of the robot file.
 pub fn table(robot: &Robot, name: &str, source: &str, spreads: &[Spread]) -> String {
     let axes = robot.axes();
     let none = Spread { plus_minus: 0.0, distribution: Distribution::Normal, sigmas: Spread::SIGMAS };
@@ -100,7 +100,8 @@ fn is_given(spread: &Spread) -> bool {
     spread.plus_minus > 0.0
 }
 
-/// Returns where the robot file states a parameter, by the D-H convention of its rows; None if it cannot.
+/// Returns the place of a parameter in the robot file, which depends on the D-H convention of the file.
+/// Returns None if the robot file cannot state the parameter.
 fn place(robot: &Robot, parameter: Parameter) -> Option<FilePlace> {
     let modified = robot.convention == Convention::Modified;
     // A modified row begins with the common normal at the end of the standard row before it.
@@ -137,7 +138,8 @@ fn frame_values(frame: &[Spread; PER_FRAME]) -> String {
     format!("position_mm = [{position}], rotation_deg = [{rotation}]")
 }
 
-/// Returns the value of `distribution`: one word if all tolerances have the same, otherwise a table.
+/// Returns the value of `distribution`: one word if all tolerances have the same distribution, otherwise a
+/// table.
 fn distributions(
     rows: &[Vec<Spread>; ROWS.len()],
     FrameSpreads { base, tool, joints }: &FrameSpreads<'_>,

@@ -88,7 +88,7 @@ pub fn figures(a: &Assessment<'_>, prefix: &str, format: Format) -> Result<Vec<P
     all.push(PaperFigure {
         name: format!("{prefix}08-discrepancy.svg"),
         of: "Fig. 8",
-        paper: "How far the linearized model is from the nonlinear one, eq. (9), node by node. The paper's \
+        paper: "Difference between the linearized and the nonlinear model, eq. (9), node by node. The paper's \
                 claim: nowhere above 1 %.",
         ours: a.maps.iter().map(|m| discrepancy_words(a, m)).collect::<Vec<_>>().join(" "),
         bytes: chart::discrepancy(a).into_bytes(),
@@ -106,9 +106,9 @@ fn cell_words(a: &Assessment<'_>) -> String {
     let names: Vec<String> = a.cell.equipment.iter().map(|e| marked(&e.name)).collect();
     let reach = rounded(mm_from_m(a.cell.robot.reach()), 0);
     format!(
-        "{} (reach {reach} mm from its base) at home with {}. Lines show where the arm reaches within \
-        its joint limits, with the tool held as in the operations: level by level, and in the upright \
-        plane of the arm. The stronger line is at the height of the work.",
+        "{} (reach {reach} mm from its base) at home with {}. Lines show the reach of the arm within its \
+        joint limits, with the tool held as in the operations. The lines are in horizontal planes and in \
+        the vertical plane of the arm. The stronger line is at the height of the work.",
         marked(&a.cell.robot.name),
         names.join(", ")
     )
@@ -180,10 +180,9 @@ pub fn readme(chapters: &[(String, Vec<PaperFigure>)], command: &str) -> String 
     // Writing to a String cannot fail; the results below are dropped for that reason.
     let _ = writeln!(out, "    sweetspot {command}\n");
     out.push_str(
-        "Arrows are the errors, enlarged as each picture says; their colour is the size of what is \
-        shown. An error without a sign has two arrows in opposite directions. The spot in each picture \
-        is the best in the sense of \
-         that picture.\n",
+        "Arrows show the errors, enlarged by the factor in each picture; their colour shows the size \
+        of the displayed error. An error without a sign has two arrows in opposite directions. The spot \
+        in each picture is the best node in the sense of that picture.\n",
     );
     for (name, figures) in chapters {
         let _ = writeln!(out, "\n## {}", marked(name));

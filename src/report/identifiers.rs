@@ -14,7 +14,8 @@ impl Identifiers {
         Self { longest, given: HashSet::new() }
     }
 
-    /// Returns the identifier of a name: `prefix`, then the letters and digits of the name, with `_` for all others.
+    /// Returns the identifier of a name: `prefix`, then the name with `_` in place of all characters other
+    /// than letters and digits.
     ///
     /// The prefix must begin with a letter. A number at the end distinguishes equal identifiers.
     pub fn give(&mut self, prefix: &str, name: &str) -> String {
@@ -32,7 +33,7 @@ impl Identifiers {
     }
 }
 
-/// Returns a text for a comment in ASCII; any other character becomes `?`.
+/// Returns a text for a comment, with `?` in place of every character outside printable ASCII.
 pub fn ascii(text: &str) -> String {
     text.chars().map(|c| if (' '..='~').contains(&c) { c } else { '?' }).collect()
 }

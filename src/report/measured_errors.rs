@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// Returns the table with the identified errors, elastic terms included, and their covariance.
 ///
-/// Rows and names are those of the robot file.
+/// Row numbers and names are those of the robot file.
 pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDocument) -> String {
     let poses: usize = document.sessions.iter().map(|s| s.poses).sum();
     let head = format!(
@@ -38,7 +38,7 @@ fn ranges(robot: &Robot, calibration: &Calibration) -> String {
     format!("measured_ranges = [{}]\n", all.join(", "))
 }
 
-/// Returns the errors of the rows, one list for each key that has any.
+/// Returns the errors of the rows, one list for each key that has an error.
 fn lists(robot: &Robot, calibration: &Calibration) -> String {
     let axes = robot.axes();
     let [mut dq_deg, mut dq_mm, mut dr, mut dl, mut dalpha, mut dbeta] = [(); 6].map(|()| vec![0.0; axes]);
@@ -102,10 +102,11 @@ fn periodic(calibration: &Calibration) -> String {
     format!("periodic = [\n{entries}]\n")
 }
 
-/// Returns the covariance of the identified parameters and of what they do not explain, with all digits.
+/// Returns the covariance of the identified parameters and of the errors that they do not explain, with all
+/// digits.
 ///
-/// The misfit of a joint is a variance of its coordinate, to which the uncertainty of its periodic error
-/// belongs. The misfit of positions is a variance of the TCP.
+/// The misfit of a joint is a variance of its coordinate. It includes the uncertainty of the periodic error
+/// of the joint. The misfit of positions is a variance of the TCP.
 fn covariance(robot: &Robot, calibration: &Calibration) -> String {
     let identified = calibration.parameters().iter().map(|i| of_file(robot, i.unknown));
     let mut parameters: Vec<Parameter> = identified.collect();
@@ -130,7 +131,8 @@ fn covariance(robot: &Robot, calibration: &Calibration) -> String {
     let names: Vec<String> = parameters.iter().map(|parameter| format!("\"{}\"", parameter.name())).collect();
     let mut out = format!("[errors.measured.covariance]\nparameters = [{}]\nmatrix = [\n", names.join(", "));
     for i in 0..size {
-        // Both halves of the matrix come from one of them, so that the file is symmetric to the last digit.
+        // The lower half of the matrix repeats the upper half, so that the file is symmetric to the last
+        // digit.
         let entry = |j: usize| {
             let (a, b) = (i.min(j), i.max(j));
             format!("{:e}", matrix[(a, b)] * scales[a] * scales[b])
@@ -175,7 +177,7 @@ fn numbers(values: impl Iterator<Item = f64>) -> String {
     values.map(|v| rounded(v, 7).to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// Decimals of stated errors: 1e-10 mm and degrees.
+/// Number of decimals of stated errors, in mm and degrees.
 const STATED_DECIMALS: i32 = 10;
 
 /// Returns the table with the errors that a file states, as a signed sample.

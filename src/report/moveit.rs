@@ -1,8 +1,8 @@
 //! Planning scene of MoveIt: equipment, obstacles, fence and keep-out boxes as collision objects.
 //!
-//! The text is that of the scene files which RViz exports and imports. The sources are
-//! `PlanningScene::saveGeometryToStream` of MoveIt 1 and `shapes::saveAsText` of geometric_shapes. It is the format
-//! with poses of objects and with subframes, which MoveIt 1 (Noetic) and MoveIt 2 read:
+//! The text has the format of the scene files that RViz exports and imports. The sources are
+//! `PlanningScene::saveGeometryToStream` of MoveIt 1 and `shapes::saveAsText` of geometric_shapes. This
+//! format, with poses of objects and with subframes, is read by MoveIt 1 (Noetic) and MoveIt 2:
 //!
 //! ```text
 //! NAME OF THE SCENE

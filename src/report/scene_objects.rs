@@ -7,7 +7,7 @@ use crate::drawing::{Drawing, fence_walls, pedestal};
 use crate::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 
-/// Object that stands still, with its solids and the named frames on it.
+/// Stationary object, with its solids and the named frames on it.
 pub struct SceneObject<'a> {
     /// Identifier of the object: letters, digits and `_`.
     pub name: String,
@@ -51,8 +51,9 @@ pub const WORLD: &str = "world";
 
 /// Returns the pedestal of the robot, the equipment and obstacles, the fence and the keep-out boxes of a layout.
 ///
-/// The pedestal comes first, in the frame of the robot base under the name [`ROBOT_BASE`]; without a pedestal, this
-/// object has no solids. A capsule becomes a cylinder with two spheres, a leg a box down to the floor.
+/// The pedestal comes first, in the frame of the robot base under the name [`ROBOT_BASE`]. Without a
+/// pedestal, this object has no solids. A capsule becomes a cylinder with two spheres. A leg becomes a box
+/// down to the floor.
 pub fn scene_objects<'a>(drawing: &Drawing<'a>) -> Vec<SceneObject<'a>> {
     let cell: &'a Cell = drawing.cell;
     let mut names = Identifiers::new(60);
@@ -123,7 +124,7 @@ fn solids<'a>(name: &'a str, shape: &'a Shape, floor: f64) -> Vec<SceneSolid<'a>
     }
 }
 
-/// Returns the pose midway between two points whose z axis points from `a` to `b`.
+/// Returns the pose midway between the points `a` and `b`. The z axis of the pose points from `a` to `b`.
 fn along_z(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
     let axis = (b - a).try_normalize(0.0).unwrap_or_else(Vector3::z);
     // The coordinate axis that is farthest from the bar gives the first of two perpendicular axes.

@@ -7,8 +7,8 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 use std::fmt::Write;
 
 /// Returns the text of a cell file that includes the file `from`. The text fixes the free coordinates, error
-/// set, model, reading, quantity, registration, senses and limits, and states what was assumed. `comment` is
-/// one line.
+/// set, model, reading, quantity, registration, senses and limits, and states the assumed values. `comment`
+/// is one line.
 pub fn fixed(from: &str, comment: &str, cell: &Cell, layout: &Layout) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.

@@ -1,4 +1,5 @@
-//! Static URDF of a layout: links for the robot base, the equipment, the obstacles and the spots, joined to the world.
+//! Static URDF of a layout. Links for the robot base, the equipment, the obstacles and the spots are joined
+//! to the world.
 //!
 //! Lengths are in m and angles in rad, as in every URDF. The robot itself is not part of the file: its own URDF joins
 //! the link [`ROBOT_BASE`] by a fixed joint.
@@ -20,7 +21,8 @@ pub struct UrdfExport {
     pub meshes: Vec<(String, Vec<u8>)>,
 }
 
-/// Returns the URDF of a layout. Its mesh files have the prefix `folder`: a path that ends with `/`, or a URI.
+/// Returns the URDF of a layout. The names of the mesh files have the prefix `folder`: a path that ends with
+/// `/`, or a URI.
 ///
 /// # Errors
 /// Fails if a mesh cannot be written.

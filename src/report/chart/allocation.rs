@@ -8,11 +8,11 @@ use crate::record::{AllocatedEntry, AllocationDocument};
 use crate::units::rounded;
 
 const ROW: f64 = 24.0;
-/// Largest number of tolerances with a bar of their own: those that change most.
+/// Largest number of tolerances with a bar of their own. The tolerances that change most get the bars.
 const BARS: usize = 24;
 
-/// Draws the scale of each tolerance as a bar from the present tolerance, which is 1: to the left if it must be
-/// tighter, to the right if it may be looser.
+/// Draws the scale of each tolerance as a bar that begins at 1, the present tolerance. The bar extends to the
+/// left if the tolerance must be tighter, and to the right if it may be looser.
 pub fn allocation(d: &AllocationDocument) -> String {
     let mut canvas = ChartCanvas::new("Cheapest tolerances", &under(d));
     let mut bars: Vec<(&AllocatedEntry, f64)> =
@@ -46,12 +46,13 @@ pub fn allocation(d: &AllocationDocument) -> String {
     canvas.finish()
 }
 
-/// Returns the lines under the heading: the costs and what they save.
+/// Returns the lines under the heading: the costs and the saving.
 fn under(d: &AllocationDocument) -> Vec<String> {
     let Some(cost) = d.cost else {
         return vec!["even the tightest tolerances exceed a limit".into()];
     };
-    let mut lines = vec![format!("cost {} now, {} with the cheapest", short(d.cost_before), short(cost))];
+    let mut lines =
+        vec![format!("cost {} now, {} with the cheapest tolerances", short(d.cost_before), short(cost))];
     lines.extend(d.uniform.map(|u| {
         format!(
             "uniform tightening costs {}; the cheapest set saves {} %",
@@ -62,7 +63,7 @@ fn under(d: &AllocationDocument) -> Vec<String> {
     lines
 }
 
-/// Returns parameter, present and cheapest tolerance.
+/// Returns the label of a bar: parameter, present tolerance and cheapest tolerance.
 fn label(p: &AllocatedEntry) -> String {
     let after = p.after.map_or(String::new(), |after| format!(" \u{2192} {}", rounded(after, 4)));
     format!("{} \u{b1}{}{after} {}", p.parameter, rounded(p.before, 4), p.unit.word())

@@ -48,7 +48,7 @@ impl AxisScale {
         round_numbers(self.low, self.high, step).map(|v| (v, words::number(v, step))).collect()
     }
 
-    /// Returns the powers of ten on the axis; an axis of less than three decades also has 2 and 5 times each
+    /// Returns the powers of ten on the axis. An axis of less than three decades also has 2 and 5 times each
     /// power.
     fn decades(&self) -> Vec<(f64, String)> {
         let few = (self.high / self.low).log10() < 3.0;

@@ -119,7 +119,8 @@ impl Anchor {
     }
 }
 
-/// Entry of a legend: SVG of a mark drawn around (0, 0), at most 24 px wide, and the meaning of the mark.
+/// Entry of a legend: SVG of a mark, and the meaning of the mark. The mark is centred at (0, 0) and at most
+/// 24 px wide.
 pub struct LegendEntry {
     pub mark: String,
     pub said: String,

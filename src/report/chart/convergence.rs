@@ -141,11 +141,11 @@ fn told(course: &ConvergenceHistory<'_>) -> Vec<String> {
             let gap = percent_from_share(best / bound - 1.0);
             let digits = if gap < 0.1 { 4 } else { 2 };
             format!(
-                "proven: no layout has less than {}; the best lies {gap:.digits$} % above that",
+                "proven: no layout has an objective below {}; the best is {gap:.digits$} % above this bound",
                 said(bound)
             )
         }
-        _ => "no bound was proven: how much better a layout could be is not known".to_string(),
+        _ => "no bound was proven, so it is not known how much better a layout could be".to_string(),
     });
     told
 }

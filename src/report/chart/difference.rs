@@ -13,7 +13,7 @@ use crate::units::mm_from_m;
 /// Left end, right end and greatest height of the plot, px.
 const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 420.0);
 /// Colour of the largest decrease of the error (blue); [`WORSE`] is the colour of the largest increase.
-/// Colour-blind readers can tell the two colours apart.
+/// Colour-blind readers can distinguish the two colours.
 const BETTER: [f64; 3] = [0.0, 90.0, 160.0];
 const EQUAL: [f64; 3] = [240.0, 240.0, 236.0];
 const WORSE: [f64; 3] = [190.0, 75.0, 0.0];

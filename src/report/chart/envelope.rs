@@ -19,7 +19,7 @@ const MIN_WIDTH: f64 = 760.0;
 /// Dashes of the lines that show the base axis and the section plane.
 const DASH_DOT: &str = "stroke-dasharray=\"12 4 2 4\"";
 
-/// Panel with a section of the envelope, mm.
+/// Panel with a section of the envelope; coordinates are in mm.
 struct Panel {
     name: String,
     axes: (&'static str, &'static str),

@@ -49,7 +49,7 @@ pub fn error_map(a: &Assessment<'_>) -> String {
     plan.canvas.finish()
 }
 
-/// Returns the bounds of everything that stands in the cell, m.
+/// Returns the bounds of all objects in the cell, m.
 fn bounds(a: &Assessment<'_>) -> (PlanePoint, PlanePoint) {
     let standing = a.cell.equipment.iter().zip(&a.layout.placements);
     let standing = standing.flat_map(|(equipment, at)| floor_corners(&equipment.footprint, at));
@@ -221,7 +221,7 @@ impl<'a> ErrorMapPicture<'a> {
         let value = format!(": {:.3} {}", unit.from_si(p.value), unit.word());
         let room = self.width - 40.0 - words::width(&value, SMALL);
         let said = words::shortened(name, SMALL, room) + &value;
-        // The label stands beside the spot, on the side where it fits.
+        // The label is beside the spot, on the side where it fits.
         let half = words::width(&said, SMALL) / 2.0 + 13.0;
         let side = if x + 2.0 * half < self.width { half } else { -half };
         self.draw_name(&said, (x + side, y - 9.0));
@@ -260,7 +260,8 @@ fn thinning(map: &OperationMap) -> usize {
 
 /// Returns the error in x and y that the arrow of a node shows, m.
 ///
-/// An error without a sign has the size of its figure in `xy`, along the worst corner of the tolerance box.
+/// An error without a sign has the size of its figure in the sense `xy`. Its direction is that of the error
+/// at the worst corner of the tolerance box.
 fn drawn_error(a: &Assessment<'_>, map: &OperationMap, p: &PostureRecord) -> Vector2<f64> {
     let (cell, error) = (a.cell, p.error.xy());
     let Some(sense) = map.sense("xy").filter(|_| !ErrorView::of(cell).is_signed()) else { return error };
@@ -268,8 +269,7 @@ fn drawn_error(a: &Assessment<'_>, map: &OperationMap, p: &PostureRecord) -> Vec
     error.try_normalize(0.0).map_or(error, |direction| direction * size)
 }
 
-/// Returns the SVG path of the arrow of an error: one arrow, or two opposite arrows if the error has no
-/// sign.
+/// Returns the SVG path of the arrow of an error. An error without a sign has two opposite arrows.
 fn arrows(at: (f64, f64), (dx, dy): (f64, f64), is_signed: bool) -> String {
     let there = arrow(at, (dx, dy));
     if is_signed { there } else { there + &arrow(at, (-dx, -dy)) }

@@ -27,7 +27,7 @@ const MAX_TITLES: usize = 400;
 ///
 /// `field` is the index into [`Drawing::fields`], `take` into [`Field::takes`], and `sense` into
 /// [`Field::senses`]. The colours span `range` (m or rad), which several maps may share. The axes of the plot
-/// are those of the work surface.
+/// are the axes of the work surface.
 pub fn heat_map(drawing: &Drawing<'_>, field: usize, take: usize, sense: usize, range: (f64, f64)) -> String {
     let field = &drawing.fields[field];
     let map = HeatMap::new(drawing, field, &field.takes[take], sense, range);
@@ -277,7 +277,7 @@ impl<'a> HeatMap<'a> {
             is_there.then(|| LegendEntry { mark, said: said.to_string() })
         };
         let all = self.drawing.cell.operations[self.field.operation].over.needs_every_node();
-        let spot = if all { "the worst node, which counts" } else { "spot chosen" };
+        let spot = if all { "worst node, which counts" } else { "chosen spot" };
         let spots = [
             entry(self.field.spot.is_some(), signs::spot(origin), spot),
             entry(self.field.refined.is_some(), signs::refined(origin), "spot between the nodes"),

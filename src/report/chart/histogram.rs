@@ -26,7 +26,7 @@ pub fn histogram(cell: &Cell, d: &ErrorDistribution) -> String {
     let operation = &cell.operations[d.operation];
     let word = d.unit.word();
     let heading =
-        format!("{}: how the error in {} spreads at the spot", operation.name, operation.sense.name);
+        format!("{}: distribution of the error in {} at the spot", operation.name, operation.sense.name);
     let mut canvas = ChartCanvas::new(&heading, &told(d));
     let marks = marks(d);
     let [low, high] = [d.samples.histogram.low, d.samples.histogram.high].map(|v| d.unit.from_si(v));
@@ -90,8 +90,8 @@ fn names(marks: &[&HistogramMark], x: &AxisScale, word: &str) -> Vec<Name> {
     placed.into_iter().zip(rows).map(|((said, _, x, _), row)| Name { said, x, row }).collect()
 }
 
-/// Returns a row for each name, such that no name crosses a line or another name; row 0 is the lowest. A mark
-/// holds the x of its line, then the left and the right end of its name, px.
+/// Returns a row for each name, such that no name crosses a line or another name. Row 0 is the lowest row. A
+/// mark holds the x of its line, then the left and the right end of its name, px.
 pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let mut rows = vec![0; marks.len()];
     let crosses =

@@ -8,11 +8,11 @@ use crate::cell::{JointKind, Robot};
 use crate::files::shown;
 use crate::units::{deg_from_rad, mm_from_m};
 
-/// Largest number of dots of a panel.
+/// Largest number of dots in a panel.
 const MAX_DOTS: usize = 2000;
 /// Number of ranges of a joint coordinate, each with a median.
 const BINS: usize = 24;
-/// Least number of positions of a median.
+/// Least number of positions from which a median is drawn.
 const LEAST: usize = 5;
 const LEFT: f64 = 56.0;
 const GAP: f64 = 70.0;
@@ -20,7 +20,7 @@ const HEIGHT: f64 = 150.0;
 /// Inks of the tables, in their order; further tables begin with the first ink again.
 const INKS: [Ink; 5] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Purple, Ink::Vermilion];
 
-/// Position of a panel: joint coordinate in degrees or mm, distance in mm, and the number of its table.
+/// Dot of a panel: joint coordinate in degrees or mm, distance in mm, and the index of its table.
 struct JointDot {
     coordinate: f64,
     distance: f64,

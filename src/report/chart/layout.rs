@@ -81,7 +81,7 @@ pub fn layout_section(a: &Assessment<'_>, drawing: &Drawing<'_>, operation: usiz
     view.draw()
 }
 
-/// Returns the height of the TCP at the nodes of an operation, world, m.
+/// Returns the height of the TCP at the nodes of an operation in the world frame, m.
 fn height_of(a: &Assessment<'_>, operation: usize) -> f64 {
     let operation = &a.cell.operations[operation];
     a.layout.placements[operation.equipment].z + operation.standoff
@@ -142,7 +142,7 @@ impl LayoutView<'_> {
         canvas.finish()
     }
 
-    /// Returns the outlines of the regions, px; empty from the side.
+    /// Returns the SVG path data of the outlines of the regions, px; empty in a view from the side.
     fn regions(&self, view: &PlaneView) -> String {
         let rings = self.drawing.regions.iter().flat_map(|region| &region.rings);
         let ring =
@@ -188,7 +188,8 @@ impl LayoutView<'_> {
     }
 
     fn bounds(&self, parts: &[VisiblePart<'_>]) -> (PlanePoint, PlanePoint) {
-        // From the side, a fence looks like a line on the floor or an endless wall, so it does not count.
+        // From the side, a fence looks like a line on the floor or an endless wall, so the bounds ignore
+        // fences.
         let counts = |p: &&VisiblePart<'_>| self.levels.is_empty() || p.part.kind != PartKind::Fence;
         let standing = parts.iter().filter(counts).flat_map(|p| self.outlines(p)).flatten();
         let points = standing.chain(self.envelope.iter().flatten().copied());

@@ -15,9 +15,9 @@ const MAX_ARROWS: usize = 400;
 const LEFT: f64 = 66.0;
 /// Largest height of a panel, px.
 const TALLEST: f64 = 600.0;
-/// Length of a long arrow, px. Few arrows are longer, and they are drawn in full.
+/// Length that at least 95 % of the arrows do not exceed, px. The other arrows are drawn in full.
 const LONG_ARROW: f64 = 40.0;
-/// Margin round the positions, as a share of the longer side of what is drawn.
+/// Margin round the positions, as a share of the longer side of their bounding rectangle.
 const SURROUNDINGS: f64 = 0.08;
 /// Size below which a predicted error has no direction, mm.
 const NOTHING: f64 = 1e-9;
@@ -28,10 +28,11 @@ pub const PLANES: [(&str, usize, usize); 2] = [("from above", 0, 1), ("from the 
 /// Function that returns the measured or the predicted error of a position, mm.
 type ErrorOf = fn(&ComparedPosition) -> &[f64; 3];
 
-/// Names of the axes with their unit.
+/// Names of the axes with their units.
 pub const AXIS_NAMES: [&str; 3] = ["x / mm", "y / mm", "z / mm"];
 
-/// Draws measured and predicted errors of one file as arrows, enlarged by one factor. Base frame of the robot.
+/// Draws the measured and predicted errors of one file as arrows in the base frame of the robot. All arrows
+/// are enlarged by one factor.
 pub fn measured(file: &ComparedFile) -> String {
     let every = thinning(file.positions.len(), MAX_ARROWS);
     let drawn: Vec<_> = file.positions.iter().step_by(every).collect();
@@ -43,7 +44,7 @@ pub fn measured(file: &ComparedFile) -> String {
     let enlarged = enlargement(&drawn, px_per_mm);
     draw_legend(&mut canvas, enlarged * px_per_mm, enlarged, has_direction);
     for ((name, across, up), mut view) in PLANES.into_iter().zip(views) {
-        // Both panels have one scale.
+        // Both panels have the same scale.
         view.scale = px_per_mm;
         (view.left, view.top) = (LEFT, canvas.y + 44.0);
         canvas.heading((LEFT, view.top - 22.0), name);
@@ -63,7 +64,7 @@ pub fn measured(file: &ComparedFile) -> String {
     canvas.finish()
 }
 
-/// Returns the thinning `n` for which every n-th of `count` positions are at most `most`.
+/// Returns the least thinning `n` with which every n-th of `count` positions gives at most `most` positions.
 pub fn thinning(count: usize, most: usize) -> usize {
     count.div_ceil(most).max(1)
 }
@@ -104,7 +105,7 @@ fn enlargement(drawn: &[&ComparedPosition], px_per_mm: f64) -> f64 {
     if long > NOTHING { round_down(LONG_ARROW / (long * px_per_mm), DIGITS) } else { 1.0 }
 }
 
-/// Draws the legend with a bar that shows the length of a round error; `stretch` is in px per mm of error.
+/// Draws the legend with a bar that shows the length of a round error. `stretch` is in px per mm of error.
 fn draw_legend(canvas: &mut ChartCanvas, stretch: f64, enlarged: f64, has_direction: bool) {
     let entry = |ink: Ink, said: &str| LegendEntry {
         mark: format!("<path d=\"{}\" {}/>", arrow((-11.0, 0.0), (22.0, 0.0)), ink.line(1.8)),

@@ -107,8 +107,8 @@ fn told(cell: &Cell, operation: usize, r: &Robustness) -> Vec<String> {
 fn most(largest: &Largest, said: &dyn Fn(f64) -> String) -> String {
     let ended = match &largest.ended {
         None => " (the largest value tried)",
-        Some(MisplacementEnd::Limit(_)) => " (then it exceeds its limit)",
-        Some(MisplacementEnd::Lost(_)) => " (then not feasible)",
+        Some(MisplacementEnd::Limit(_)) => " (beyond that, the operation exceeds its limit)",
+        Some(MisplacementEnd::Lost(_)) => " (beyond that, the operation is not feasible)",
     };
     said(largest.most) + ended
 }

@@ -1,4 +1,5 @@
-//! Charts of a report: each is a pure function from records to one `<svg>`, for a file or inline in a page.
+//! Charts of a report. Each chart is a pure function from records to one `<svg>`, for a file or inline in a
+//! page.
 //!
 //! A chart has neither a style element nor a style attribute, which a Content-Security-Policy would forbid.
 //! Colours are presentation attributes. An element with such a colour also has a class, for example

@@ -8,7 +8,7 @@ use super::measured::{AXIS_NAMES, PLANES, thinning, view};
 use crate::files::shown;
 use crate::record::ComparedFile;
 
-/// Largest number of dots of a panel.
+/// Largest number of dots in a panel.
 const MAX_DOTS: usize = 2500;
 /// Left edge of the panels, px.
 const LEFT: f64 = 66.0;
@@ -17,7 +17,8 @@ const BAR: f64 = 92.0;
 /// Largest height of a panel, px.
 const TALLEST: f64 = 520.0;
 
-/// Draws the size of the residual of every position of one file, in plan and from the side. Base frame of the robot.
+/// Draws the size of the residual of every position of one file, in plan and from the side. Positions are in
+/// the base frame of the robot.
 pub fn residuals(file: &ComparedFile) -> String {
     let every = thinning(file.positions.len(), MAX_DOTS);
     let mut drawn: Vec<_> = file.positions.iter().step_by(every).collect();

@@ -71,7 +71,7 @@ fn under(a: &BudgetReport<'_>, count: usize) -> Vec<String> {
         return vec!["no parameter has an effect here".to_string()];
     }
     vec![format!(
-        "{count} parameters have an effect; together {} {word}, shares to first order",
+        "{count} parameters have an effect; the total is {} {word}; the shares are first-order",
         words::figure(unit.from_si(a.figure))
     )]
 }
@@ -122,7 +122,7 @@ fn gains(a: &BudgetReport<'_>) -> Vec<String> {
     let names: Vec<String> = all.parameters.iter().map(|p| names::parameter(cell, *p)).collect();
     let [from, to] = [a.figure, all.figure].map(|v| words::figure(unit.from_si(v)));
     vec![format!(
-        "half the tolerances of {} together: from {from} to {to} {} (\u{2212}{})",
+        "halving the tolerances of {} together: from {from} to {to} {} (\u{2212}{})",
         names.join(", "),
         unit.word(),
         percent(a.cut(all))

@@ -72,8 +72,8 @@ fn line_end(text: &str, size: f64, room: f64) -> usize {
     text.len()
 }
 
-/// Returns a number with enough decimals to tell multiples of `step` apart. Very large and very small numbers
-/// are written with a power of ten.
+/// Returns a number with enough decimals to distinguish multiples of `step`. Very large and very small
+/// numbers are written with a power of ten.
 pub fn number(value: f64, step: f64) -> String {
     if value == 0.0 || value.abs() < step * 1e-6 {
         return "0".into();

@@ -129,7 +129,8 @@ impl DxfFile {
         self.spaces.push(DxfSpace { name, layout: 0, record, begin, end, content: Codes::default() });
     }
 
-    /// Writes a block; the entities of `content` belong to it, and their coordinates are those of the block.
+    /// Writes a block; the entities of `content` belong to it, and their coordinates are in the frame of the
+    /// block.
     ///
     /// Returns the name of the block: `name`, with a number if another block has this name.
     pub fn block(&mut self, name: &str, content: impl FnOnce(&mut Self)) -> String {
@@ -138,7 +139,7 @@ impl DxfFile {
         self.add_space(name.clone());
         self.space = self.spaces.len() - 1;
         content(self);
-        // What a block contains has no place in the model until the block is inserted.
+        // The content of a block has no position in the model until the block is inserted.
         (self.space, self.low, self.high) = before;
         name
     }
@@ -149,8 +150,8 @@ impl DxfFile {
         std::iter::once(name.to_string()).chain(numbered).find(|name| is_free(name)).unwrap_or_default()
     }
 
-    /// Writes the paper space: a sheet of this size (m) with the entities that `content` draws, in
-    /// coordinates on paper, m.
+    /// Writes the paper space: a sheet of this size (m) with the entities that `content` draws. The
+    /// coordinates are on paper, m.
     pub fn paper(&mut self, size: (f64, f64), content: impl FnOnce(&mut Self)) {
         let before = (self.space, self.low, self.high, self.height);
         (self.space, self.paper) = (PAPER, size);
@@ -164,7 +165,7 @@ impl DxfFile {
         (self.low, self.high)
     }
 
-    /// Widens the extents of the model to a point.
+    /// Widens the extents of the model so that they include a point.
     pub fn include(&mut self, p: &Vector3<f64>) {
         self.seen(p);
     }
@@ -249,7 +250,7 @@ impl DxfFile {
     }
 }
 
-/// Returns a name that a block may have: letters, digits and a few signs; others become `_`.
+/// Returns a name that a block may have. Characters other than letters, digits and a few signs become `_`.
 fn block_name(name: &str) -> String {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '$' | ' ');
     name.chars().map(|c| if allowed(c) { c } else { '_' }).collect::<String>().trim().to_string()

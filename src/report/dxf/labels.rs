@@ -1,4 +1,4 @@
-//! Places of texts in plan at which they cover neither objects nor each other.
+//! Positions in plan at which texts cover neither objects nor each other.
 
 use super::text::width;
 use crate::drawing::silhouette::{ABOVE, silhouette};
@@ -45,8 +45,8 @@ impl Labels {
         }
     }
 
-    /// Occupies and returns the left end of a text beside the box from `low` to `high`; None if no place near it is
-    /// free.
+    /// Occupies and returns the left end of a text beside the box from `low` to `high`. Returns None if no
+    /// place near the box is free.
     pub fn beside(&mut self, said: &str, (low, high): (PlanePoint, PlanePoint)) -> Option<Vector2<f64>> {
         let (wide, h) = (width(said, self.height), self.height);
         let middle = ((low.0 + high.0 - wide) / 2.0, (low.1 + high.1 - h) / 2.0);

@@ -16,8 +16,8 @@ pub const FACES: &str = "FACES";
 pub const TITLE: &str = "TITLE_BLOCK";
 pub const VIEWPORT: &str = "VIEWPORT";
 
-/// Names and AutoCAD colour indices. Every colour has a contrast ratio of at least 3 on a white background and on
-/// AutoCAD's black one. Colour 7 is black on white and white on black.
+/// Names and AutoCAD colour indices. Every colour has a contrast ratio of at least 3 on a white background
+/// and on the black background of AutoCAD. Colour 7 is black on white and white on black.
 const LAYERS: [(&str, u16); 19] = [
     (ROBOT, 32),
     (ENVELOPE, 134),

@@ -1,5 +1,5 @@
-//! CAD drawing: DXF of release 2000 in mm, z up, with one layer for each kind of object, one block for each piece, and
-//! a title block in paper space.
+//! CAD drawing: DXF of release 2000 in mm, z up. The drawing has one layer for each kind of object, one block
+//! for each piece, and a title block in paper space.
 
 mod file;
 mod labels;
@@ -67,7 +67,8 @@ fn flat_ring(file: &mut DxfFile, layer: &str, ring: &[Vector3<f64>]) {
     }
 }
 
-/// Returns the least and the greatest distance of the working envelope from the base axis at the height of the work, m.
+/// Returns the least and the greatest distance (m) of the working envelope from the base axis, at the height
+/// of the work.
 fn radii(drawing: &Drawing<'_>, k: usize) -> Option<(f64, f64)> {
     let centre = drawing.base.translation.xy();
     let points = drawing.envelopes[k].at_work.iter().flatten();
@@ -75,8 +76,8 @@ fn radii(drawing: &Drawing<'_>, k: usize) -> Option<(f64, f64)> {
     away.reduce(|(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
 }
 
-/// Writes the outlines of the working envelope at the height of the work, and two circles about the base axis: the
-/// nearest and the farthest point of the envelope.
+/// Writes the outlines of the working envelope at the height of the work. Writes two circles about the base
+/// axis through the nearest and the farthest point of the envelope.
 fn envelope(file: &mut DxfFile, drawing: &Drawing<'_>, k: usize) {
     let rings = &drawing.envelopes[k].at_work;
     rings.iter().for_each(|ring| flat_ring(file, ENVELOPE, ring));
@@ -107,7 +108,7 @@ fn arrows(file: &mut DxfFile, drawing: &Drawing<'_>, field: usize) {
     }
 }
 
-/// Writes a spot; a line leads from it to its text in the column beside all objects.
+/// Writes a spot. A line leads from the spot to its text in the column beside all objects.
 fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field, labels: &mut Labels) {
     let Some(at) = field.spot else { return };
     let radius = 1.4 * field.radius();
@@ -133,18 +134,20 @@ fn spot(file: &mut DxfFile, drawing: &Drawing<'_>, field: &Field, labels: &mut L
     file.text(SPOT, &beside, &said, (0.0, false));
 }
 
-/// Returns a tolerance (half a width) in words, with a unit sign after it; empty if it is 0.
+/// Returns a tolerance (half width) in words, followed by the unit sign `sign`. Returns an empty text if the
+/// tolerance is 0.
 fn plus_minus(half: f64, sign: &str) -> String {
     if half == 0.0 { String::new() } else { format!(" \u{b1}{}{sign}", rounded(half, 3)) }
 }
 
-/// Writes the dimensions from the robot base to the frame of every piece of equipment: along x and y below and left of
-/// all objects, the yaw at the frame, the height in the column.
+/// Writes the dimensions from the robot base to the frame of every piece of equipment. The dimensions along x
+/// and y are below and left of all objects. The yaw is at the frame, and the height is in the column of
+/// texts.
 fn dimensions(file: &mut DxfFile, drawing: &Drawing<'_>, low: &Vector3<f64>, labels: &mut Labels) {
     let base = Vector3::new(drawing.base.translation.x, drawing.base.translation.y, drawing.floor);
     let all = drawing.cell.equipment.iter().zip(&drawing.layout.placements);
     for (k, (equipment, at)) in all.filter(|(e, _)| e.role == Role::Equipment).enumerate() {
-        // The tolerance of a piece on another one is not along the world axes.
+        // The tolerance of a piece that stands on another piece is not along the world axes.
         let given = if equipment.on.is_none() { equipment.tolerance.0 } else { [0.0; 4] };
         let to = Vector3::new(at.x, at.y, drawing.floor);
         let away = file.height * (5.0 + 3.0 * k as f64);

@@ -68,7 +68,8 @@ fn block(file: &mut DxfFile, paper: &Paper, entries: &BlockEntries<'_>) {
     }
 }
 
-/// Writes a text from a point (mm), as high as `height` or as its space allows.
+/// Writes a text that starts at a point (mm). The text has the height `height`, or less if its space is too
+/// narrow.
 fn write_fitted(file: &mut DxfFile, (x, y): (f64, f64), (said, room): (&str, f64), height: f64) {
     if said.is_empty() {
         return;

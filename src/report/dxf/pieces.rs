@@ -27,8 +27,8 @@ struct CadPiece<'d> {
     parts: Vec<(&'d DrawnPart, Pose)>,
 }
 
-/// Writes every object as a block with its reference: the outline in plan, the floor space, the frame, the name and
-/// the faces. Returns the number of faces.
+/// Writes every object as a block with its reference. A block contains outline in plan, floor space, frame,
+/// name and faces. Returns the number of faces.
 pub fn write(
     file: &mut DxfFile,
     drawing: &Drawing<'_>,
@@ -66,7 +66,7 @@ fn block_of(
     })
 }
 
-/// Returns the robot with its tool and what it holds, then the equipment and the obstacles.
+/// Returns the robot with its tool and the parts that it holds, then the equipment and the obstacles.
 fn pieces<'d>(drawing: &'d Drawing<'_>, all: &[(&'d DrawnPart, Pose)]) -> Vec<CadPiece<'d>> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let of = |keep: &dyn Fn(&DrawnPart) -> bool| all.iter().filter(|(part, _)| keep(part)).copied().collect();
@@ -88,7 +88,7 @@ fn pieces<'d>(drawing: &'d Drawing<'_>, all: &[(&'d DrawnPart, Pose)]) -> Vec<Ca
     std::iter::once(robot).chain(stands).collect()
 }
 
-/// Writes a piece as a block whose origin is the frame of the piece, and returns the number of its faces.
+/// Writes a piece as a block whose origin is the frame of the piece. Returns the number of faces.
 fn block(file: &mut DxfFile, drawing: &Drawing<'_>, piece: &CadPiece<'_>, labels: &mut Labels) -> usize {
     let frame = piece.at.pose();
     let own = frame.inverse();
@@ -107,7 +107,7 @@ fn block(file: &mut DxfFile, drawing: &Drawing<'_>, piece: &CadPiece<'_>, labels
             file.line(piece.layer, &Vector3::zeros(), &(axis * AXIS));
         }
         if let Some(at) = place {
-            // The text turns with the block, so it is turned back.
+            // The text rotates with the block, so it is rotated back.
             file.text(TEXT, &own.transform(&at_height(&at, piece.at.z)), &said, (-piece.at.yaw, false));
         }
     });
@@ -132,7 +132,8 @@ fn extent(piece: &CadPiece<'_>) -> (PlanePoint, PlanePoint) {
     bounding_box(corners.chain(points)).unwrap_or_default()
 }
 
-/// Writes the outline of a part in plan, at the height of its highest point, so that faces do not cover it.
+/// Writes the outline of a part in plan. The outline is at the height of the highest point of the part, so
+/// that faces do not cover it.
 fn outline(file: &mut DxfFile, layer: &str, mesh: &Mesh, pose: &Pose) {
     let heights = mesh.positions.iter().map(|p| pose.transform(p).z);
     let top = heights.fold(f64::MIN, f64::max);

@@ -11,8 +11,9 @@ const CELLS: f64 = 64.0;
 
 /// Returns the corners and triangles of a mesh with at most `MAX_TRIANGLES` triangles.
 ///
-/// A finer mesh is simplified by vertex clustering (J. Rossignac and P. Borrel, Modeling in Computer Graphics (1993)
-/// 455-465): the corners in one cell of a grid become their mean, and triangles that collapse are left out.
+/// A finer mesh is simplified by vertex clustering (J. Rossignac and P. Borrel, Modeling in Computer Graphics
+/// (1993) 455-465). The corners in one cell of a grid become their mean, and triangles that collapse are left
+/// out.
 pub fn simplified(mesh: &Mesh) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
     let mut cells = CELLS;
     let mut found = (mesh.positions.clone(), mesh.triangles.clone());

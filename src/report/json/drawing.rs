@@ -92,7 +92,7 @@ fn drawing<'a>(d: &'a Drawing<'_>, meshes: &mut MeshList) -> DrawingRecord<'a> {
     }
 }
 
-/// Returns the pose of a piece of equipment, taken from its solids; None if it has no solid.
+/// Returns the pose of a piece of equipment, taken from its solids; None if the equipment has no solid.
 fn pose_of(d: &Drawing<'_>, equipment: usize) -> Option<Pose> {
     let own = d.parts.iter().filter(|p| p.equipment == Some(equipment));
     own.map(|p| d.pose_of(p, d.movement.home())).next()
@@ -242,7 +242,7 @@ fn kept(m: &Movement) -> Vec<usize> {
 
 fn twelve(at: &Pose) -> [f64; 12] {
     let mut numbers = [0.0; 12];
-    // Column by column.
+    // The rotation matrix is written column by column.
     numbers[..9].copy_from_slice(at.rotation.as_slice());
     numbers[9..].copy_from_slice(&millimetres(&at.translation));
     numbers

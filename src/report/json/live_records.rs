@@ -72,7 +72,8 @@ pub struct AnswerRecord<'a> {
     pub feasible: bool,
     /// Whether every limit is met.
     pub met: bool,
-    /// Whether the layout works at every misplacement within the tolerances; None if that is not demanded.
+    /// Whether the layout works at every misplacement within the tolerances; None if the cell does not demand
+    /// a certificate.
     pub certified: Option<bool>,
     pub objective: Option<f64>,
     pub unit: Unit,
@@ -93,7 +94,8 @@ pub struct AnswerOperation<'a> {
     pub value: Option<f64>,
     pub limit: Option<f64>,
     pub margin: Option<f64>,
-    /// Upper bound of the value within the placement tolerances; None if it is not certified or not known.
+    /// Upper bound of the value within the placement tolerances. None if the layout is not certified, or if
+    /// no bound is known.
     pub worst: Option<f64>,
     /// Names of the joints that are near a limit at the spot.
     pub near_limits: Vec<&'a str>,

@@ -1,4 +1,5 @@
-//! Documents that only our own pages read: the drawings of the 3-D viewer and the state of the live page.
+//! Documents that only the pages of sweetspot read: the drawings of the 3-D viewer and the state of the live
+//! page.
 //!
 //! Every other document is a record; see [`crate::record`].
 

@@ -63,7 +63,7 @@ pub struct EquipmentRecord<'a> {
     pub obstacle: bool,
     /// Index of the equipment that carries this equipment.
     pub on: Option<usize>,
-    /// Pose of the equipment; null if it has no solid.
+    /// Pose of the equipment; null if the equipment has no solid.
     pub at: Option<PoseNumbers>,
     pub surface: Option<RectangleRecord>,
     pub footprint: RectangleRecord,
@@ -154,7 +154,7 @@ pub struct MovementRecord<'a> {
     pub checked: bool,
     pub stops: Vec<StopRecord<'a>>,
     pub times_s: Vec<f64>,
-    /// Index of the operation whose part the robot holds at each time; null if it holds none.
+    /// Index of the operation whose part the robot holds at each time; null if the robot holds no part.
     pub holding: Vec<Option<usize>>,
     /// Number of link frames (poses) at each time.
     pub links: usize,

@@ -8,16 +8,17 @@ use crate::cell::Reading;
 use crate::record::AllocationDocument;
 use crate::report::chart;
 
-/// Share of random arms that must keep a limit of the yield, as by default in `sweetspot allocate`.
+/// Share of random arms that must keep each limit if the quantity is the yield. The command `sweetspot
+/// allocate` has the same default.
 const SHARE: f64 = 0.99;
 
-/// Returns the section of the shown layout; empty if no operation has a limit, or if the errors are read signed.
+/// Returns the section of the shown layout. The section is empty if no operation has a limit, or if the
+/// reading is signed.
 pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "The chart shows the cheapest tolerances with which every operation keeps its limit at its \
-    spot. A bar to the \
-                left is a tolerance to tighten, a bar to the right one that may be looser. Costs are \
-                those of the error set; without any, the present tolerance costs 1 and half of it costs 2.";
+    spot. A bar to the left marks a tolerance to tighten, and a bar to the right marks a tolerance that may be looser. \
+                The error set states the costs. If it states none, each present tolerance costs 1, and half of it costs 2.";
     let mut section = Section::new("allocation", "Cheapest tolerances", vec![text.into()]);
     if a.cell.reading == Reading::Signed {
         return section;

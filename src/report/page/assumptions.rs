@@ -42,7 +42,7 @@ fn said(what: &str, text: String) -> Vec<String> {
 
 fn registration(cell: &Cell) -> &'static str {
     match cell.registration {
-        Registration::None => "no registration with the robot: its errors count in full",
+        Registration::None => "no registration with the robot: the errors of the robot count in full",
         Registration::BestFit => {
             "the base frame of the robot is the best fit over all postures between the joint limits: the errors that a frame can cancel are removed"
         }
@@ -55,8 +55,8 @@ fn registration(cell: &Cell) -> &'static str {
 fn errors(cell: &Cell) -> String {
     let name = shown(cell.error_set().name());
     let placeholder = match name.contains("placeholder") {
-        true => ": a PLACEHOLDER of plausible size; replace it by measured or agreed tolerances",
-        false if is_guess(&name) => ": a GUESS; replace it by measured or agreed tolerances",
+        true => ": a PLACEHOLDER of plausible size; replace it with measured or agreed tolerances",
+        false if is_guess(&name) => ": a GUESS; replace it with measured or agreed tolerances",
         false => "",
     };
     match cell.error_set() {
@@ -100,7 +100,7 @@ fn trust(subject: &Subject<'_>) -> String {
     let guard = rounded(percent_from_share(a.cell.guard), 3);
     match distrusted.is_empty() {
         true => format!(
-            "its error is within {guard} % of the nonlinear model at every node, so it can be trusted"
+            "the error is within {guard} % of the nonlinear model at every node, so the model can be trusted"
         ),
         false => distrusted.join("; "),
     }
@@ -130,7 +130,7 @@ fn placement(cell: &Cell) -> &'static str {
             "evaluated as drawn; the section on misplacement shows the effect of the placement tolerances"
         }
         (true, false) => {
-            "the layout must work at every misplacement within the placement tolerances; errors are shown as drawn"
+            "the layout must work at every misplacement within the placement tolerances; errors are shown for the layout as drawn"
         }
         (false, _) => "all equipment and the robot base are assumed to stand exactly where they are drawn",
     }
@@ -162,7 +162,7 @@ pub fn manifest(subject: &Subject<'_>) -> Section {
     section.tables.push(PageTable::new("", &["subject", "statement"], rows));
     section.tables.push(PageTable::new("Files read", &["file", "SHA-256"], hashes(inputs)));
     if !outputs.is_empty() {
-        let checked = "Each file of the folder has been read and agrees with its hash.";
+        let checked = "Each file of the folder has been read and matches its hash.";
         section.tables.push(
             PageTable::new("Files of the search", &["file", "SHA-256"], hashes(outputs)).with_note(checked),
         );

@@ -1,4 +1,5 @@
-// Every layout has a view of its own; cameras and switches are shared. Without WebGL the pictures stay.
+// Every layout has a view of its own; cameras and switches are shared. Without WebGL, the still pictures
+// remain.
 (() => {
   /** @type {(keyof ViewerState)[]} */
   const SHARED = ["operation", "lens", "sense", "arrows", "envelope", "robot", "solids"];

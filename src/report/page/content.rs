@@ -10,7 +10,7 @@ pub struct Section {
     pub title: String,
     /// Paragraphs of the section.
     pub text: Vec<String>,
-    /// What the reader can do on a screen; empty if nothing.
+    /// Hint on what the reader can do on a screen; empty if there is no hint.
     pub hint: &'static str,
     pub figures: Vec<PageFigure>,
     pub tables: Vec<PageTable>,

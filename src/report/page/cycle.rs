@@ -5,11 +5,11 @@ use super::places::titled;
 use super::subject::Subject;
 use crate::report::text;
 
-/// Returns the section on the cycle time of the recommended layout; empty if it is unknown.
+/// Returns the section on the cycle time of the recommended layout; empty if the time is unknown.
 pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Least time under the greatest speeds and accelerations of the joints, from rest to rest: straight moves of \
-                the joints have synchronised trapezoidal speed profiles, straight lines of the TCP are parameterised \
+    let text = "Least time at the greatest speeds and accelerations of the joints, from rest to rest. Straight moves of the \
+                joints have synchronised trapezoidal speed profiles. Straight lines of the TCP are parameterised \
                 time-optimally. Torques and jerk are not limited.";
     let mut section = Section::new("cycle", "Cycle time", vec![text.into()]);
     let Some(cycle) = a.cycle_time() else { return section };

@@ -48,7 +48,7 @@ pub fn still(a: &Assessment<'_>, drawings: &[Drawing<'_>]) -> Result<Vec<PageFig
     let Some(drawing) = drawings.last() else { return Ok(Vec::new()) };
     let context = (0..a.maps.len()).find(|k| a.spot(*k).is_some());
     let svg = raster::isometric(drawing, &Shot { context, width: 1200, height: 800, ..Shot::default() })?;
-    let caption = "Arrows are the errors, enlarged as the legend says. The legend names the signs of unusable nodes; the \
+    let caption = "Arrows show the errors, enlarged by the factor in the legend. The legend names the signs of unusable nodes; the \
                    large ring marks the chosen spot.";
     Ok(vec![PageFigure::new(titled(a, "the cell"), caption, svg)])
 }
@@ -99,8 +99,7 @@ const MAX_PARAMETERS_SHOWN: usize = 12;
 
 fn budget(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The budget lists the contribution of every parameter to the error at the spot. Tighten the top ones \
-                first. The shares of the worst case add up to 100 %, and so do the shares of the variance.";
+    let text = "The budget lists the contribution of every parameter to the error at the spot. Tighten the tolerances of the first parameters first. The shares of the worst case add up to 100 %, and so do the shares of the variance.";
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {
         let Ok(context) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {
@@ -158,8 +157,9 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns whether figures of a layout depend on the linearized model. They do if the cell chooses it, or
-/// if a reading of tolerances uses it where the two models differ by more than the guard.
+/// Returns whether figures of a layout depend on the linearized model. They do if the cell does not choose
+/// the nonlinear model. They also do if a reading of tolerances uses the linearized model where the two
+/// models differ by more than the guard.
 fn rests_on_linearized(a: &Assessment<'_>) -> bool {
     let differs = || a.maps.iter().any(|map| map.off(Model::Linear, a.cell.guard).1 > 0);
     a.cell.model != Model::Nonlinear || (a.cell.reading != Reading::Signed && differs())
@@ -168,7 +168,7 @@ fn rests_on_linearized(a: &Assessment<'_>) -> bool {
 /// Returns the section on the error distribution of arms that are built within the tolerances.
 fn distributions(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "Monte Carlo simulation of arms with random errors within the tolerances. The nonlinear model gives the \
+    let text = "A Monte Carlo simulation draws arms with random errors within the tolerances. The nonlinear model gives the \
                 error of each arm; the chart shows the distribution of these errors at the spot.";
     let mut section = Section::new("distribution", "Distribution at the spots", vec![text.into()]);
     for k in 0..a.maps.len() {
@@ -208,7 +208,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
             PageTable::new("Improvements", &["evaluations", &format!("best so far {}", unit.word())], rows)
                 .with_note(match skipped {
                     0 => String::new(),
-                    _ => format!("{skipped} improvements after the first are left out; search.json has all."),
+                    _ => format!("{skipped} improvements after the first are left out; search.json contains all improvements."),
                 })
                 .folded(),
         );
@@ -223,7 +223,10 @@ fn bound_in_words(found: &SearchResult, subject: &Subject<'_>) -> String {
     let unit = subject.cell().unit();
     match found.bound {
         Some(bound) => {
-            format!("It is proven that no layout within the ranges has less than {}.", down(unit, bound))
+            format!(
+                "It is proven that no layout within the ranges has an objective below {}.",
+                down(unit, bound)
+            )
         }
         None => "There is no proven bound.".into(),
     }
@@ -243,7 +246,7 @@ fn pareto(subject: &Subject<'_>) -> Section {
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
         None => {
-            "These are the best layouts that clearly differ. Each one is a cell file in the folder of the search.".into()
+            "These are the best layouts that clearly differ from each other. Each is a cell file in the folder of the search.".into()
         }
     });
     let heads: Vec<String> =
@@ -261,7 +264,7 @@ fn pareto(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns a search record that contains what the picture of the front needs.
+/// Returns a search record with the data that the picture of the front needs.
 fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
     let cell = subject.cell();
     let candidate =
@@ -286,8 +289,7 @@ fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
 /// Returns the section on misplaced equipment.
 fn misplacement(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The error of each operation changes if equipment does not stand exactly where it is drawn. Spot and \
-                posture branch stay the same.";
+    let text = "The error of each operation changes if equipment does not stand exactly where it is drawn. The spot and the posture branch do not change.";
     let mut section = Section::new("misplacement", "Sensitivity to misplacement", vec![text.into()]);
     let rows = (0..a.maps.len()).flat_map(|k| {
         let Some(Some(r)) = a.robustness.get(k) else { return Vec::new() };

@@ -77,7 +77,7 @@ fn figures(files: &[ComparedFile]) -> PageTable {
         "AP mm",
         "RP mm",
     ];
-    let note = "The rank correlation is Spearman's, of predicted and measured size. The column \"at best spot\" is the \
+    let note = "The rank correlation is Spearman's correlation of predicted and measured sizes. The column \"at best spot\" is the \
     measured error at \
                 the spot with the least predicted error. AP and RP are the largest of all repeated \
                 postures (ISO 9283).";

@@ -20,7 +20,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let which = if subject.best.is_some() { "the best layout" } else { "the layout as drawn" };
     let text = vec![format!(
-        "The nodes of {which}. Positions and errors are in world axes. Joints, all readings and the nodes of the other layouts are \
+        "This section lists the nodes of {which}. Positions and errors are in world axes. Joints, all readings and the nodes of the other layouts are \
          in {}.",
         plain(&subject.manifest.csv)
     )];
@@ -56,7 +56,7 @@ fn table(a: &Assessment<'_>, map: &OperationMap, is_long: bool, csv: &str) -> Pa
     let table = PageTable::new(format!("{name}: {} nodes", map.nodes.len()), &head, rows).folded();
     match is_long {
         true => table.with_note(format!(
-            "The best {BEST_ROWS} of {}; all are in {}.",
+            "These are the best {BEST_ROWS} of {} nodes; all nodes are in {}.",
             map.nodes.len(),
             plain(csv)
         )),

@@ -60,14 +60,14 @@ fn number(sense: &Sense, si: f64) -> String {
     format!("{:.4}", rounded(sense.unit.from_si(si), 4))
 }
 
-/// Returns the note that says whether Monte Carlo samples confirm the first-order figures.
+/// Returns the note that states whether Monte Carlo samples confirm the first-order figures.
 fn spread(a: &Assessment<'_>) -> String {
     let said = (0..a.maps.len()).filter_map(|k| {
         let samples = a.samples[k].as_ref()?;
         let (name, unit) = (shown(&a.cell.operations[k].name), a.cell.operations[k].sense.unit);
         let holds = match a.first_order_holds(k)? {
             true => "the first-order figures hold",
-            false => "the first-order figures do NOT hold: those of the samples are shown",
+            false => "the first-order figures do NOT hold: the figures of the samples are shown",
         };
         let [p95, low, high] = [samples.p95.value, samples.p95.low, samples.p95.high].map(|v| unit.from_si(v));
         Some(format!(

@@ -1,4 +1,4 @@
-// The report is readable without this script. The script replaces the picture by the 3-D view, and opens
+// The report is readable without this script. The script replaces the picture with the 3-D view, and opens
 // folded parts for printing.
 (() => {
   const host = document.getElementById("viewer");

@@ -61,7 +61,7 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     Ok(Report { html, verdict })
 }
 
-/// Returns everything that stands below the verdict. `drawings` has one entry per layout; the first is the layout as
+/// Returns the sections below the verdict. `drawings` has one entry per layout; the first is the layout as
 /// drawn.
 pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section> {
     let mut sections = figures::sections(subject, drawings);

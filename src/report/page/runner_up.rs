@@ -28,7 +28,9 @@ fn next_layout(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
             "least error among the other layouts of the Pareto front in {}",
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
-        None => "next best of the clearly different layouts that the search kept".to_string(),
+        None => {
+            "next best of the layouts that the search kept, which differ clearly from each other".to_string()
+        }
     };
     let text = super::quantities::told(unit, value);
     Some(RunnerUpEntry { kind: RunnerUpKind::Layout, value, text, note: format!("{}: {kept}", next.file) })

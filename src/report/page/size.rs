@@ -5,7 +5,7 @@ use crate::drawing::Detail;
 /// Largest size of a page, bytes.
 const MAX_BYTES: usize = 8 << 20;
 
-/// Page with a note on what its size made leave out.
+/// Page, with a note on the details that are left out to limit its size.
 pub struct SizedPage {
     pub html: String,
     pub note: Option<String>,
@@ -14,8 +14,7 @@ pub struct SizedPage {
 /// Returns the most detailed page that is not larger than 8 MB. If none fits, returns the least detailed page, and
 /// its note is a warning.
 ///
-/// # Errors
-/// Returns why `page` cannot render a page of some detail.
+/// # Errors Returns the reason why `page` cannot render the page.
 pub fn sized(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Result<SizedPage, String> {
     let plain = Detail { nodes: 400, ..Detail::PLAIN };
     let mut html = String::new();

@@ -102,7 +102,7 @@ fn headline(v: &VerdictDocument, a: &Assessment<'_>) -> String {
     capital(&format!("{answer}{layout} {works}; {word} of {}", errors.join(", ")))
 }
 
-/// Returns where the equipment stands, seen from the robot base, with the room of each piece.
+/// Returns the placements of the equipment in the frame of the robot base, with the room of each piece.
 ///
 /// The robot base comes first if the search places it.
 fn placements(a: &Assessment<'_>) -> Vec<VerdictPlacement> {
@@ -156,7 +156,7 @@ fn facts(v: &VerdictDocument, subject: &Subject<'_>) -> Vec<FactEntry> {
     facts
 }
 
-/// Returns the entry on the objective, which matters to the optimizer.
+/// Returns the entry on the objective, the figure that the search minimizes.
 fn objective(cell: &Cell, value: f64) -> FactEntry {
     let text = told(cell.unit(), value);
     let note = format!("what the optimizer minimizes: {}; {}", summed(cell), reading_in_words(cell));
@@ -312,14 +312,14 @@ fn gap(found: &SearchResult, v: &VerdictDocument, unit: Unit) -> FactEntry {
             // Rounded up, so that the printed gap is never too small.
             text::gap(gap),
             format!(
-                "it is proven that no layout within the ranges has less than {}{covers}",
+                "it is proven that no layout within the ranges has an objective below {}{covers}",
                 down(unit, bound)
             ),
         ),
         (None, Some(bound)) => (
             "none".into(),
             format!(
-                "it is proven that no layout within the ranges has less than {}{covers}",
+                "it is proven that no layout within the ranges has an objective below {}{covers}",
                 down(unit, bound)
             ),
         ),

@@ -36,7 +36,8 @@ pub fn page(
     let words = content(&verdict, &picture, 0.0).1;
     let high = ((BOTTOM - TOP) / INSET - words).clamp(PICTURE.0, PICTURE.1);
     let (body, end) = content(&verdict, &picture, high);
-    // The content stays off the frame; that of many operations or pieces is scaled down to one page.
+    // The content keeps a distance from the frame. The content for many operations or pieces is scaled down
+    // to one page.
     let scale = ((BOTTOM - TOP) / end).min(INSET);
     let aside = LEFT + WIDTH / 2.0 * (1.0 - scale) - LEFT * scale;
     let mut svg = opened(&drawing.cell.name);
@@ -56,7 +57,7 @@ pub fn page(
     Ok(PaperSheet { svg, paper: Paper::A4 })
 }
 
-/// Returns what stands above the title block, and its height, mm.
+/// Returns the content above the title block, and its height, mm.
 fn content(verdict: &VerdictDocument, picture: &str, high: f64) -> (String, f64) {
     let mut flow = PageFlow::endless();
     flow.lines(&verdict.headline, TextStyle::plain(4.0).bold(), 5.2);

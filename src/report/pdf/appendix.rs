@@ -1,4 +1,4 @@
-//! Appendix: the sections of the report on upright pages with numbers.
+//! Appendix: the sections of the report on upright, numbered pages.
 
 use super::file::PdfPage;
 use super::flow::{FlowPage, LEFT, PageFlow, WIDTH, opened};
@@ -17,7 +17,7 @@ const FOOTER: (f64, f64) = (283.0, 287.0);
 pub fn pages(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<FlowPage> {
     let mut flow = PageFlow::new();
     for section in sections(subject, drawings) {
-        // The first picture or the beginning of the first table stands below the heading.
+        // The first picture or the beginning of the first table is on the same page as the heading.
         let first = section.figures.first().map_or(40.0, |figure| PageFlow::height(figure, PICTURE));
         flow.heading(&section.title, first + 6.0 * section.text.len() as f64);
         section.text.iter().for_each(|text| flow.paragraph(text));

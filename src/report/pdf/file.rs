@@ -20,7 +20,8 @@ pub struct PdfPage {
     pub headings: Vec<String>,
 }
 
-/// Returns the fonts that texts may use; no font of the machine is among them, so a page looks the same everywhere.
+/// Returns the fonts that texts may use. Fonts of the machine are not among them, so a page looks the same
+/// everywhere.
 fn options() -> usvg::Options<'static> {
     let mut fonts = fontdb::Database::new();
     [notosans::REGULAR_TTF, notosans::BOLD_TTF]
@@ -30,7 +31,7 @@ fn options() -> usvg::Options<'static> {
     usvg::Options { fontdb: Arc::new(fonts), font_family: FAMILY.into(), ..usvg::Options::default() }
 }
 
-/// Returns the file.
+/// Returns the bytes of the PDF file.
 ///
 /// # Errors
 /// Fails if a page is not an SVG that can be converted.

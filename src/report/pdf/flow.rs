@@ -72,8 +72,8 @@ impl PageFlow {
         self.y += height;
     }
 
-    /// Writes a heading that gets an entry in the table of contents; at least `below` mm of its page are left for
-    /// what follows.
+    /// Writes a heading that gets an entry in the table of contents. At least `below` mm of its page are left
+    /// for the content that follows.
     pub fn heading(&mut self, said: &str, below: f64) {
         self.need(9.0 + below);
         self.y += 5.0;
@@ -111,7 +111,7 @@ impl PageFlow {
 
     /// Writes a text in lines as wide as the page.
     pub fn lines(&mut self, said: &str, style: TextStyle, pitch: f64) {
-        // A bold text is wider than its estimate says.
+        // A bold text is wider than its estimate.
         let room = if style.is_bold { WIDTH / 1.08 } else { WIDTH };
         for line in words::wrapped(said, style.size, room, usize::MAX) {
             self.need(pitch);
@@ -167,8 +167,8 @@ pub fn size(svg: &str) -> Option<(f64, f64)> {
     Some((width.parse().ok()?, height.parse().ok()?)).filter(|(width, _)| *width > 0.0)
 }
 
-/// Returns a picture as an element of a page, with its upper left corner at `at` (mm). Its element names get the
-/// prefix of its number.
+/// Returns a picture as an element of a page, with its upper left corner at `at` (mm). The number becomes a
+/// prefix of the element names of the picture.
 fn nested(svg: &str, number: usize, (x, y): (f64, f64), (width, height): (f64, f64)) -> String {
     let place = format!("x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"");
     let own = size(svg).map_or(String::new(), |(w, h)| format!(" width=\"{w}\" height=\"{h}\""));

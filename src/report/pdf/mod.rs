@@ -14,8 +14,8 @@ use super::sheet::{PaperSheet, SheetNumber, sheet};
 use crate::drawing::Drawing;
 use file::PdfPage;
 
-/// Returns the PDF about a layout or the result of a search. `drawings` has one entry per layout, the recommended
-/// layout last; the robot is drawn at the spot of `operation`, or at home.
+/// Returns the PDF about a layout or the result of a search. `drawings` has one entry per layout, the
+/// recommended layout last. The robot is drawn at the spot of `operation`, or at home.
 ///
 /// # Errors
 /// Fails if a picture cannot be drawn or a page cannot be converted.

@@ -17,7 +17,7 @@ pub const FILING_MARGIN: f64 = 20.0;
 pub const MARGIN: f64 = 10.0;
 /// Width and height of the title block (ISO 7200), mm. It is as wide as the frame of an upright A4.
 pub const BLOCK: (f64, f64) = (210.0 - FILING_MARGIN - MARGIN, 40.0);
-/// Distance between the frame and what it contains, mm.
+/// Distance between the frame and its content, mm.
 const INSIDE: f64 = 5.0;
 /// Height of the heading of a view, mm.
 pub const HEADING: f64 = 7.0;
@@ -76,7 +76,8 @@ pub struct Arrangement {
     pub bar: (f64, f64),
 }
 
-/// Returns the arrangement with the largest scale that fits on A3, on the smallest paper that has this scale.
+/// Returns the arrangement with the largest scale that fits on A3, on the smallest paper on which this scale
+/// fits.
 pub fn arranged(needs: &Needs, projection: Projection) -> Arrangement {
     let last = SCALES[SCALES.len() - 1];
     let fits = |ratio: f64| PAPERS.into_iter().find(|paper| fits(needs, paper, ratio));
@@ -113,7 +114,7 @@ fn placed(needs: &Needs, paper: Paper, ratio: f64, projection: Projection) -> Ar
     let (plan, front) = (size(&needs.plan, ratio), size(&needs.front, ratio));
     let (wide, high) = stack(needs, ratio);
     let room = room(&paper, needs.list);
-    // The views stand in the middle of their space.
+    // The views are centred horizontally. A third of the free height is above them.
     let left = left + ((room.0 - wide) / 2.0).max(0.0);
     let top = top + ((room.1 - high) / 3.0).max(0.0);
     let (front_top, plan_top) = match projection {

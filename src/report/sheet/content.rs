@@ -97,7 +97,7 @@ pub fn map(out: &mut String, drawing: &Drawing<'_>, view: &SheetView, (k, field)
     );
 }
 
-/// Draws in plan where the frame origin of each piece may stand.
+/// Draws the regions in plan in which the frame origin of each piece may be.
 pub fn regions(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
     let rings = drawing.regions.iter().flat_map(|region| &region.rings);
     let outline: String =
@@ -113,8 +113,8 @@ pub fn regions(out: &mut String, drawing: &Drawing<'_>, view: &SheetView) {
 
 const SPOT: &str = "#99286e";
 
-/// Draws the spots in a view, where `place` maps a point of the world to the plane of the view. The names stand
-/// where they cover nothing.
+/// Draws the spots in a view, where `place` maps a point of the world to the plane of the view. The names are
+/// placed where they cover nothing.
 pub fn spots(
     out: &mut String,
     drawing: &Drawing<'_>,
@@ -143,7 +143,8 @@ pub fn spots(
     }
 }
 
-/// Occupies and returns the first of several places at which a text `wide` mm wide covers nothing, or the first place.
+/// Occupies and returns the first place at which a text `wide` mm wide covers nothing. Returns the first
+/// place if there is none.
 fn free_place(
     taken: &mut OccupiedBoxes,
     places: impl Iterator<Item = (f64, f64)> + Clone,
@@ -187,7 +188,8 @@ fn extents(drawing: &Drawing<'_>, view: &SheetView, solids: &[SheetSolid]) -> Ve
     let base = floor_corners(&cell.robot.footprint, &layout.base).map(on_paper);
     all.push((cell.robot.name.clone(), base.to_vec()));
     for (e, at) in cell.equipment.iter().zip(&layout.placements) {
-        // The surface of equipment holds the arrows, so its name stands within its floor space or beside it.
+        // The surface of equipment holds the arrows, so the name is placed within the floor space or beside
+        // it.
         all.push((e.name.clone(), floor_corners(&e.footprint, at).map(on_paper).to_vec()));
     }
     for solid in solids.iter().filter(|s| s.kind == PartKind::KeepOut) {

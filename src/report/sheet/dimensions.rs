@@ -1,5 +1,5 @@
-//! Dimensions: distances along the world x and y from the robot base to the nearest corner of every piece of
-//! equipment, its yaw, and the heights in the front view.
+//! Dimensions of the views: distances along the world x and y from the robot base to the nearest corner of
+//! every piece of equipment. The yaw of every piece and the heights in the front view are dimensioned, too.
 
 use super::SheetView;
 use super::ink::{TextAnchor, TextStyle, put, stroke};
@@ -31,7 +31,8 @@ pub struct Mark {
     pub equipment: usize,
     /// Corner nearest to the robot base, world frame, m.
     pub corner: Vector2<f64>,
-    /// Tolerances of the corner along x and y, m; None if none is stated, or if the yaw uses all of it.
+    /// Tolerances of the corner along x and y, m. None if no tolerance is stated, or if the tolerance of the
+    /// yaw uses it up.
     pub tolerance: [Option<f64>; 2],
     /// Tolerance of the yaw, rad; 0 if none is stated.
     pub turn: f64,
@@ -49,7 +50,7 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
         Some((k, e, at, corner))
     });
     let mark = |(n, (equipment, e, at, corner)): (usize, (usize, &Equipment, &Placement, _))| {
-        // The tolerance of a piece on another one is not along the world axes.
+        // The tolerance of a piece that stands on another piece is not along the world axes.
         let given = if e.on.is_none() { e.tolerance.0 } else { [0.0; 4] };
         Mark {
             letter: letter(n),
@@ -62,10 +63,10 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
     nearest.enumerate().map(mark).collect()
 }
 
-/// Returns the tolerances of a corner that keep the frame within its own at every allowed yaw, m.
+/// Returns the tolerances of a corner that keep the frame within its own tolerances at every allowed yaw, m.
 ///
-/// A yaw error d moves the frame by d times its distance from the corner, and the tolerance of the corner
-/// is smaller by this amount.
+/// A yaw error d moves the frame by d times its distance from the corner. The tolerance of the corner is
+/// smaller by this amount.
 fn of_corner(given: &[f64; 4], at: &Placement, corner: &Vector2<f64>) -> [Option<f64>; 2] {
     let arm = Vector2::new(at.x, at.y) - corner;
     let left = [given[0] - given[3] * arm.y.abs(), given[1] - given[3] * arm.x.abs()];
@@ -96,7 +97,7 @@ fn number(m: f64) -> String {
 
 /// Returns a tolerance in words, rounded down to 0.1 mm; empty if there is none.
 fn plus_minus(tolerance: Option<f64>) -> String {
-    // The small share makes up for the rounding of the conversion.
+    // Adding 1e-6 compensates for rounding errors of the conversion.
     let down = |m: f64| (mm_from_m(m) * 10.0 + 1e-6).floor() / 10.0;
     tolerance.map_or(String::new(), |m| format!(" \u{b1}{}", down(m)))
 }
@@ -147,7 +148,8 @@ fn balloon(out: &mut String, (x, y): (f64, f64), letter: &str) {
     put(out, (x, y + 0.95), style, "", letter);
 }
 
-/// Draws the yaw of a piece as an angular dimension at its corner, from the world x to the x axis of the piece.
+/// Draws the yaw of a piece as an angular dimension at its corner. The angle goes from the world x to the x
+/// axis of the piece.
 fn angle(
     out: &mut String,
     drawing: &Drawing<'_>,
@@ -181,7 +183,7 @@ fn angle(
         let heads = head(a, at_start) + &head(b, at_end);
         let _ = writeln!(out, "<path d=\"{heads}\" fill=\"{BLACK}\"/>");
     }
-    // The number stands beside the arc, at a free place.
+    // The number is beside the arc, at a free place.
     let wide = NUMBER.width(&said);
     // Beside a small angle the edge of the piece would cross the number.
     let lifts =
@@ -210,7 +212,7 @@ struct HeightMark {
     tolerance: Option<f64>,
 }
 
-/// Returns the heights of the robot base and of every piece of equipment; those at the floor are left out.
+/// Returns the heights of the robot base and of every piece of equipment; heights of 0 are left out.
 fn heights(drawing: &Drawing<'_>) -> Vec<HeightMark> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let tolerance = |half: f64| Some(half).filter(|half| *half > 0.0);

@@ -61,7 +61,7 @@ impl TextStyle {
     }
 }
 
-/// Writes a text; `paint` has further attributes.
+/// Writes a text; `paint` contains further SVG attributes.
 pub fn put(out: &mut String, (x, y): (f64, f64), style: TextStyle, paint: &str, said: &str) {
     let weight = if style.is_bold { " font-weight=\"600\"" } else { "" };
     let turned = match style.turned {
@@ -84,7 +84,7 @@ pub fn put(out: &mut String, (x, y): (f64, f64), style: TextStyle, paint: &str, 
     let _ = writeln!(out, "{start}{paint}>{said}</text>");
 }
 
-/// Draws lines along a path; `width` in mm.
+/// Draws lines along a path; `width` is in mm.
 pub fn stroke(out: &mut String, path: &str, colour: &str, width: f64) {
     let _ = writeln!(out, "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"/>");
 }

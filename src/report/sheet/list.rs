@@ -38,7 +38,7 @@ pub fn height(drawing: &Drawing<'_>) -> f64 {
     LINE * lines(drawing).len() as f64 + 3.0
 }
 
-/// Draws the list. A list that is higher than its space has lower lines.
+/// Draws the list. A list that is higher than its space is drawn with a smaller line height.
 pub fn draw(out: &mut String, drawing: &Drawing<'_>, arrangement: &Arrangement) {
     let lines = lines(drawing);
     let (left, top, high) = arrangement.list;
@@ -168,7 +168,7 @@ fn room(drawing: &Drawing<'_>) -> Vec<ListLine> {
     if drawing.regions.is_empty() {
         return Vec::new();
     }
-    let what = ["", "", "", "", "any way", "turn"];
+    let what = ["", "", "", "", "in plan", "in yaw"];
     let mut all = vec![ListLine::head("room to place (filled: where the frame may be)", what, "")];
     // A room that is rounded up may not be feasible.
     let down = |value: f64, scale: f64| (value * scale).floor() / scale;

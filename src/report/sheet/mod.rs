@@ -1,7 +1,7 @@
 //! Drawing of the cell on paper: plan and front view to scale, with dimensions, list of placements and title block.
 //!
-//! Sizes are in mm on paper. The sheet is A4 or A3 (ISO 216) with the margins of ISO 5457, a scale of ISO 5455, and
-//! views in the projection that the cell file states (ISO 5456-2). Print the sheet at 100 %.
+//! Sizes are in mm on paper. The sheet is A4 or A3 (ISO 216) with the margins of ISO 5457 and a scale of ISO
+//! 5455. The views are in the projection that the cell file states (ISO 5456-2). Print the sheet at 100 %.
 
 mod arrangement;
 mod content;
@@ -114,7 +114,8 @@ pub(super) fn opened(paper: &Paper, name: &str) -> String {
     )
 }
 
-/// Returns what the views need. Both views have the same range of x, so that one stands exactly below the other.
+/// Returns the sizes that the views need. Both views have the same range of x, so that one is exactly below
+/// the other.
 fn needs(drawing: &Drawing<'_>, above: &[SheetSolid], before: &[SheetSolid]) -> Needs {
     let (mut plan, mut front) = (bounds(drawing, above, true), bounds(drawing, before, false));
     let (low, high) = (plan.0.x.min(front.0.x), plan.1.x.max(front.1.x));

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Colour of lines and texts.
 pub const BLACK: &str = "#000000";
 
-/// Position of a sheet in a set: its number and how many there are.
+/// Position of a sheet in a set: the number of the sheet and the number of all sheets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SheetNumber {
     pub number: usize,
@@ -17,7 +17,7 @@ pub struct SheetNumber {
 }
 
 impl SheetNumber {
-    /// Number of a sheet that stands alone.
+    /// Position of a single sheet.
     pub const ALONE: Self = Self { number: 1, count: 1 };
 
     pub fn in_words(self) -> String {
@@ -25,7 +25,7 @@ impl SheetNumber {
     }
 }
 
-/// Entries of a title block other than those of the cell file.
+/// Entries of a title block that do not come from the cell file.
 pub struct BlockEntries<'a> {
     pub cell: &'a Cell,
     pub sheet: SheetNumber,
@@ -33,11 +33,12 @@ pub struct BlockEntries<'a> {
     pub kind: String,
     /// Scale, for example "1:20".
     pub scale: String,
-    /// Remarks on what the sheet shows; at most three.
+    /// Remarks on the content of the sheet; at most three.
     pub notes: Vec<String>,
 }
 
-/// Field of the title block: place (left, top, width and height from the corner of the block, mm), label and text.
+/// Field of the title block: place, label and text. The place is left, top, width and height from the corner
+/// of the block, mm.
 pub type BlockField = ([f64; 4], &'static str, String);
 
 /// Returns the title of the drawings of a cell.

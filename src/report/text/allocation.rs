@@ -18,8 +18,7 @@ pub fn allocation(d: &AllocationDocument) -> String {
     out.push_str(&table(d));
     // Writing to a String cannot fail.
     if !d.fixed.is_empty() {
-        let _ =
-            writeln!(out, "  cannot be ordered, because they are measured or correlated: {}", few(&d.fixed));
+        let _ = writeln!(out, "  not allocated, because they are measured or correlated: {}", few(&d.fixed));
     }
     if d.status == AllocationStatus::Infeasible {
         d.shortfalls.iter().take(MAX_LISTED).for_each(|s| out.push_str(&shortfall(s)));
@@ -53,7 +52,7 @@ pub fn allocation(d: &AllocationDocument) -> String {
     out
 }
 
-/// Returns what is limited, in one line.
+/// Returns the limits of the operations in one line.
 fn limits(d: &AllocationDocument) -> String {
     let mut names: Vec<&str> = Vec::new();
     for requirement in &d.requirements {
@@ -134,7 +133,7 @@ fn costs(d: &AllocationDocument) -> String {
     out
 }
 
-/// Returns a line for each requirement at its limit, the dearest first.
+/// Returns a line for each requirement at its limit, the one with the highest shadow price first.
 fn bindings(d: &AllocationDocument) -> String {
     let mut binding: Vec<&AllocationRequirement> = d.requirements.iter().filter(|r| r.is_binding).collect();
     binding.sort_by(|a, b| b.shadow_price.unwrap_or(0.0).total_cmp(&a.shadow_price.unwrap_or(0.0)));
@@ -148,7 +147,7 @@ fn bindings(d: &AllocationDocument) -> String {
         let (name, node) = (shown(&r.operation), format!("({}, {})", r.node[0], r.node[1]));
         let _ = writeln!(
             out,
-            "  {name} at node {node} is at its limit of {} {unit}, now {}: {} {unit} more would save {} %",
+            "  {name} at node {node} is at its limit of {} {unit} ({} with the present tolerances): {} {unit} more would save {} %",
             rounded(r.limit, 6),
             fixed(r.before, 4),
             rounded(step, 9),
@@ -171,7 +170,7 @@ fn judgement(d: &AllocationDocument) -> String {
     if j.missed_percent > 1e-4 {
         let _ = writeln!(
             out,
-            "  the first solution exceeded a limit by {} % by the {model} model; {} further rounds \
+            "  the first solution exceeded a limit by {} % according to the {model} model; {} further rounds \
             corrected this",
             fixed(j.missed_percent, 4),
             j.rounds
@@ -215,7 +214,7 @@ fn shortfall(s: &ShortfallEntry) -> String {
     let bounds = s.in_the_way.iter().take(3).map(|b| {
         let tightest = rounded(b.tightest, 6);
         format!(
-            "{} (at least {tightest} {}; without it {} {unit})",
+            "{} (at least {tightest} {}; without this error {} {unit})",
             b.parameter,
             b.unit.word(),
             fixed(b.without, 4)
@@ -225,7 +224,7 @@ fn shortfall(s: &ShortfallEntry) -> String {
     out
 }
 
-/// Lists the first names, and how many more there are.
+/// Lists the first names, and the number of further names.
 fn few(names: &[String]) -> String {
     let first = names.iter().take(2 * MAX_LISTED).map(|name| shown(name)).collect::<Vec<_>>().join(", ");
     match names.len().saturating_sub(2 * MAX_LISTED) {

@@ -1,5 +1,4 @@
-//! The answer to the question of a search or map: where everything stands, the errors of the operations, and the
-//! room to place.
+//! The answer of a search or map: the placements, the errors of the operations, and the room to place.
 
 use super::compare::margin;
 use super::table::TextTable;
@@ -14,7 +13,7 @@ use std::fmt::Write;
 
 /// Returns the answer for one feasible layout, in the order in which a fitter needs it.
 ///
-/// It is empty if the layout is not feasible.
+/// The text is empty if the layout is not feasible.
 pub fn answer(a: &Assessment<'_>) -> String {
     if a.evaluation.objective.is_none() {
         return String::new();
@@ -78,8 +77,8 @@ fn operations(a: &Assessment<'_>) -> String {
     table.render() + &buildability::verdict(a)
 }
 
-/// Returns the room of every piece, what limits it, and the rotation of the whole cell; empty without
-/// regions.
+/// Returns the room of every piece, the reasons that limit it, and the rotation of the whole cell; empty
+/// without regions.
 fn room(a: &Assessment<'_>) -> String {
     let regions = RegionEntry::all(a);
     if regions.is_empty() {
@@ -120,11 +119,11 @@ fn room(a: &Assessment<'_>) -> String {
     out
 }
 
-/// Returns how far the whole cell may be turned about the base axis, as a line of text.
+/// Returns how far the whole cell may be rotated about the base axis, as a line of text.
 fn whole_cell(turn: &TurnEntry) -> String {
     let [least, most] = turn.turn_deg;
     format!(
-        "the whole cell may be turned about the base axis by {least} to {most} deg with the same \
+        "the whole cell may be rotated about the base axis by {least} to {most} deg with the same \
         errors; limited by {}\n",
         turn.ends_with
     )

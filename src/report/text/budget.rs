@@ -22,7 +22,7 @@ pub fn budget(a: &BudgetReport<'_>) -> String {
     };
     let mut out = place_words(&a.context);
     if a.judged.figures[evaluator.own()].worst <= NEGLIGIBLE {
-        // Such an error consists of rounding errors, whose shares would mean nothing.
+        // Such an error consists of rounding errors, whose shares have no meaning.
         out.push_str(match a.context.situation.site.taught.is_some() {
             true => "  this point was touched to teach the frame: no error remains here\n",
             false => "  no parameter has an effect here\n",
@@ -106,10 +106,10 @@ fn tighten(a: &BudgetReport<'_>) -> String {
     let mut out = String::new();
     for tighter @ Tighter { parameters, figure: left } in &a.tighter {
         let names: Vec<String> = parameters.iter().map(|p| names::parameter(cell, *p)).collect();
-        let (all, what) = if names.len() > 1 { (" together", "it") } else { ("", figure) };
+        let all = if names.len() > 1 { " together" } else { "" };
         let _ = writeln!(
             out,
-            "  halving {}{all} cuts {what} by {}, from {} to {}",
+            "  halving {}{all} cuts {figure} by {}, from {} to {}",
             names.join(", "),
             percent1(a.cut(tighter)),
             amount(unit, a.figure),

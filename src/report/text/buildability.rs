@@ -1,11 +1,11 @@
-//! What a layout withstands: certificate and assumptions, as text.
+//! Certificate and assumptions of a layout, as text.
 
 use crate::assess::Assessment;
 use crate::cell::Cell;
 use crate::files::shown;
 
-/// Returns whether a layout works at every misplacement, with the worst errors; empty if the cell does not demand
-/// it.
+/// Returns whether a layout works at every misplacement, with the worst errors. The text is empty if the cell
+/// demands no certificate.
 pub fn certificate(a: &Assessment<'_>) -> String {
     if !a.workcell.certifies() {
         return String::new();
@@ -31,17 +31,17 @@ pub fn certificate(a: &Assessment<'_>) -> String {
     )
 }
 
-/// Returns what was assumed, and how to change it; empty if nothing was assumed.
+/// Returns the assumed values with the keys that change them; empty if nothing was assumed.
 pub fn assumptions(cell: &Cell) -> String {
     if cell.assumed.is_empty() {
         return String::new();
     }
     let all: Vec<String> = cell.assumed.iter().map(|a| format!("{} = {}", a.key, a.value)).collect();
-    format!("assumed, because the cell does not state it: {}\n", all.join("; "))
+    format!("assumed, because the cell does not state these keys: {}\n", all.join("; "))
 }
 
-/// Returns whether a feasible layout works at every misplacement, as a line of text; empty if the cell does not demand
-/// it.
+/// Returns a line of text on whether a feasible layout works at every misplacement. The text is empty if the
+/// cell demands no certificate.
 pub fn verdict(a: &Assessment<'_>) -> String {
     if !a.workcell.certifies() {
         return String::new();

@@ -44,14 +44,17 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     let _ = match &document.held_out {
         Some(of) => writeln!(
             out,
-            "\nCross-validation: each block of the joint space is predicted by a fit without it. The error \
+            "\nCross-validation: each block of the joint space is predicted by a fit without this block. The error \
              has mean {} mm, rms {} mm, 95 % {} mm, max {} mm.",
             fixed(of.mean_mm, 3),
             fixed(of.rms_mm, 3),
             fixed(of.p95_mm, 3),
             fixed(of.max_mm, 3)
         ),
-        None => writeln!(out, "\nCross-validation: too few positions for a fit without a block."),
+        None => writeln!(
+            out,
+            "\nCross-validation: there are too few positions for a fit that leaves a block out."
+        ),
     };
     out.push_str("\nParameters\n");
     let mut parameters = TextTable::indented(1);
@@ -81,7 +84,7 @@ pub fn calibration(document: &CalibrationDocument) -> String {
     if !document.harmonics.is_empty() {
         out.push_str("\nPeriodic errors of the joints, deg\n");
         let mut periodic = TextTable::indented(1);
-        periodic.row(["", "orders", "rms over a turn", "sigma, highest order"]);
+        periodic.row(["", "orders", "rms over a revolution", "sigma, highest order"]);
         for h in &document.harmonics {
             let (rms, prior) = (fixed(h.rms_deg, 4), fixed(h.prior_deg, 5));
             periodic.row([shown(&h.joint), h.cos_deg.len().to_string(), rms, prior]);
@@ -92,7 +95,7 @@ pub fn calibration(document: &CalibrationDocument) -> String {
         let joints: Vec<_> = misfit.joints.iter().map(|deviation| fixed(*deviation, 4)).collect();
         let _ = writeln!(
             out,
-            "\nMisfit, standard deviations of what the parameters do not explain: joints {} (deg or mm), \
+            "\nMisfit, standard deviations of the errors that the parameters do not explain: joints {} (deg or mm), \
              positions {} mm.",
             joints.join(", "),
             fixed(misfit.position_mm, 3)

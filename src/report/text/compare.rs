@@ -60,7 +60,7 @@ pub fn comparison_table(comparison: &Comparison<'_>) -> TextTable {
     table
 }
 
-/// Returns what the optimizer minimizes, with the unit.
+/// Returns the label of the objective, with the unit.
 fn objective_label(cell: &Cell) -> String {
     let how = match (cell.operations.len(), cell.search.objective) {
         (1, _) => "",

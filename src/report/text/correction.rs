@@ -8,7 +8,7 @@ use crate::record::{CorrectionDocument, CorrectionEntry, CorrectionState};
 use crate::report::correction::target;
 use std::fmt::Write;
 
-/// Returns joint commands, pose commands, and what remains of the error at every target.
+/// Returns joint commands, pose commands, and the remaining error at every target.
 pub fn correction(document: &CorrectionDocument) -> String {
     let mut out = String::new();
     let known: Vec<&CorrectionEntry> = document.targets.iter().filter(|t| t.joints.is_some()).collect();

@@ -6,8 +6,8 @@ use crate::cycle_time::{ASSUMED_FULL_SPEED_AFTER, CyclePhase, CycleStep, CycleTi
 use crate::safe_text::shown;
 use std::fmt::Write;
 
-/// Returns the cycle time of a feasible layout with its steps, or what is missing for it; empty if the layout is not
-/// feasible.
+/// Returns the cycle time of a feasible layout with its steps, or the data that are missing. The text is
+/// empty if the layout is not feasible.
 pub fn cycle_time(a: &Assessment<'_>) -> String {
     if a.evaluation.objective.is_none() {
         return String::new();
@@ -36,7 +36,7 @@ pub fn cycle_heading(cycle: &CycleTime) -> String {
     format!("{name}: {:.2} s{estimate}", cycle.total())
 }
 
-/// Returns what to know about a cycle time: what is assumed, not checked or not counted.
+/// Returns notes on a cycle time: the parts that are assumed, not checked or not counted.
 pub fn cycle_notes(cell: &Cell, cycle: &CycleTime) -> Vec<String> {
     let mut notes = Vec::new();
     if cycle.is_assumed {
@@ -46,11 +46,14 @@ pub fn cycle_notes(cell: &Cell, cycle: &CycleTime) -> Vec<String> {
         ));
     }
     if cycle.steps.iter().any(|step| step.phase == CyclePhase::DirectMove) {
-        notes
-            .push("the direct moves are not checked for collision: [transfer] check = true does this".into());
+        notes.push(
+            "the direct moves are not checked for collision: [transfer] check = true checks them".into(),
+        );
     }
     if !cycle.is_cycle && cell.operations.len() > 1 {
-        notes.push("without the way back to the first operation: [transfer] cycle = true adds it".into());
+        notes.push(
+            "the way back to the first operation is not included: [transfer] cycle = true adds it".into(),
+        );
     }
     notes
 }
@@ -76,7 +79,7 @@ pub fn cycle_step_name(cell: &Cell, step: &CycleStep) -> String {
     }
 }
 
-/// Says which joints have no greatest speed, as a clause.
+/// Returns a clause that names the joints without a greatest speed.
 fn without_speed(cell: &Cell) -> String {
     let missing = cell.robot.joints_without_speed();
     let names: Vec<String> = missing.iter().map(|&k| shown(&cell.robot.joints[k].name)).collect();

@@ -44,7 +44,7 @@ pub fn robot(sheet: &RobotDataSheet<'_>) -> String {
         out,
         "tool        TCP at {} mm in the last frame, {}, axis {}",
         triple(&tool.translation.map(mm_from_m)),
-        if tool.rotation == nalgebra::Matrix3::identity() { "same orientation" } else { "turned" },
+        if tool.rotation == nalgebra::Matrix3::identity() { "same orientation" } else { "rotated" },
         triple(&robot.tool_axis)
     );
     let axis = sheet.pose.rotation * robot.tool_axis;

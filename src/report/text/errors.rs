@@ -76,7 +76,7 @@ fn accuracy(document: &ErrorsDocument) -> String {
         let scatter: Vec<_> = scatter.iter().map(|s| fixed(*s, 5)).collect();
         let _ = writeln!(
             out,
-            "  a repeatability RP of {rp} mm is a scatter of the joints by {} (deg or mm, 1 sigma)",
+            "  a repeatability RP of {rp} mm corresponds to a scatter of the joints of {} (deg or mm, 1 sigma)",
             scatter.join(", ")
         );
     }
@@ -86,7 +86,7 @@ fn accuracy(document: &ErrorsDocument) -> String {
 fn cube(document: &ErrorsDocument) -> String {
     let cube = &document.cube;
     let [x, y, z] = cube.centre_mm.map(|mm| fixed(mm, 1));
-    let size = if cube.is_standard { "" } else { ", smaller than any of the standard" };
+    let size = if cube.is_standard { "" } else { ", smaller than every cube of the standard" };
     let spin = match cube.spin_deg {
         Some(spin) => format!("spin {} deg", fixed(spin, 1)),
         None => "spin dictated by the arm".into(),

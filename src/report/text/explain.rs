@@ -32,7 +32,7 @@ fn place(e: &Explanation<'_>) -> String {
     );
     let _ = writeln!(
         out,
-        "  robot base, world: {} mm, turned {} deg; all vectors below are in base axes unless marked \"world\"",
+        "  robot base, world: {} mm, yaw {} deg; all vectors below are in base axes unless marked \"world\"",
         triple(&Vector3::new(base.x, base.y, base.z), 3, mm_from_m),
         fixed(deg_from_rad(base.yaw), 3)
     );

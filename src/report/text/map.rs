@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 /// Returns the summary of every map, of the transfers and of the feasibility.
 pub fn maps(a: &Assessment<'_>) -> String {
-    // A layout that cannot be used is named as such before its figures.
+    // A layout that is not feasible is reported as not feasible before its figures.
     let mut out = super::certificate(a);
     if a.evaluation.objective.is_none() {
         out.push_str(&feasibility(a));
@@ -132,8 +132,8 @@ fn guard_summary(cell: &Cell, map: &OperationMap) -> String {
     )
 }
 
-/// Returns the warning that the chosen model cannot be trusted; None if it can be trusted at every usable
-/// node.
+/// Returns the warning that the chosen model cannot be trusted; None if the model can be trusted at every
+/// usable node.
 pub fn distrust(cell: &Cell, map: &OperationMap) -> Option<String> {
     let (most, above, all) = map.off(cell.model, cell.guard);
     (above > 0).then(|| {

@@ -86,7 +86,7 @@ pub fn measured_findings(file: &ComparedFile) -> Vec<String> {
         let note = match repeats.enough_visits {
             true => String::new(),
             false => format!(
-                "; the standard demands {CYCLES_OF_STANDARD} visits, some have only {}",
+                "; the standard demands {CYCLES_OF_STANDARD} visits, but some postures have only {}",
                 repeats.least_visits
             ),
         };

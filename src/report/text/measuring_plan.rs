@@ -34,8 +34,7 @@ pub fn measuring_plan(document: &MeasuringPlanDocument) -> String {
         out,
         "\nExpected rms error of predicted positions at {} nodes of the operations, after registration \
         of the base: {} mm without a measurement, {} mm with these poses, {} mm with {} poses that only \
-        fill the joint space. The error that the {} unknowns do not explain is not included; it is assumed \
-        as {} mm per axis that nearby poses share, and {} mm of each pose.",
+        fill the joint space. The error that the {} unknowns do not explain is not included; its assumed size is {} mm per axis, shared by nearby poses, and {} mm per axis of each pose alone.",
         expected.nodes,
         fixed(expected.before_mm, 3),
         fixed(expected.after_mm, 3),

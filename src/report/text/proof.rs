@@ -6,22 +6,24 @@ use crate::proof::Proof;
 use crate::units::percent_from_share;
 use std::fmt::Write;
 
-/// Returns the lower bound, the gap from it to the best layout found, and what the bound covers.
+/// Returns the lower bound, the gap from it to the best layout found, and the operations that the bound
+/// covers.
 pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
     let (cell, covers) = (&workcell.cell, proof.in_words(workcell));
     let Some(bound) = proof.bound else { return format!("{covers}\n") };
     let unit = cell.unit();
     // Rounded down, so that the printed number is a proven bound, too.
     let down = |v: f64| format!("{:.4} {}", (unit.from_si(v) * 1e4).floor() / 1e4, unit.word());
-    let mut out = format!("proven lower bound: no layout in these ranges has less than {}", down(bound));
+    let mut out =
+        format!("proven lower bound: no layout in these ranges has an objective below {}", down(bound));
     if let Some(gap) = gap {
         let gap = super::gap(percent_from_share(gap));
-        let _ = write!(out, "; the best found is {gap} above it");
+        let _ = write!(out, "; the best layout found is {gap} above this bound");
     }
     let _ = writeln!(out, "\n  the bound covers {covers}");
     if workcell.certifies() {
         out.push_str(
-            "  it holds for layouts that work as drawn, so also for those that withstand misplacements\n",
+            "  the bound holds for layouts that work as drawn, so it also holds for layouts that withstand misplacements\n",
         );
     }
     for (bound, operation) in proof.operations.iter().zip(&cell.operations) {

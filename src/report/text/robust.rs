@@ -84,10 +84,10 @@ fn because(cell: &Cell, largest: &Largest) -> String {
     match &largest.ended {
         None => String::new(),
         Some(MisplacementEnd::Limit(Corner { moves: at, .. })) => {
-            format!(": beyond that it exceeds its limit at {}", moves(cell, at))
+            format!(": beyond that, the operation exceeds its limit at {}", moves(cell, at))
         }
         Some(MisplacementEnd::Lost(Lost { moves: at, status })) => {
-            format!(": beyond that {} at {}", status.reason(cell), moves(cell, at))
+            format!(": beyond that, {} at {}", status.reason(cell), moves(cell, at))
         }
     }
 }

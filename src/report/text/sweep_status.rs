@@ -5,7 +5,8 @@ use crate::files::shown;
 use crate::record::SweepStatus;
 use std::fmt::Write;
 
-/// Returns how many combinations are done and left, and lists those that run or have failed, and the hosts.
+/// Returns the numbers of combinations that are done and left, and lists the running combinations, the failed
+/// ones and the hosts.
 pub fn sweep_status(status: &SweepStatus) -> String {
     let SweepStatus { combinations, done, free, running, failed, hosts, .. } = status;
     let mut out = format!(

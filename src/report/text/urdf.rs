@@ -8,8 +8,8 @@ use crate::record::roll_pitch_yaw;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 
-/// Returns the derived D-H rows of a robot and the unused elements of its URDF; empty for a robot given by
-/// D-H rows.
+/// Returns the derived D-H rows of a robot and the unused elements of its URDF. The text is empty for a robot
+/// given by D-H rows.
 pub fn derived(robot: &Robot) -> String {
     let Some(UrdfOrigin { file, base_link, tip_link, tip, ignored }) = &robot.urdf else {
         return String::new();

@@ -85,7 +85,11 @@ fn an_infeasible_limit_exits_1_and_names_the_bounds() {
     let ran = shop.run(&["allocate", CELL, "--limit", "1"]);
     assert_eq!(ran.code, Some(1));
     assert!(ran.out.contains("even the tightest tolerances give 1.79"), "{}", ran.out);
-    assert!(ran.out.contains("in the way: dalpha3 (at least 0.1 deg; without it 1.16"), "{}", ran.out);
+    assert!(
+        ran.out.contains("in the way: dalpha3 (at least 0.1 deg; without this error 1.16"),
+        "{}",
+        ran.out
+    );
     let document = shop.run(&["allocate", CELL, "--limit", "1", "--json"]).document();
     assert_eq!((&document["status"], &document["cost"]), (&"infeasible".into(), &Value::Null));
     let shortfall = &items(&document, "shortfalls")[0];

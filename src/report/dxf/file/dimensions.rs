@@ -13,7 +13,7 @@ const ARC_LINES: usize = 24;
 
 impl DxfFile {
     /// Writes the dimension from `a` to `b` along x, or along y if `upright`. The dimension line passes
-    /// through `through`. `after` follows the number: a tolerance, or nothing.
+    /// through `through`. `after` is the text after the number: a tolerance, or empty.
     pub fn dimension(
         &mut self,
         layer: &str,
@@ -50,7 +50,8 @@ impl DxfFile {
         out.put(100, "AcDbRotatedDimension");
     }
 
-    /// Returns the middle of the number of a dimension: above the line or, if that is too short, beside its end.
+    /// Returns the middle of the number of a dimension. The number is above the line or, if the line is too
+    /// short, beside its end.
     fn number_place(&self, [from, to]: [&Vector3<f64>; 2], across: &Vector3<f64>, wide: f64) -> Vector3<f64> {
         let lift = across * (0.9 * self.height);
         let along = (to - from).try_normalize(1e-9).unwrap_or_else(Vector3::x);
@@ -60,8 +61,8 @@ impl DxfFile {
         to + along * (wide / 2.0 + 1.5 * self.height) + lift
     }
 
-    /// Writes the angle at `vertex` from world x to the direction `angle` (rad). The arc has this radius (m), and the
-    /// middle of the number is at `place`.
+    /// Writes the angle at `vertex` from world x to the direction `angle` (rad). The radius of the arc is
+    /// `radius` (m), and the middle of the number is at `place`.
     pub fn angular_dimension(
         &mut self,
         layer: &str,
@@ -116,7 +117,7 @@ impl DxfFile {
         self.face(layer, &[*tip, tip + back + side, tip + back - side], [false; 3]);
     }
 
-    /// Begins a dimension: name of its block, point on the line or arc, middle of the text, kind.
+    /// Begins a dimension with the given block, point on the line or arc, middle of the text, and kind.
     fn begun_dimension(
         &mut self,
         layer: &str,
@@ -124,7 +125,7 @@ impl DxfFile {
         kind: u16,
         after: &str,
     ) -> &mut Codes {
-        // `<>` stands for the measured value.
+        // `<>` represents the measured value.
         let text = if after.is_empty() { String::new() } else { format!("<>{}", safe(after)) };
         let out = self.entity("DIMENSION", layer);
         out.put(100, "AcDbDimension");

@@ -67,7 +67,7 @@ impl DxfFile {
         self.seen(at);
     }
 
-    /// Writes a reference to a block, at a point and turned about z (rad).
+    /// Writes a reference to a block at a point, rotated about z by `angle` (rad).
     pub fn insert(&mut self, layer: &str, block: &str, at: &Vector3<f64>, angle: f64) {
         let out = self.entity("INSERT", layer);
         out.put(100, "AcDbBlockReference");

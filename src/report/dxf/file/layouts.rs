@@ -31,7 +31,7 @@ impl DxfFile {
         out.length(45, height);
         [46, 47, 48, 49, 140, 141].into_iter().for_each(|code| out.real(code, 0.0));
         [142, 143].into_iter().for_each(|scale| out.real(scale, 1.0));
-        // Bit 1024 marks model space. Plot type 5 plots the layout, and 0 what is displayed.
+        // Bit 1024 marks model space. Plot type 5 plots the layout, and plot type 0 the displayed part.
         out.put(70, if is_paper { 0 } else { 1024 });
         // Millimetres, not rotated.
         out.put(72, 1);
@@ -68,15 +68,16 @@ impl DxfFile {
         out.handle(330, self.spaces[space].record);
     }
 
-    /// Writes the viewport that stands for the paper itself.
+    /// Writes the viewport that represents the paper itself.
     pub(super) fn main_viewport(&mut self) {
         let (width, height) = self.paper;
         let centre = Vector3::new(width / 2.0, height / 2.0, 0.0);
         self.numbered_viewport("0", 1, (&centre, (width, height)), (&centre, height));
     }
 
-    /// Writes a viewport on the model: its middle and size on paper (m), and the point of the model (m) in its middle with
-    /// the height of the model that it shows.
+    /// Writes a viewport on the model. `on_paper` is the middle and the size of the viewport on paper, m.
+    /// `of_model` is the point of the model in the middle of the viewport, and the visible height of the
+    /// model, m.
     pub fn viewport(
         &mut self,
         layer: &str,

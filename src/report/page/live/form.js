@@ -91,7 +91,7 @@ class Form {
   }
 
   /**
-   * Says beside a number why it is refused.
+   * Shows beside a number why the number is refused.
    * @param {FormRow} row
    * @param {string} text
    */

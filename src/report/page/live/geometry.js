@@ -49,7 +49,7 @@ function rotated([x, y], angle) {
 }
 
 /**
- * Returns a placement in the frame of another.
+ * Returns a placement in the frame of another placement.
  * @param {Placement} at
  * @param {Placement} base
  * @returns {Placement}
@@ -60,7 +60,7 @@ function placementIn(at, base) {
 }
 
 /**
- * Returns a placement in the world from one in the frame of another.
+ * Returns the placement in the world of a placement that is given in the frame of another placement.
  * @param {Placement} own
  * @param {Placement} base
  * @returns {Placement}
@@ -71,7 +71,7 @@ function placementFrom(own, base) {
 }
 
 /**
- * Returns the value of a list that is nearest to another.
+ * Returns the value of a list that is nearest to a given value.
  * @param {number[]} list
  * @param {number} value
  */

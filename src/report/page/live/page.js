@@ -76,7 +76,7 @@ class Page {
       const [asked, serial] = [this.waiting, this.serial];
       this.waiting = null;
       try {
-        // Only during a drag in the 3-D view does that view show the new map.
+        // The 3-D view shows the new map only during a drag in that view.
         const answer = await ask(this.view3d?.held ? "try-drawing" : "try", asked);
         // If the equipment was dropped in the meantime, the answer to the drop takes precedence.
         if (serial === this.serial) this.showAttempt(answer);
@@ -104,7 +104,7 @@ class Page {
    * Changes the layout or the evaluation settings (sense, reading, model), and shows the answer.
    * @param {ChangeRequest} request
    * @param {object} body
-   * @param {FormRow} [row] where the change was typed
+   * @param {FormRow} [row] row of the form in which the change was typed
    */
   async change(request, body, row) {
     const began = performance.now();
@@ -221,7 +221,7 @@ class Page {
   }
 
   /**
-   * Moves an equipment; returns the allowed placement that is nearest to the wanted one.
+   * Moves a piece of equipment, and returns the allowed placement that is nearest to the wanted one.
    * @param {number} index
    * @param {Placement} world
    * @param {boolean} isSettled whether the drag has ended
@@ -271,7 +271,7 @@ class Page {
 
 /**
  * Returns whether a drag may change number `k` of x, y, z and yaw. It may always change yaw and never z. It
- * may change x or y unless the file fixes only that one of the two.
+ * may change x or y, unless the file fixes this coordinate and leaves the other one free.
  * @param {NumberGroup} group
  * @param {number} k
  */

@@ -1,25 +1,25 @@
-// The plan of the cell: what stands there, and handles to move it.
+// The plan of the cell: its objects, and handles to move them.
 
 /**
- * A piece of the plan: an equipment or obstacle.
+ * A piece of the plan: a piece of equipment or an obstacle.
  * @typedef {object} Piece
  * @property {CellEquipment} equipment
  * @property {Placement} at
  * @property {SVGGElement} group
  * @property {SVGTextElement} text
- * @property {{ arm: SVGLineElement, knob: SVGCircleElement } | null} handle turns the piece; `null` for an
+ * @property {{ arm: SVGLineElement, knob: SVGCircleElement } | null} handle rotates the piece; `null` for an
  * obstacle
  *
  * A drag of a piece that is under way.
  * @typedef {object} Drag
  * @property {number} index of the piece
- * @property {boolean} turns whether the piece is turned and not shifted
+ * @property {boolean} turns whether the piece is rotated and not shifted
  * @property {Placement} from
  * @property {number[]} start where the drag began in the world, mm
  * @property {Placement} now
  * @property {number | null} pointer `null` for a drag in the 3-D view
  *
- * Called when a piece is moved; returns where it may stand.
+ * Function that is called when a piece is moved. It returns the allowed placement of the piece.
  * @typedef {(index: number, world: Placement, isSettled: boolean) => Placement} OnMove
  */
 
@@ -102,7 +102,7 @@ class Plan {
     hand.append(handle.arm, handle.knob);
     group.setAttribute("tabindex", "0");
     group.setAttribute("role", "button");
-    group.setAttribute("aria-label", `${equipment.name}: arrow keys move it, [ and ] turn it`);
+    group.setAttribute("aria-label", `${equipment.name}: arrow keys move it, [ and ] rotate it`);
     group.addEventListener("pointerdown", (event) => this.grip(event, index, false));
     handle.knob.addEventListener("pointerdown", (event) => this.grip(event, index, true));
     group.addEventListener("keydown", (event) => this.pressKey(event, index));
@@ -118,7 +118,7 @@ class Plan {
   }
 
   /**
-   * Returns where an event is in the world, mm.
+   * Returns the position of an event in the world, mm.
    * @param {MouseEvent} event
    */
   placeOf(event) {

@@ -1,4 +1,4 @@
-// The frame of the plan: which part of the world it shows, with its grid, keep-out zones and fence.
+// The frame of the plan: the visible part of the world, with grid, keep-out zones and fence.
 
 /** Distance between the lines of the grid, mm. */
 const GRID_STEP = 500;
@@ -16,7 +16,7 @@ class PlanFrame {
     /** Length of a pixel, mm. */
     this.unit = 1;
     /**
-     * Least x and y, width and height of what is shown, mm.
+     * Least x, least y, width and height of the visible part of the world, mm.
      * @type {number[] | null}
      */
     this.box = null;

@@ -81,7 +81,7 @@ class PlanMap {
 }
 
 /**
- * Describes a node: its value and error, or why it has none.
+ * Describes a node: its value and error, or the reason why it has no value.
  * @param {NodesRecord} nodes
  * @param {number} k
  * @param {string} unit
@@ -166,7 +166,7 @@ function arrowPath(start, [dx, dy], headLength) {
 }
 
 /**
- * Returns the ring round the best node; null without one.
+ * Returns the ring round the best node; null if there is no best node.
  * @param {OperationAnswer} operation
  * @param {number} unit mm
  */

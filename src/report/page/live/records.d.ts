@@ -16,7 +16,7 @@ interface NumberRecord {
   list: number[] | null;
 }
 
-/** Numbers of one equipment, of the attitude of one operation, or of the robot base. */
+/** Numbers of one piece of equipment, of the attitude of one operation, or of the robot base. */
 interface NumberGroup {
   group: "equipment" | "attitude" | "robot_base";
   name: string;
@@ -97,7 +97,7 @@ interface OperationAnswer {
 interface AnswerRecord {
   feasible: boolean;
   met: boolean;
-  /** Whether the layout works at every misplacement within the tolerances; null if that is not demanded. */
+  /** Whether the layout works at every misplacement within the tolerances; null without such a demand. */
   certified: boolean | null;
   objective: number | null;
   unit: string;
@@ -169,7 +169,7 @@ interface ReachRecord {
   outlines: number[][][][];
 }
 
-/** Where one piece may stand, and its room. */
+/** Region in which one piece may stand, and the room of the piece. */
 interface RegionRecord {
   equipment: string;
   outline_mm: number[][][];
@@ -227,6 +227,6 @@ interface Refusal {
 interface Window {
   /** Durations from a change to the drawn map, ms; tests/browser/view.mjs reads them. */
   sweetspotDrawn: number[];
-  /** Returns where the origin of an equipment is in the 3-D view, px; for tests/browser/view.mjs. */
+  /** Returns the position of the origin of equipment in the 3-D view, px; for tests/browser/view.mjs. */
   sweetspotSpot(name: string): number[] | null;
 }

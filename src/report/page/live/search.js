@@ -1,6 +1,6 @@
 // Two panels: one searches from the layout shown, the other saves the layout as a file.
 
-/** Intervals between two requests to the server, ms: while a search runs, and otherwise. */
+/** Intervals between two requests to the server, ms: during a search, and at other times. */
 const SEARCH_INTERVAL = 250;
 const IDLE_INTERVAL = 1000;
 

@@ -45,7 +45,7 @@ function make(name, properties = {}, ...children) {
 }
 
 /**
- * Shows what went wrong; an empty text hides it.
+ * Shows an error message; an empty text hides the message.
  * @param {string} text
  */
 function showFault(text) {

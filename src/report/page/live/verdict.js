@@ -1,4 +1,4 @@
-// The verdict on the layout shown, and what the last step changed.
+// The verdict on the layout shown, and the change by the last step.
 
 /**
  * Shows the error of a layout, whether it is feasible, and what the step changed.
@@ -20,7 +20,7 @@ function showVerdict(answer, step) {
 }
 
 /**
- * Says whether a layout is feasible and meets its requirements.
+ * States whether a layout is feasible and meets its requirements.
  * @param {AnswerRecord} answer
  */
 function verdictWords({ feasible, met, certified, operations }) {
@@ -64,7 +64,7 @@ function showOperations({ operations, unit }) {
 }
 
 /**
- * Shows how far each piece may be displaced and turned, and what limits its room.
+ * Shows how far each piece may be displaced and rotated, and what limits its room.
  * @param {RoomRecord | null} room `null` while the room is not known
  */
 function showRoom(room) {
@@ -80,7 +80,7 @@ function showRoom(room) {
   );
   const table = make("table", {}, cells("th", ["room to place", "± mm", "± deg", "ends where"]), ...rows);
   const turn = room.whole_cell;
-  const whole = turn && `The whole cell may be turned by ${turn.turn_deg[0]} to ${turn.turn_deg[1]} deg.`;
+  const whole = turn && `The whole cell may be rotated by ${turn.turn_deg[0]} to ${turn.turn_deg[1]} deg.`;
   byId("room").replaceChildren(table, ...(whole ? [make("p", {}, whole)] : []));
 }
 

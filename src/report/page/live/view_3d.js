@@ -1,6 +1,6 @@
 // The 3-D view beside the plan. The user can drag equipment in it, too.
 
-/** Longest drawing time of a picture, ms, up to which the view follows a drag in the plan. */
+/** Longest drawing time of a picture with which the view follows a drag in the plan, ms. */
 const QUICK = 40;
 
 /**
@@ -46,7 +46,7 @@ class View3d {
   }
 
   /**
-   * Returns where an event is in the picture, px.
+   * Returns the position of an event in the picture, px.
    * @param {MouseEvent} event
    */
   placeOf(event) {
@@ -105,7 +105,7 @@ class View3d {
   }
 
   /**
-   * Returns where the origin of an equipment is in the picture, px.
+   * Returns the position of the origin of a piece of equipment in the picture, px.
    * @param {number} index
    */
   spot(index) {
@@ -141,7 +141,7 @@ class View3d {
     );
   }
 
-  /** Shows a still copy while the view is not used: without a graphics card a live picture slows the page. */
+  /** Shows a still copy while the view is idle. Without a graphics card, a live picture slows the page. */
   rest() {
     this.isLookedAt = false;
     const { canvas } = this.viewer;

@@ -69,8 +69,8 @@ function numbersAlong(view, axis, [low, high], pointOf) {
 }
 
 /**
- * Returns the label of a number, just outside a point on the edge of the floor; null if the label does not
- * fit into the picture.
+ * Returns the label of a number, just outside a point on the edge of the floor. Returns null if the label
+ * does not fit into the picture.
  * @param {View} view
  * @param {number} value
  * @param {Vector} point

@@ -23,7 +23,7 @@ function axesOf({ azimuth, elevation }) {
 }
 
 /**
- * Returns the azimuth of a view in which the robot is behind its work, turned a little.
+ * Returns the azimuth of a view in which the robot is behind its work, rotated a little.
  * @param {Model} model
  */
 function bestAzimuth({ drawings }) {
@@ -114,7 +114,7 @@ function opticsOf({ camera, model, width, height }) {
 }
 
 /**
- * Returns where a point of the world is in the picture, px from its upper left.
+ * Returns the position of a point of the world in the picture, px from the upper left corner.
  * @param {View} view
  * @param {Vector} point
  * @returns {ScreenPoint}

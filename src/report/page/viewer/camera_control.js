@@ -10,7 +10,7 @@ class CameraControl {
   /**
    * @param {View} view
    * @param {(camera: Camera) => void} tell called after every change
-   * @param {() => void} request asks for a picture
+   * @param {() => void} request requests a picture
    */
   constructor(view, tell, request) {
     this.view = view;
@@ -50,7 +50,7 @@ class CameraControl {
   }
 
   /**
-   * Turns the camera by a drag.
+   * Rotates the camera by a drag.
    * @param {number} dx px
    * @param {number} dy px
    */
@@ -71,7 +71,7 @@ class CameraControl {
   }
 
   /**
-   * Changes the distance of the camera; what the picture shows at the position `at` stays there.
+   * Changes the distance of the camera. The point that the picture shows at the position `at` does not move.
    * @param {number} factor
    * @param {number[]} [at] px
    */
@@ -98,7 +98,7 @@ class CameraControl {
       this.set(goal);
       return;
     }
-    // The camera turns the shorter way round.
+    // The camera rotates the shorter way round.
     const round = 2 * Math.PI;
     const difference = camera.azimuth - goal.azimuth;
     const azimuth = goal.azimuth + difference - round * Math.round(difference / round);

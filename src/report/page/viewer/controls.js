@@ -164,7 +164,7 @@ function showControls({ choosers, envelope, envelopeLabel }, view) {
 }
 
 /**
- * Shows the senses. If all operations state the same sense, the list has it only as the default.
+ * Shows the senses. If all operations state the same sense, the list contains this sense only as the default.
  * @param {ReturnType<typeof makeChooser>} chooser
  * @param {View} view
  */

@@ -3,7 +3,7 @@
 const SVG_NAMESPACE = "http://www.w3.org/2000/svg";
 
 /**
- * Makes an HTML element: known properties are set as such, everything else as an attribute.
+ * Makes an HTML element: known properties are set as properties, and all other values as attributes.
  * @template {keyof HTMLElementTagNameMap} Name
  * @param {Name} name
  * @param {Record<string, unknown>} [properties]

@@ -12,7 +12,7 @@ function displaced(view, field, point) {
 }
 
 /**
- * Returns the colour of a node; null if it has no value.
+ * Returns the colour of a node; null if the node has no value.
  * @param {View} view
  * @param {Field} field
  * @param {number} k
@@ -74,13 +74,13 @@ function spotInstances(view) {
 }
 
 /**
- * Returns whether the lens shown is the one that the cell asks for.
+ * Returns whether the lens shown is the lens that the cell states.
  * @param {View} view
  */
 const isOwnLens = (view) => view.lens === 0;
 
 /**
- * Returns the spot of a field under the lens shown; null without one.
+ * Returns the spot of a field under the lens shown; null if there is no spot.
  * @param {View} view
  * @param {Field} field
  */
@@ -91,7 +91,7 @@ function spotOf(view, field) {
 }
 
 /**
- * Returns the spot between the nodes; null without one.
+ * Returns the spot between the nodes; null if there is no such spot.
  * @param {View} view
  * @param {Field} field
  */

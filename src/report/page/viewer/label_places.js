@@ -52,7 +52,7 @@ function arrange(labels, boxes, points, picture) {
       const at = insidePicture(box, place, picture);
       const pushed = Math.hypot(at.x - (place.x - box.width / 2), at.y - (place.y - box.height / 2));
       const covered = taken.filter((other) => overlaps(at, other)).length;
-      // A label stays where it is unless another place is clearly better.
+      // A label keeps its place unless another place is clearly better.
       let cost = k * 0.4 + place.cost + pushed * 0.1 + covered * COST_OF_OVERLAP - (last === k ? 2.5 : 0);
       for (const point of points) if (isNear(at, point)) cost += point.cost;
       if (cost < least) [least, chosen, best] = [cost, k, at];
@@ -98,7 +98,8 @@ const isNear = (at, { x, y }) =>
   x > at.x - 5 && x < at.x + at.width + 5 && y > at.y - 5 && y < at.y + at.height + 5;
 
 /**
- * Returns the path of a line from the edge of a label to its nearest anchor; empty if that anchor is close.
+ * Returns the path of a line from the edge of a label to its nearest anchor. The path is empty if that anchor
+ * is close.
  * @param {Rectangle} at
  * @param {number[][]} anchors
  */
@@ -190,7 +191,7 @@ function outlineOf(view, parts) {
 }
 
 /**
- * Returns what labels should not cover: nodes, and even more the arm.
+ * Returns the points that labels should not cover: nodes and, at a higher cost, the arm.
  * @param {View} view
  */
 function pointsToKeepClear(view) {

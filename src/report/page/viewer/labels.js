@@ -1,4 +1,4 @@
-// Labels in the picture as HTML, placed where they cover least.
+// Labels in the picture as HTML, placed where they cover the least.
 
 /**
  * Makes the layer of labels, the lines that lead to them, and the world axes.
@@ -19,7 +19,7 @@ function makeLabels(stage) {
      */
     pool: [],
     /**
-     * Index of the place that a label had last.
+     * Index of the last place of each label.
      * @type {Map<string, number>}
      */
     places: new Map(),

@@ -4,7 +4,7 @@
 const BAR_LENGTH = 110;
 
 /**
- * Marks of solids and lines that are no nodes.
+ * Marks of solids and lines, which are not nodes.
  * @type {Record<string, { text: string, shape: () => SVGElement }>}
  */
 const OTHER_SIGNS = {

@@ -9,7 +9,7 @@
 const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 
 /**
- * Subtracts a vector from another.
+ * Subtracts vector `b` from vector `a`.
  * @param {Vector} a
  * @param {Vector} b
  * @returns {Vector}
@@ -109,7 +109,7 @@ function inverse(m) {
 }
 
 /**
- * Moves a direction by the rotation of a matrix.
+ * Rotates a direction by the rotation part of a matrix.
  * @param {Matrix} m
  * @param {Vector} direction
  * @returns {Vector}
@@ -147,7 +147,7 @@ function uprightPose(origin, yaw) {
 /**
  * Returns a perspective projection.
  * @param {number} fieldOfView vertical, rad
- * @param {number} aspect width by height
+ * @param {number} aspect width divided by height
  * @param {number} near
  * @param {number} far
  * @returns {Matrix}

@@ -54,7 +54,7 @@ function readField(written) {
 }
 
 /**
- * Reads a mesh, unless it is known.
+ * Reads a mesh, or returns the known mesh with the same content.
  * @param {MeshRecord} written
  * @param {Map<string, Mesh>} known
  * @returns {Mesh}
@@ -154,7 +154,8 @@ function featureEdges(positions, indices) {
 }
 
 /**
- * Returns some points on a mesh to which a leader line may lead: corners and middles of edges spread over it.
+ * Returns points on a mesh to which a leader line may lead: corners and middles of edges, spread over the
+ * mesh.
  * @param {ArrayLike<number>} positions
  * @param {ArrayLike<number>} indices
  */

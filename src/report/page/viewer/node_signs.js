@@ -73,7 +73,7 @@ function glyphBranch(status, { ring, dashed, strokes }) {
   if (dashed)
     lines.push("part = smoothstep(0.28, 0.42, abs(fract(atan(at.y, at.x) * 0.9549297) - 0.5) * 2.0);");
   for (const stroke of strokes) {
-    // The y axis of a glyph points down. A stroke ends a little inside of the ring.
+    // The y axis of a glyph points down. A stroke ends a little inside the ring.
     const points = stroke.map(([x, y]) => `vec2(${glslNumber(0.95 * x)}, ${glslNumber(-0.95 * y)})`);
     for (let k = 1; k < points.length; k++) {
       lines.push(`d = min(d, segment(at, ${points[k - 1]}, ${points[k]}) * px);`);

@@ -1,4 +1,4 @@
-// The picture on the page, with its labels and legend, and when it is drawn.
+// The picture on the page, with its labels and legend, and the times at which it is drawn.
 
 /** Time between two pictures above which drawing counts as slow, and as interrupted, ms. */
 const SLOW = 60;
@@ -7,7 +7,7 @@ const INTERRUPTED = 400;
 /** Resolution of the canvas while drawing is slow and things move. */
 const COARSE = 0.55;
 
-/** Time at rest after which the full resolution comes back, ms. */
+/** Time at rest after which the full resolution is restored, ms. */
 const REST_BEFORE_FINE = 260;
 
 class Picture {
@@ -31,7 +31,7 @@ class Picture {
     this.isSized = false;
     /** Whether the data shown have changed since the last picture, and whether a picture is queued. */
     this.dirty = { data: true, queued: false };
-    /** Time of the last picture, count of slow ones, and resolution. */
+    /** Time of the last picture, number of slow pictures, and resolution. */
     this.pace = { last: 0, slow: 0, coarse: 1, timer: 0 };
     /** Scale that the legend shows, px per mm. */
     this.legendScale = 0;
@@ -51,7 +51,7 @@ class Picture {
   }
 
   /**
-   * Asks for a picture.
+   * Requests a picture.
    * @param {boolean} data whether the buffers must be filled with changed data
    */
   request(data) {
@@ -71,7 +71,8 @@ class Picture {
   }
 
   /**
-   * Lowers the resolution during motion if drawing is slow (no graphics card). At rest, restores it.
+   * Lowers the resolution during motion if drawing is slow (no graphics card). Restores the resolution at
+   * rest.
    * @param {number} now ms
    */
   keepPace(now) {
@@ -125,7 +126,7 @@ class Picture {
   describe() {
     const { cell, name } = this.view.drawing;
     const what = `Three-dimensional view of ${cell}, layout ${name}: robot, equipment and error map.`;
-    this.canvas.setAttribute("aria-label", `${what} Arrow keys turn it.`);
+    this.canvas.setAttribute("aria-label", `${what} Arrow keys rotate it.`);
   }
 
   /** Draws again at once, after the canvas has lost its content or the colours have changed. */
@@ -144,7 +145,7 @@ class Picture {
     view.height = height;
     this.fitCanvas(1);
     if (!this.isSized) view.camera = fittedCamera(view, "iso");
-    // If the picture becomes narrower, the camera moves back, so that the whole width of the cell stays
+    // If the picture becomes narrower, the camera moves back, so that the whole width of the cell remains
     // visible.
     else if (width / height < before && before < 1.2) view.camera.distance *= before / (width / height);
     this.isSized = true;

@@ -1,4 +1,4 @@
-// Mouse, touch and keys: they turn, shift and zoom the picture, and pick nodes.
+// Mouse, touch and keys: they rotate, shift and zoom the picture, and pick nodes.
 
 /**
  * Actions of the pointer on a viewer.
@@ -30,13 +30,13 @@ const ARROW_KEYS = {
  * @param {ViewerOptions} options
  */
 function listenToPointer(target, canvas, options) {
-  /** Whether the wheel zooms. It does after a click; before, it scrolls the page. */
+  /** Whether the wheel zooms. The wheel zooms after a click; before a click, it scrolls the page. */
   let taken = options.wheel === "always";
   canvas.style.touchAction = taken ? "none" : "pan-y";
   listenToDrags(target, canvas, () => {
     taken = true;
   });
-  // A touch pointer leaves the canvas after every tap, but the tip must stay.
+  // A touch pointer leaves the canvas after every tap, but the tip must remain visible.
   canvas.addEventListener("pointerleave", (event) => {
     if (event.pointerType !== "touch") target.hover(null, 0);
   });
@@ -61,7 +61,7 @@ function listenToPointer(target, canvas, options) {
 }
 
 /**
- * Returns where an event is in the picture, px.
+ * Returns the position of an event in the picture, px.
  * @param {Element} canvas
  * @param {MouseEvent} event
  */

@@ -1,5 +1,6 @@
-// Types of the document `sweetspot/drawing/1`, which src/report/json/drawing.rs writes, and of what the
-// viewer makes of it. Lengths are in mm, angles of joints in degrees, angles of the camera in radians.
+// Types of the document `sweetspot/drawing/1`, which src/report/json/drawing.rs writes, and of the data that
+// the viewer derives from it. Lengths are in mm, angles of joints in degrees, angles of the camera in
+// radians.
 
 /** Three numbers: x, y and z in the world frame. */
 type Vector = number[];
@@ -52,7 +53,7 @@ interface PartRecord<Pose = PoseRecord, Mesh = number> {
   name: string;
   owner: string;
   kind: PartKind;
-  /** Index of the robot link that carries the part; null for a part that stands in the world. */
+  /** Index of the robot link that carries the part; null for a part that is fixed in the world. */
   link: number | null;
   at: Pose | null;
   equipment: number | null;
@@ -223,7 +224,7 @@ type NodeStatus =
   | "retract"
   | "unjudged";
 type Mark = NodeStatus | "spot" | "diamond";
-/** Mark of a node and what it means. */
+/** Mark of a node, with its meaning. */
 interface NodeSign {
   mark: Mark;
   text: string;
@@ -280,7 +281,7 @@ interface ViewerState {
 interface ViewerOptions extends Partial<ViewerState> {
   /** `false` shows the bare picture. */
   controls?: boolean;
-  /** `"always"` zooms by the wheel without a click before. */
+  /** `"always"` zooms with the wheel without a preceding click. */
   wheel?: "always";
 }
 
@@ -317,7 +318,7 @@ interface ValueRange {
 interface ColourScale {
   /** Range of the values by unit. */
   ranges: Record<string, ValueRange>;
-  /** Comparison with another layout; null without one. */
+  /** Comparison with another layout; null if no layout is compared. */
   comparison: { other: Drawing; greatest: number; unit: string } | null;
 }
 
@@ -355,7 +356,7 @@ interface View {
   playing: boolean;
   picked: NodeReference | null;
   graphics: Graphics;
-  /** Key of what the shadow map shows. */
+  /** Key of the content of the shadow map. */
   shadowKey: string;
   shadowCamera: Matrix;
 }

@@ -1,4 +1,4 @@
-// One picture: what is filled into buffers when the state changes, and what is drawn every time.
+// One picture: the buffers that are filled when the state changes, and the drawing of every picture.
 
 /** Direction to the light. */
 const SUN = normalized([0.42, -0.5, 1.15]);

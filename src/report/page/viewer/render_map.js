@@ -18,7 +18,8 @@ function fillBatches(view) {
   const { envelope, operation } = view.state;
   const shown = view.drawing.envelopes.filter((_, k) => envelope && (operation === null || k === operation));
   fillLines("atWork", ringInstances(shown.flatMap((one) => one.atWork)));
-  // The outlines at other heights differ little between operations, so only those of the first are drawn.
+  // The outlines at other heights differ little between operations, so only the outlines of the first
+  // operation are drawn.
   fillLines("around", ringInstances(shown.slice(0, 1).flatMap((one) => one.around)));
 }
 

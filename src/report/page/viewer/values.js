@@ -1,7 +1,7 @@
 // Look-ups in a document: values and errors of nodes, and the pose of the robot at a time.
 
 /**
- * Returns the error maps shown: all, or that of one operation.
+ * Returns the error maps shown: all maps, or the map of one operation.
  * @param {View} view
  * @returns {Field[]}
  */
@@ -9,7 +9,7 @@ const shownFields = ({ drawing, state }) =>
   drawing.fields.filter((field) => state.operation === null || field.operation === state.operation);
 
 /**
- * Returns the index of the lens of a drawing with the model and reading of another lens; -1 if it has none.
+ * Returns the index of the lens of a drawing with the model and reading of another lens, or -1.
  * @param {Drawing} drawing
  * @param {LensRecord} lens
  */
@@ -19,7 +19,7 @@ const lensIn = (drawing, lens) =>
 /**
  * Returns the index of a sense in a field.
  * @param {Field} field
- * @param {string | null} name `null` asks for the sense of the operation
+ * @param {string | null} name `null` selects the sense of the operation
  */
 function senseIn(field, name) {
   const index = name === null ? -1 : field.senses.findIndex((sense) => sense.name === name);
@@ -34,7 +34,7 @@ function senseIn(field, name) {
 const shownSense = (view, field) => field.senses[senseIn(field, view.state.sense)];
 
 /**
- * Returns the value of a node in a sense; NaN without one.
+ * Returns the value of a node in a sense; NaN if the node has no value.
  * @param {Field} field
  * @param {number} lens
  * @param {string} sense
@@ -101,7 +101,7 @@ function longestError(model, lens, arrows) {
 }
 
 /**
- * Returns the error of a node; null without one.
+ * Returns the error of a node; null if the node has no error.
  * @param {Field} field
  * @param {number} lens
  * @param {number} k
@@ -143,8 +143,8 @@ function components(field, lens, k, signed) {
 }
 
 /**
- * Returns how much worse (positive) a node is than the same node of the layout compared with; null if either
- * has no value.
+ * Returns the value of a node minus the value of the same node in the compared layout; positive is worse.
+ * Returns null if one of the two nodes has no value.
  * @param {View} view
  * @param {Field} field
  * @param {number} k
@@ -185,7 +185,7 @@ function framesAt(movement, time) {
 }
 
 /**
- * Returns the operation whose part the robot holds at a time; null for none.
+ * Returns the operation whose part the robot holds at a time; null if the robot holds no part.
  * @param {Movement} movement
  * @param {number} time
  */
@@ -199,9 +199,9 @@ function heldAt({ times_s: moments, holding }, time) {
 const REST = 0.3;
 
 /**
- * Returns when the robot is at the spot of an operation, s; 0 if it never is.
+ * Returns a time at which the robot is at the spot of an operation, s. Returns 0 if there is no such time.
  * @param {Drawing} drawing
- * @param {number | null} operation `null` asks for the first spot
+ * @param {number | null} operation `null` selects the first spot
  */
 function timeOf(drawing, operation) {
   const stops = drawing.movement.stops.filter((stop) => stop.operation !== null);

@@ -7,8 +7,8 @@ const HINT = 1600;
 const STOP = 0.65;
 
 /**
- * Shows a document (sweetspot/drawing/1) in a host element. `ViewerState` lists what can be shown,
- * `ViewerEvents` the events. The CSS variable --ss-height sets the height of the picture.
+ * Shows a document (sweetspot/drawing/1) in a host element. `ViewerState` lists what can be shown, and
+ * `ViewerEvents` lists the events. The CSS variable --ss-height sets the height of the picture.
  * @implements {SweetspotViewer}
  */
 class Viewer {
@@ -41,7 +41,7 @@ class Viewer {
     this.hintTimer = 0;
     this.hintBox = element("div", { class: "ss-hint" });
     this.picture.stage.append(this.hintBox);
-    // The content of the host stays for print and for browsers without WebGL.
+    // The content of the host is kept for print and for browsers without WebGL.
     for (const child of host.children) if (child instanceof HTMLElement) child.hidden = true;
     host.append(this.picture.root);
     if (options.controls !== false) this.addControls();
@@ -160,7 +160,7 @@ class Viewer {
   }
 
   /**
-   * Moves equipment and what it carries, until the next document.
+   * Moves a piece of equipment and the equipment on it, until the next document.
    * @param {number} index
    * @param {PlacementNumbers} placement
    */

@@ -68,7 +68,7 @@ function compiledShader(gl, kind, text) {
 }
 
 /**
- * Makes everything that lives on the graphics card, at the start and again after a loss of the context.
+ * Makes all objects on the graphics card, at the start and again after a loss of the context.
  * @param {WebGL2RenderingContext} gl
  * @returns {Graphics}
  */
@@ -131,8 +131,8 @@ function shadowTarget(gl) {
 
 /**
  * Makes the rings of an arrow: centre and rim of its tail, end of its shaft, base and point of its head. A
- * ring has four numbers: end of the shaft (0 or 1), whether it belongs to the head, its width, whether it is
- * the point.
+ * ring has four numbers: end of the shaft (0 or 1), part of the head (0 or 1), width, and point of the head
+ * (0 or 1).
  * @param {WebGL2RenderingContext} gl
  */
 function arrowForm(gl) {
