@@ -62,7 +62,9 @@ impl Builder {
     }
 }
 
-/// Returns the cheapest scales that satisfy the cuts up to a tolerance of the solver; None if the solver fails or the cuts cannot be satisfied.
+/// Returns the cheapest scales that satisfy the cuts up to a tolerance of the solver.
+///
+/// Returns None if the solver fails or the cuts cannot be satisfied.
 pub fn solve(
     costs: &[ToleranceCost],
     domains: &[ScaleDomain],
@@ -128,7 +130,7 @@ pub fn solve(
     Some(ConeSolution { scales: solution.x[..n].to_vec(), duals })
 }
 
-/// Adds the upper bound of a continuous cost as a variable, with its cone.
+/// Adds the upper bound of a continuous cost as a variable, with the cone that ties it to the scale.
 fn add_cost(program: &mut Builder, objective: &mut Vec<f64>, cost: &ToleranceCost, k: usize) {
     let e = objective.len();
     match cost.law {

@@ -28,7 +28,7 @@ const SAME_SCALE: f64 = 1e-9;
 
 /// Judge of tolerances: the full error model at all requirements.
 pub trait ToleranceJudge {
-    /// Returns the figure of every requirement at these scales; None if it cannot be judged.
+    /// Returns the figure of every requirement at these scales; None if a figure cannot be judged.
     fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>>;
 
     /// Returns the linear figures of some requirements at the scales that were judged last.
@@ -115,7 +115,8 @@ impl LinearModel<'_> {
 /// Limits are in the unit of the figures.
 ///
 /// # Errors
-/// Returns by how much limits are exceeded if even the tightest tolerances exceed them.
+/// Returns the excess over the limits if even the tightest tolerances exceed limits. Returns a failure if the
+/// solver or the judge fails.
 pub fn allocate_judged(
     costs: &[ToleranceCost],
     limits: &[f64],

@@ -24,8 +24,8 @@ pub struct NearbyPrice {
 }
 
 impl NearbyPrice {
-    /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure; None if an ascent does not find
-    /// them.
+    /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure; None if the ascent
+    /// does not find them.
     pub fn new(
         costs: &[ToleranceCost],
         figures: &[LinearFigure],

@@ -10,7 +10,7 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Share of the largest variance; smaller variances do not influence the numerical step.
+/// Least variance, as a share of the largest variance, from which the numerical step is computed.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
@@ -24,7 +24,8 @@ pub struct NodeFigure<'a> {
     pub evaluator: &'a ErrorEvaluator,
     pub context: &'a WorkContext,
     pub frames: &'a Frames,
-    /// Yield that is demanded, 0 to 1, if the quantity is the yield: the limit must hold for this share.
+    /// Yield that is demanded, 0 to 1, if the quantity is the yield: this share of the arms must keep the
+    /// limit.
     pub share: f64,
 }
 
@@ -116,11 +117,12 @@ impl NodeFigure<'_> {
         LinearFigure::RootSumSquare { squares, constant: ratio * (constant - of_mean) }
     }
 
-    /// Returns a lower bound of the squared figure divided by the mean square of the error; None for a worst case.
+    /// Returns a lower bound of the ratio of the squared figure to the mean square of the error; None for a
+    /// worst case.
     ///
-    /// Among normal errors, those with equal variance in all directions have the least high percentile. Those in one
-    /// direction have the least low percentile. A bounded error has a lower percentile than a normal error, but its
-    /// high percentile is still above the root mean square.
+    /// Among normal errors of equal mean square, errors with equal variance in all directions have the least
+    /// high percentile. Errors in one direction have the least low percentile. A bounded error has a lower
+    /// percentile than a normal error, but its high percentile is still above the root mean square.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;
@@ -272,7 +274,8 @@ fn percentile_slopes(
     };
     let present = square(&variances);
     let mut slopes = Matrix6::zeros();
-    // The squared percentile is homogeneous, so the slope by the largest variance follows from the others.
+    // The squared percentile is homogeneous, so the slope with respect to the largest variance follows from
+    // the others.
     let mut of_largest = present / largest;
     for (k, variance) in variances.iter().enumerate().skip(1) {
         let step = STEP * variance.max(LEAST_VARIANCE * largest);
@@ -287,7 +290,7 @@ fn percentile_slopes(
     Some(slopes + axis * axis.transpose() * of_largest)
 }
 
-/// Returns the index of a parameter among the free ones.
+/// Returns the index of a parameter in the list `free`; None if it is not in the list.
 fn place(free: &[Parameter], parameter: Parameter) -> Option<usize> {
     free.iter().position(|p| *p == parameter)
 }

@@ -44,7 +44,8 @@ pub enum AllocationFailure {
 /// Finds the cheapest tolerances that keep all requirements.
 ///
 /// # Errors
-/// Returns by how much the limits are exceeded if even the tightest tolerances exceed them.
+/// Returns the excess over the limits if even the tightest tolerances exceed limits, or a failure of the
+/// solver.
 pub fn allocate(problem: &ToleranceProblem) -> Result<ToleranceAllocation, AllocationFailure> {
     let mut scratch = FigureScratch::default();
     let ToleranceProblem { costs, requirements } = problem;

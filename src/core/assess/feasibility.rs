@@ -46,7 +46,7 @@ pub fn reasons<'m>(
     }
     let overlaps = evaluation.overlaps.iter().map(|o| o.in_words(cell));
     let apart = apart.map(|apart| nearest_without_overlap(cell, layout, apart));
-    // An operation with a spot that is only not certified is named below.
+    // An operation that has a spot but no certificate is reported by `misplaced`.
     let is_certain = |map: &&OperationMap| {
         !matches!(evaluation.outcomes.get(map.operation), Some(Outcome::Uncertain { .. }))
     };

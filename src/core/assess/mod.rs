@@ -84,13 +84,13 @@ pub struct Assessment<'a> {
     ///
     /// If the samples refute these figures, the map holds the figures of the samples at the spot.
     pub confirmed: Vec<Option<bool>>,
-    /// Certificate that the layout works at every misplacement; None if none is demanded, or if the layout is not
-    /// feasible.
+    /// Certificate that the layout works at every misplacement; None if no certificate is demanded, or if the
+    /// layout is not feasible.
     pub certificate: Option<LayoutCertificate>,
-    /// Regions in which every piece may stand; None unless [`Self::with_regions`] was called, or if the layout is not
-    /// feasible or misses a limit.
+    /// Regions in which every piece of equipment may stand; None unless [`Self::with_regions`] was called, or
+    /// if the layout is not feasible or misses a limit.
     pub regions: Option<Regions>,
-    /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
+    /// Nearest layout found without overlaps; None if no equipment overlaps, or if no such layout was found.
     pub apart: Option<Layout>,
 }
 
@@ -128,7 +128,7 @@ impl<'a> Assessment<'a> {
         }
     }
 
-    /// Computes [`Self::regions`]: where every piece may stand.
+    /// Computes [`Self::regions`]: where every piece of equipment may stand.
     pub fn with_regions(mut self) -> Self {
         if self.evaluation.misfit.is_none() {
             self.regions = Regions::new(self.workcell, &self.layout);
@@ -244,8 +244,9 @@ impl<'a> Assessment<'a> {
     /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
     /// yield, whose definition already contains the limit.
     ///
-    /// If the value is the cost of tolerances, the limit is the cost of the tightest ones. If that cost is only one
-    /// of several goals, the limits constrain the tolerances, not the error at the tolerances of the error set.
+    /// If the value is the cost of tolerances, the limit is the cost of the tightest tolerances. If that cost
+    /// is only one of several goals, the result is None, because the limits constrain the tolerances, not the
+    /// error at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
@@ -299,7 +300,7 @@ pub struct Requirement {
     ///
     /// If the layout must withstand misplacements, the error is its upper bound over all of them.
     pub margin: f64,
-    /// Whether the upper bound is known. If not, the margin is that of the layout as drawn.
+    /// Whether the upper bound is known. If not, the margin belongs to the layout as drawn.
     pub known: bool,
 }
 

@@ -8,9 +8,9 @@
 //! p = B T(q) f
 //! ```
 //!
-//! Every session has a B and an f of its own; the errors in T are common to all sessions. They are the errors
-//! of the Denavit-Hartenberg rows, with dbeta instead of dr between parallel axes (Hayati 1983), and elastic
-//! terms. The fit minimises, with Huber's loss,
+//! Every session has a B and an f of its own; the errors in T are common to all sessions. These errors are
+//! those of the Denavit-Hartenberg rows, with dbeta instead of dr between parallel axes (Hayati 1983), and
+//! elastic terms. The fit minimises, with Huber's loss,
 //!
 //! ```text
 //! sum_i r_i^T S_i^-1 r_i + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f

@@ -31,16 +31,16 @@ const ROWS: usize = 80;
 /// Share of the reach of the arm up to which the plain reading is kept without a search for others.
 const GOOD: f64 = 1e-3;
 
-/// Ratio by which another hypothesis must reduce the distance of the plain reading.
+/// Factor by which another hypothesis must reduce the distance of the plain reading.
 const CLEARLY: f64 = 3.0;
 
-/// Ratio of distances up to which the simpler one of two hypotheses is taken.
+/// Ratio of distances up to which the simpler one of two hypotheses is chosen.
 const AS_GOOD: f64 = 1.05;
 
-/// Least number of rows with which hypotheses other than units are compared.
+/// Least number of rows with which hypotheses about more than units are compared.
 const LEAST_ROWS: usize = 8;
 
-/// Number of rows of which one, the worst, is left out.
+/// Number of rows per row that is left out; the worst rows are left out.
 const WORST: usize = 10;
 
 /// Number of hypotheses whose linear score is followed by a fit of base and reflectors.
@@ -74,8 +74,8 @@ fn simplest(all: Vec<DataReading>) -> Option<DataReading> {
     good.min_by(|a, b| a.complexity().cmp(&b.complexity()).then(a.rms.total_cmp(&b.rms)))
 }
 
-/// Fits base and reflectors for joint maps in degrees (true) or rad, in all units of length that suit the
-/// size of the arm.
+/// Fits base and reflectors for joint maps with angles in degrees (flag true) or rad, in all units of length
+/// that suit the size of the arm.
 fn fitted(
     chain: &Chain,
     raw: &[RawMeasurement],
@@ -111,7 +111,7 @@ fn judged(chain: &Chain, raw: &[RawMeasurement], reading: &DataReading) -> Optio
     let measured = raw.iter().map(|m| reading.applied(chain, m));
     let mut pairs: Vec<_> = measured.map(|m| (Deformed::new(chain, &m.joints, &[], &[]), m)).collect();
     let mut answer = None;
-    // A first fit finds the worst rows, and a second one does without them.
+    // A first fit finds the worst rows, and a second fit leaves them out.
     for kept in [raw.len(), raw.len() - raw.len() / WORST] {
         pairs.truncate(kept);
         let (poses, measured): (Vec<_>, Vec<_>) = pairs.iter().cloned().unzip();
