@@ -46,7 +46,7 @@ pub fn polygon_area(corners: &[PlanePoint]) -> f64 {
 /// Open or closed polyline that consists of joined edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JoinedLine<K> {
-    /// Corners in the order of the edges; a closed polyline does not repeat the first one.
+    /// Corners in the order of the edges; a closed polyline does not repeat the first corner.
     pub corners: Vec<K>,
     pub is_closed: bool,
 }

@@ -126,7 +126,8 @@ impl Displacement {
 
     /// Returns the motion with `position` and `rotation` multiplied by a rotation matrix.
     ///
-    /// A matrix that maps vectors of frame b to frame a converts a motion from the axes of b to those of a.
+    /// A matrix that maps vectors of frame b to frame a converts a motion from the axes of b to the axes of
+    /// a.
     pub fn turned(&self, rotation: &Matrix3<f64>) -> Self {
         Self { position: rotation * self.position, rotation: rotation * self.rotation }
     }

@@ -106,8 +106,8 @@ impl Cell {
 
     /// Returns the placement of a piece of equipment in the frame that the cell file uses.
     ///
-    /// That is the frame of the equipment that carries it, or the world frame. If the layout does not place
-    /// the piece, the result is its placement as drawn.
+    /// This is the frame of the equipment that carries the piece, or the world frame. If the layout does not
+    /// place the piece, the result is its placement as drawn.
     pub fn own_placement(&self, layout: &Layout, equipment: usize) -> Placement {
         let placed = |k: usize| layout.placements.get(k).copied();
         let drawn =

@@ -51,7 +51,7 @@ impl ToleranceCost {
 
     /// Returns the cost model of discrete grades; None if there is no grade.
     ///
-    /// Grades that cost at least as much as a tighter one are left out, because nobody would order them.
+    /// Grades that cost at least as much as a tighter grade are left out, because nobody would order them.
     pub fn of_grades(mut grades: Vec<ToleranceGrade>) -> Option<Self> {
         grades.sort_by(|a, b| a.scale.total_cmp(&b.scale).then(a.cost.total_cmp(&b.cost)));
         let mut kept: Vec<ToleranceGrade> = Vec::new();

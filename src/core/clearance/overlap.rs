@@ -17,8 +17,9 @@ pub enum Party {
 
 /// Overlap of two floor spaces, or a distance between them that is below the clearance.
 ///
-/// A move in plan by `depth` (m) separates them, clearance included. If `b` is the fence, `depth` is the
-/// distance by which `a` reaches beyond it, clearance included. If `b` is the floor, the move is upwards.
+/// A move in plan by `depth` (m) separates the two objects, clearance included. If `b` is the fence, `depth`
+/// is the distance by which `a` reaches beyond the fence, clearance included. If `b` is the floor, the move
+/// is upwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
     pub a: Party,
