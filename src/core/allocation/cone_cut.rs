@@ -1,4 +1,4 @@
-//! One second-order cone (or linear row) that every set of tolerances which keeps a requirement must satisfy.
+//! One second-order cone (or linear row) that every set of tolerances that keeps a requirement must satisfy.
 
 use nalgebra::Vector6;
 

@@ -1,7 +1,7 @@
 //! One cone program: the cheapest scales that satisfy a list of cuts, solved by the library clarabel.
 //!
-//! The variables are the scales `u_k`, an upper bound `e_k` of each continuous cost, and a share of each grade.
-//! Costs are cones:
+//! The variables are the scales `u_k`, an upper bound `e_k` of each continuous cost, and a share of each
+//! grade. The costs are expressed as cones:
 //!
 //! ```text
 //! reciprocal         1 / u <= e            |(u - e, 2)| <= u + e

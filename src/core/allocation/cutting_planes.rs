@@ -27,7 +27,7 @@ pub struct CutPool {
     pub programs: usize,
 }
 
-/// Solution of the relaxed problem.
+/// Solution of the relaxed problem, in which grades may be mixed.
 #[derive(Debug, Clone)]
 pub struct RelaxedSolution {
     /// Scales that keep every requirement, up to rounding and the bounds of the domains.

@@ -10,9 +10,9 @@
 //! ```
 //!
 //! A vector `y_i` belongs to one sign pattern of a worst case, and a number `mu_j` belongs to a root sum
-//! square. Patterns are added when the scales violate them. For any multipliers, the value of the dual is a
-//! lower bound of the cost. The scales are reduced until they keep every limit, so their cost is an upper
-//! bound. The gap between the two bounds is therefore known.
+//! square. A pattern is added when the scales violate its limit. For any multipliers, the value of the dual
+//! is a lower bound of the cost. The scales are reduced until they keep every limit, so their cost is an
+//! upper bound. The gap between the two bounds is therefore known.
 
 use super::cone_cut::ConeCut;
 use super::dual_terms::{DualPoint, DualTerm, charges, crossings, derivatives, dual, stepped};

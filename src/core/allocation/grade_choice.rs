@@ -17,8 +17,7 @@ use std::collections::BinaryHeap;
 const MAX_BRANCHES: usize = 4000;
 /// Relative gap at which a branch counts as closed.
 const CLOSED: f64 = 1e-9;
-/// Relative violation of a limit up to which chosen grades keep it, because rounding may cause this
-/// violation.
+/// Largest relative violation of a limit that counts as rounding, so that chosen grades still keep the limit.
 const ROUNDING: f64 = 1e-9;
 
 /// Branch of the search: the scales that it permits, and the solution of its relaxation.
@@ -54,7 +53,7 @@ struct GradeSearch<'a> {
     figures: &'a [LinearFigure],
     pool: &'a mut CutPool,
     scratch: &'a mut FigureScratch,
-    /// Cheapest known scales that can be ordered, with their cost.
+    /// Cheapest known scales without a mixture of grades, with their cost.
     best: Option<(Vec<f64>, f64)>,
 }
 
@@ -92,7 +91,8 @@ pub fn choose_grades(
 }
 
 impl GradeSearch<'_> {
-    /// Returns whether a branch with the lower bound `bound` may hold a better choice than the best known.
+    /// Returns whether a branch with the lower bound `bound` may hold a better choice than the best known
+    /// choice.
     fn is_open(&self, bound: f64) -> bool {
         self.best.as_ref().is_none_or(|(_, cost)| bound < cost * (1.0 - CLOSED))
     }

@@ -12,13 +12,13 @@ use super::solution::{AllocationFailure, ToleranceAllocation, allocate};
 use super::uniform::uniform_scale;
 use crate::cell::ToleranceCost;
 
-/// Largest number of rounds.
+/// Largest number of rounds if all linear figures are kept as cuts.
 const MAX_ROUNDS: usize = 40;
-/// Largest number of rounds that replace linear figures.
+/// Largest number of rounds if each round replaces the linear figures.
 const MAX_REPLACING_ROUNDS: usize = 10;
 /// Largest number of reductions of all tolerances after the last round.
 const MAX_REDUCTIONS: usize = 8;
-/// Relative excess of a judged figure over its limit up to which it counts as kept.
+/// Relative excess of a judged figure over its limit up to which the limit counts as kept.
 pub const JUDGED_EXCESS: f64 = 1e-6;
 /// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut before the
 /// first solution.
@@ -31,7 +31,7 @@ pub trait ToleranceJudge {
     /// Returns the figure of every requirement at these scales; None if a figure cannot be judged.
     fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>>;
 
-    /// Returns the linear figures of some requirements at the scales that were judged last.
+    /// Returns the linear figures of the requirements `which` at the scales that were judged last.
     fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>>;
 
     /// Returns whether linear figures bound the judged figures from below, so that they may be kept as cuts.
@@ -64,7 +64,7 @@ struct LinearModel<'a> {
 }
 
 impl LinearModel<'_> {
-    /// Adds the linear figures of some requirements, scaled to their judged values at the scales `at`.
+    /// Adds the linear figures of the requirements `which`, scaled to their judged values at the scales `at`.
     fn add(&mut self, which: &[usize], linear: Vec<LinearFigure>, values: &[f64], at: &[f64]) {
         for (&requirement, figure) in which.iter().zip(linear) {
             let value = figure.value(at, &mut self.scratch);
@@ -112,7 +112,7 @@ impl LinearModel<'_> {
 
 /// Finds the cheapest tolerances that keep the limits as `judge` judges them.
 ///
-/// Limits are in the unit of the figures.
+/// The limits are in the unit of the figures.
 ///
 /// # Errors
 /// Returns the excess over the limits if even the tightest tolerances exceed limits. Returns a failure if the
@@ -186,7 +186,8 @@ fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn
     }
 }
 
-/// Returns the loosest common scale that keeps the judged limits, with its cost; None if none was found.
+/// Returns the loosest common scale that keeps the judged limits, with its cost; None if no such scale was
+/// found.
 ///
 /// The judged figures are nearly proportional to the common scale, so a few corrections by the largest ratio of
 /// figure and limit suffice.

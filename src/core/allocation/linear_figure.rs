@@ -86,7 +86,8 @@ impl LinearFigure {
                 let signed = generators.iter().zip(u).zip(own).map(|((g, u), s)| g * (*u * *s));
                 let vertex = signed.sum::<Vector6<f64>>() + constant;
                 let direction = vertex.try_normalize(0.0).unwrap_or_default();
-                // A generator that helps in this direction has the other sign in the row.
+                // A generator that reduces the component along this direction gets the opposite sign in the
+                // row.
                 row.linear.extend(generators.iter().map(|g| g.dot(&direction).abs()));
                 row.constant = fixed.iter().map(|f| f.dot(&direction).abs()).sum();
             }

@@ -13,7 +13,8 @@ use nalgebra::Vector6;
 /// Largest number of steps to a common factor of the multipliers.
 const STEPS: usize = 3;
 
-/// Cheapest tolerances that keep the limits of some figures. They bound the prices of similar figures.
+/// Cheapest tolerances that keep the limits of some figures, and with which the prices of similar figures are
+/// bounded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearbyPrice {
     /// Scale of every tolerance.
@@ -53,8 +54,8 @@ impl NearbyPrice {
         })
     }
 
-    /// Returns the cost of the scales, reduced until they keep every limit of other figures; None if they cannot keep
-    /// a limit.
+    /// Returns the cost of the scales, reduced until they keep every limit of other figures; None if the
+    /// reduced scales cannot keep every limit.
     pub fn reduced_cost(
         &self,
         costs: &[ToleranceCost],

@@ -54,7 +54,8 @@ impl NodeFigure<'_> {
 
     /// Returns a linear figure near the judged figure `value`.
     ///
-    /// The evaluator has the tolerances at the scales `scales` of the parameters `free`. Other errors are fixed.
+    /// The tolerances of the evaluator are already at the scales `scales` of the parameters `free`. All other
+    /// errors are fixed.
     pub fn linear(
         &self,
         free: &[Parameter],
@@ -128,7 +129,8 @@ impl NodeFigure<'_> {
             return None;
         }
         let Some(probability) = Self::probability(evaluator, share) else {
-            // The mean size of a normal error in one direction is `sqrt(2 / pi)` times its deviation.
+            // The mean size of a normal error in one direction is `sqrt(2 / pi)` times its standard
+            // deviation.
             let of_mean = std::f64::consts::FRAC_2_PI;
             return Some(if evaluator.quantity == Quantity::Rms { 1.0 } else { of_mean });
         };
@@ -156,8 +158,9 @@ impl NodeFigure<'_> {
         LinearFigure::RootSumSquare { squares, constant }
     }
 
-    /// Returns three results: the mean square that each free parameter causes at its present tolerance, the square of
-    /// the mean error, and the mean square of all other errors plus the square of the mean error.
+    /// Returns three results. The first is the mean square that each free parameter causes at its present
+    /// tolerance. The second is the square of the mean error. The third is the second plus the mean square of
+    /// all other errors.
     fn squares(&self, free: &[Parameter], memory: &mut EvaluatorScratch) -> (Vec<f64>, f64, f64) {
         let Self { evaluator, context, frames, .. } = self;
         evaluator.prepare(context, frames, memory);
@@ -181,8 +184,10 @@ impl NodeFigure<'_> {
         (squares, of_mean, constant)
     }
 
-    /// Returns the root sum square with the value and the slopes of a percentile of normal errors without a mean;
-    /// None if the quantity is not a percentile or an error is not normal.
+    /// Returns the root sum square with the value and the slopes of a percentile of normal errors without a
+    /// mean.
+    ///
+    /// Returns None if the quantity is not a percentile or an error is not normal.
     ///
     /// The squared percentile is a function of the eigenvalues of the covariance, so a few percentiles give all slopes.
     pub fn normal_percentile(

@@ -179,7 +179,7 @@ impl OperationPricing {
         figure.scaled(1.0 / self.limit)
     }
 
-    /// Returns the price of a node: the cost of the cheapest tolerances with which it keeps the limit.
+    /// Returns the price of a node: the cost of the cheapest tolerances with which the node keeps the limit.
     pub fn price(
         &self,
         node: &NodeFigure<'_>,

@@ -1,4 +1,4 @@
-//! Solution of the problem of tolerance allocation.
+//! Solution of a tolerance allocation problem.
 
 use super::cone_program::ScaleDomain;
 use super::cutting_planes::{CutPool, RelaxedSolution, keep_limits};

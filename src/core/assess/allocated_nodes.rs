@@ -20,7 +20,7 @@ pub enum AllocatedNodes {
     Node(usize, usize),
 }
 
-/// Returns the nodes of a map at which the operation must keep its limit, each with its place in the map.
+/// Returns the nodes of a map at which the operation must keep its limit, each with its index in the map.
 pub fn chosen(
     workcell: &Workcell,
     map: &OperationMap,

@@ -18,7 +18,7 @@ const BINDING: f64 = 1e-4;
 #[derive(Debug, Clone, PartialEq)]
 pub struct AllocatedParameter {
     pub parameter: Parameter,
-    /// Tolerance of the error set, m or rad.
+    /// Tolerance of the parameter in the error set, m or rad.
     pub plus_minus: f64,
     pub cost: ToleranceCost,
 }
@@ -148,7 +148,7 @@ impl<'a> CellAllocation<'a> {
             let value = figure.value(&mut memory);
             let linear = figure.linear(&free, &present, value, &mut memory);
             let at_present = linear.value(&present, &mut FigureScratch::default());
-            // The linear figure is scaled to the judged one at the present tolerances.
+            // The linear figure is scaled to the judged figure at the present tolerances.
             linear.scaled(if at_present > 0.0 && value > 0.0 { value / at_present } else { 1.0 })
         })?;
         let cost_of = |(figure, r): (LinearFigure, &NodeRequirement)| {

@@ -81,7 +81,7 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
     if read(a.cell) != read(b.cell) {
         let said = |c: &Cell| {
             let (reading, quantity, registration) = read(c);
-            format!("{reading} {quantity}").trim().to_string() + &format!(", registration {registration}")
+            format!("{reading} {quantity}").trim().to_string() + &format!(" with registration {registration}")
         };
         return refuse(format!("the reading of one is {}, of the other {}", said(a.cell), said(b.cell)));
     }

@@ -27,7 +27,7 @@ pub struct StatedTarget {
 /// Target with the joint coordinates that land on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CorrectedTarget {
-    /// Nominal pose of the TCP, base frame.
+    /// Pose that the TCP is to attain, base frame.
     pub target: Pose,
     /// Joint coordinates of the nominal robot at the target, rad or m.
     pub nominal: JointVector,
@@ -39,7 +39,7 @@ pub struct CorrectedTarget {
     pub random: Option<(f64, f64)>,
 }
 
-/// Corrector of one operation: its errors in one layout.
+/// Corrector of the errors of one operation in one layout.
 pub struct OperationCorrector<'a> {
     workcell: &'a Workcell,
     operation: usize,

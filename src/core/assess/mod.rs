@@ -78,7 +78,8 @@ pub struct Assessment<'a> {
     /// Yield of the whole cell: share of Monte Carlo samples that keep the limits of all operations at their
     /// spots.
     ///
-    /// None unless the reading is statistical, every operation has a spot and at least one has a limit.
+    /// None unless the reading is statistical, every operation has a spot and at least one operation has a
+    /// limit.
     pub cell_yield: Option<Estimate>,
     /// Whether the samples confirm the first-order figures of each operation; None without samples.
     ///
@@ -198,8 +199,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns whether the Monte Carlo samples confirm the first-order figures at the spot of an operation.
     ///
-    /// If they do not, the figures of the samples replace the first-order figures. Returns None if the
-    /// operation has no samples.
+    /// If the samples do not confirm them, the figures of the samples replace the first-order figures.
+    /// Returns None if the operation has no samples.
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
         self.confirmed[operation]
     }
@@ -215,7 +216,8 @@ impl<'a> Assessment<'a> {
         (proof, gap)
     }
 
-    /// Returns the values of all goals in the order of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share.
+    /// Returns the values of all goals in the order of [`crate::cell::Goal::ALL`]: m, rad, m^2, s, a share or
+    /// a cost.
     ///
     /// Returns None if the layout is infeasible.
     pub fn goals(&self) -> Option<Vec<f64>> {
@@ -229,12 +231,12 @@ impl<'a> Assessment<'a> {
         self.workcell.cycle_time(&self.layout, &self.evaluation)
     }
 
-    /// Returns the objective in mm, degrees or as a share; None if the layout is infeasible.
+    /// Returns the objective in mm, in degrees, as a share or as a cost; None if the layout is infeasible.
     pub fn objective(&self) -> Option<f64> {
         self.evaluation.objective.map(|o| self.cell.unit().from_si(o))
     }
 
-    /// Returns the objective in mm; None if it is not a length or the layout is infeasible.
+    /// Returns the objective in mm; None if the objective is not a length or the layout is infeasible.
     pub fn objective_mm(&self) -> Option<f64> {
         self.objective().filter(|_| self.cell.unit() == Unit::Length)
     }

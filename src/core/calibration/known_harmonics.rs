@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 const COORDINATES: usize = 256;
 
 impl Calibration {
-    /// Returns the identified periodic errors; none for an arm with joint coupling, whose joints have no periodic
-    /// errors of their own.
+    /// Returns the identified periodic errors; empty for an arm with joint coupling, whose joints have no
+    /// periodic errors of their own.
     pub fn periodic_errors(&self) -> Vec<PeriodicError> {
         if self.is_coupled() {
             return Vec::new();

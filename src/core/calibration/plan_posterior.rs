@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, Matrix3, Matrix3xX};
 
 /// Covariances of the positions of all candidates once the chosen poses are measured.
 ///
-/// A pose that is added or removed changes them by a matrix of rank 3 (Sherman, Morrison and Woodbury 1950).
+/// A pose that is added or removed changes these covariances by a matrix of rank 3 (Sherman, Morrison and
+/// Woodbury 1950).
 pub struct PlanPosterior<'a> {
     problem: &'a PlanProblem,
     pub(super) chosen: Vec<usize>,

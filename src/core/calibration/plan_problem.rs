@@ -27,8 +27,9 @@ pub struct UnmodelledError {
 impl Default for UnmodelledError {
     /// Returns the errors of a measured arm, rounded.
     ///
-    /// Maximum likelihood on the series A, B and D of a UR10 (Landgraf et al. 2021) gives 0.10 to 0.21 mm for the
-    /// shared part, 0.83 to 0.99 rad for its length scale, and 0.18 to 0.22 mm for the independent part.
+    /// For the series A, B and D of a UR10 (Landgraf et al. 2021), maximum likelihood gives 0.10 to 0.21 mm
+    /// for the shared part. The length scale is 0.83 to 0.99 rad, and the independent part is 0.18 to 0.22
+    /// mm.
     fn default() -> Self {
         Self { shared: 2e-4, length: 1.0, own: 2e-4 }
     }
@@ -113,9 +114,9 @@ impl PlanProblem {
     }
 }
 
-/// Returns a point for a posture; postures a full turn apart have the same point. The distance between two
-/// points is the root sum square of chords of the joint angle differences. The whole travel of a prismatic
-/// joint counts as half a turn.
+/// Returns a point for a posture; postures a full revolution apart have the same point. The distance between
+/// two points is the root sum square of chords of the joint angle differences. The whole travel of a
+/// prismatic joint counts as half a revolution.
 fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> {
     let mut place = SMatrix::zeros();
     for (i, link) in chain.links.iter().enumerate() {

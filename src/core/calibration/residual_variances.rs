@@ -1,8 +1,8 @@
 //! Residual variances: random errors of every joint and of every position that the identified parameters do not
 //! explain.
 //!
-//! Gears and bearings add an error to each actuator coordinate that depends on the posture in a way that no
-//! parameter describes. The model of the remaining error of a measured position is
+//! Gears and bearings add an error to each actuator coordinate. This error depends on the posture in a way
+//! that no parameter describes. The model of the remaining error of a measured position is
 //!
 //! ```text
 //! r ~ N(0, sum_j v_j g_j g_j^T + (v_0 + u^2) I)
@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Largest number of variances.
 const MAX_VARIANCES: usize = MAX_JOINTS + 1;
-/// Standard deviation of a revolute joint that is expected without data, rad.
+/// Standard deviation that is expected of a revolute joint without data, rad.
 const EXPECTED_ANGLE: f64 = 3e-4;
 /// Smallest standard deviation of a joint, rad or m.
 const FINEST_JOINT: f64 = 1e-7;
@@ -82,7 +82,8 @@ impl ResidualVariances {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);
         let mut gradient = DVector::from_fn(count, |i, _| scores.gradient[i]);
-        // The expectation counts as much as two joint errors; it decides if the data contain no information.
+        // The expectation counts as much as two joint errors; it is decisive if the data contain no
+        // information.
         for (k, (v, expected)) in self.joints.iter().zip(&self.expected).enumerate() {
             information[(k, k)] += expected.powi(-2);
             gradient[k] += (expected - v) / expected.powi(2);

@@ -38,9 +38,9 @@ pub struct Calibration {
     pub covariance: DMatrix<f64>,
     /// Every session after the fit.
     pub sessions: Vec<FittedSession>,
-    /// Number of identified directions: the data reduce the standard deviation in such a direction to less than half.
-    /// Directions are in the space of the unknowns without harmonics, each divided by its standard deviation before
-    /// the measurement.
+    /// Number of identified directions: the data reduce the standard deviation in such a direction to less
+    /// than half. The directions are in the space of the unknowns without harmonics, each unknown divided by
+    /// its standard deviation before the measurement.
     pub rank: usize,
     /// Directions that the data do not identify, as unit vectors in the same space as for [`Self::rank`].
     pub unidentified: Vec<Vec<f64>>,

@@ -38,7 +38,7 @@ impl SessionFrames {
         self.base.inverse().transform(&measured.position) - self.reached(interface, measured.reflector)
     }
 
-    /// Returns the motions of a reflector by the unknowns of the session, base frame.
+    /// Returns the motions of a reflector per unit of each unknown of the session, base frame.
     ///
     /// The unknowns are the translation of the base, its rotation about the axes of the base frame (rad), and
     /// the coordinates of every reflector.

@@ -61,7 +61,7 @@ pub fn nominal_frames(chain: &Chain) -> Vec<Pose> {
 ///
 /// # Errors
 ///
-/// Returns the number of the joint, counted from 0, whose axis has another direction in its frame.
+/// Returns the index of the first joint whose axis has different directions in the frames of the two chains.
 pub fn errors_between(nominal: &Chain, calibrated: &Chain) -> Result<SignedErrors, usize> {
     let mut errors = no_errors(nominal.axes());
     let [a, b] = [nominal, calibrated].map(frames_at_zero);

@@ -12,12 +12,12 @@ pub enum Unknown {
     Row(Parameter),
     /// Deflection of joint `joint` by weight that link `link` carries.
     ///
-    /// The deflection is the value of the unknown (rad/m) times the horizontal lever of the link (m), see
-    /// [`crate::robot::lever`]. The value is the compliance of the joint (rad/(N m)) times the weight (N) at and
-    /// beyond the end of the link.
+    /// The deflection is the value of the unknown (rad/m) times the horizontal lever of the link (m; see
+    /// [`crate::robot::lever`]). The value is the compliance of the joint (rad/(N m)) times the weight (N) at
+    /// and beyond the end of the link.
     Elastic { joint: usize, link: usize },
-    /// Error of actuator `joint` that is periodic in its coordinate q: the value (rad) times `cos(order q)`, or
-    /// `sin(order q)` if `sine` is true.
+    /// Error of actuator `joint` that is periodic in the coordinate q of the actuator: the value (rad) times
+    /// `cos(order q)`, or `sin(order q)` if `sine` is true.
     Harmonic { joint: usize, order: usize, sine: bool },
 }
 
@@ -93,7 +93,7 @@ impl Unknown {
     ///
     /// The values are assumptions of this library: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1
     /// degrees for twists, and 3 mrad/m for elastic terms. A coefficient of a harmonic has 0.15 mrad up to
-    /// order 4, and 0.075 mrad above.
+    /// order 4, and 0.075 mrad above order 4.
     pub fn default_prior(self) -> f64 {
         match self {
             Self::Row(Parameter::Dr(_) | Parameter::Dl(_)) => m_from_mm(0.5),
@@ -108,7 +108,7 @@ impl Unknown {
 /// Largest order of the slow harmonics, whose coefficients are larger because encoders and gears are
 /// eccentric or tilted.
 const SLOW: usize = 4;
-/// Standard deviation of a coefficient of a fast harmonic that is expected without data, rad.
+/// Standard deviation that is expected of a coefficient of a fast harmonic without data, rad.
 const EXPECTED_HARMONIC: f64 = 7.5e-5;
 
 /// Returns the standard deviation of one coefficient of this order before the measurement, rad.

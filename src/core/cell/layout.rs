@@ -12,7 +12,7 @@ pub enum Slot {
     Base(usize),
     /// Index of the equipment, then its coordinate: 0 to 3 stand for x, y, z and yaw.
     ///
-    /// The coordinate is in the world frame, or in the frame of the equipment that carries this one.
+    /// The coordinate is in the world frame, or in the frame of the equipment that carries this equipment.
     Equipment(usize, usize),
     /// Index of the operation, then the angle of its attitude: 0 to 2 stand for elevation, azimuth and spin.
     Attitude(usize, usize),

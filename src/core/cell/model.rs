@@ -94,10 +94,11 @@ pub struct Equipment {
     /// Floor space, which contains all solids of the equipment in plan view.
     pub footprint: Rectangle,
     pub solids: Vec<Solid>,
-    /// Index of the equipment on which this one stands and with which it moves; None if it stands on no other
-    /// equipment.
+    /// Index of the equipment on which this equipment stands and with which it moves; None if it stands on no
+    /// other equipment.
     pub on: Option<usize>,
-    /// Coordinates x, y, z, yaw in the world frame, or in the frame of the equipment that carries this one.
+    /// Coordinates x, y, z, yaw in the world frame, or in the frame of the equipment that carries this
+    /// equipment.
     pub placement: [Coordinate; 4],
     /// Errors of the placement or fixture, in the equipment's frame (m, rad).
     pub errors: Option<FrameErrors>,

@@ -198,7 +198,7 @@ impl Cell {
         for (k, operation) in self.operations.iter().enumerate() {
             if interpretation.limit_of(operation).is_none() {
                 let word = interpretation.sense_of(operation).unit.word();
-                let message = format!("`{}` has no limit, which the tolerances must keep", operation.name);
+                let message = format!("`{}` has no limit that the tolerances must keep", operation.name);
                 refuse(About::Operation(k), message, &format!("add limit_{word}, the largest allowed error"));
             }
             if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {

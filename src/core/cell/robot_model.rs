@@ -61,9 +61,9 @@ pub struct Joint {
     pub theta: f64,
     /// Axial offset r at joint coordinate 0, m; a prismatic joint adds its coordinate.
     pub r: f64,
-    /// Common normal l: distance of this joint axis from the next one, m.
+    /// Common normal l: distance of this joint axis from the next joint axis, m.
     pub l: f64,
-    /// Twist alpha: angle from this joint axis to the next one, rad.
+    /// Twist alpha: angle from this joint axis to the next joint axis, rad.
     pub alpha: f64,
     /// Lower and upper limit of the actuator coordinate, rad or m.
     ///

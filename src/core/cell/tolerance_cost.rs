@@ -64,8 +64,8 @@ impl ToleranceCost {
         Some(Self { law: CostLaw::Grades(kept), range })
     }
 
-    /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade that is not looser than
-    /// `u`, or of the tightest grade if all are looser.
+    /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade that is not
+    /// looser than `u`, or of the tightest grade if all grades are looser.
     pub fn cost(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Reciprocal { at, power: 1.0 } => at / u,

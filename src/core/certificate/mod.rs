@@ -49,7 +49,7 @@ pub enum NotCertified {
     JointLimit { joint: usize, by: f64 },
     /// The distance from singular postures may fall to `measure`, which is below the margin.
     Singular { measure: f64 },
-    /// Two solids may come nearer than the clearance.
+    /// Two solids may come nearer to each other than the clearance.
     Clearance(Hit),
     /// The straight approach or retract, or the move from the operation to the next one, may be blocked.
     Path(Hindrance),

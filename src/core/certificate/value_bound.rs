@@ -95,7 +95,7 @@ struct SourceMotion {
     size: f64,
 }
 
-/// Posture of an operation with the boxes of its target and its joints.
+/// Posture of an operation with its target box and its joint enclosure.
 pub struct BoxedPosture<'a> {
     pub context: &'a WorkContext,
     pub posture: &'a Posture,
@@ -189,7 +189,7 @@ impl ValueBound {
         })
     }
 
-    /// Returns an upper bound of the value of the operation over the boxes of a posture, m.
+    /// Returns an upper bound of the value of the operation over the target box of a posture, m.
     pub fn most(
         &self,
         evaluator: &ErrorEvaluator,

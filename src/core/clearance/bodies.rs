@@ -25,7 +25,7 @@ pub(super) struct CollisionBody {
     /// Solid before the rounding that enlarges it, and the radius (m) of the rounding; None without rounding.
     ///
     /// A check against a ball uses this solid and enlarges the ball by the radius, which is exact. For the
-    /// rounded solid parry3d errs by up to 4e-5 m.
+    /// rounded solid, parry3d errs by up to 4e-5 m.
     pub(super) unswollen: Option<(SharedShape, f64)>,
     /// Bounding box in the frame of the shape.
     pub(super) bounds: Aabb,
@@ -201,8 +201,8 @@ fn capsule(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64) -> CollisionBody {
 /// Returns the pose of the frame whose y axis points from `a` to `b` and whose origin is midway between them.
 fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
     let turn = nalgebra::Rotation3::rotation_between(&Vector3::y(), &(b - a));
-    // Opposite directions have no unique rotation between them; a rotation by 180 degrees about x is one of
-    // them.
+    // The rotation between opposite directions is not unique; a rotation by 180 degrees about x is one
+    // possibility.
     let turn = turn
         .unwrap_or_else(|| nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     Pose { rotation: turn.into_inner(), translation: (a + b) / 2.0 }

@@ -15,7 +15,7 @@ use parry3d::shape::{ConvexPolyhedron, RoundShape, SharedShape};
 /// solid.
 const MAX_PARTS: usize = 16;
 
-/// Volume that a cut must save at least, as a share of the volume of the mesh's hull.
+/// Least volume that a cut must save, as a share of the volume of the mesh's hull.
 const MIN_GAIN: f64 = 0.01;
 
 /// Largest number of points from which the volume of a hull is estimated.
@@ -43,8 +43,8 @@ pub(super) struct Hull {
 impl Hull {
     /// Returns the hull enlarged by `by` (m), and how it was enlarged.
     ///
-    /// The second value is the shape before its rounding and the radius (m) of the rounding. It is None if
-    /// the returned shape has no rounding.
+    /// The second value is the shape before its rounding and the radius (m) of the rounding. The second value
+    /// is None if the returned shape has no rounding.
     pub(super) fn swollen(&self, by: f64) -> (SharedShape, Option<(SharedShape, f64)>) {
         let by = by + self.slack;
         match &self.solid {

@@ -106,7 +106,7 @@ impl EquipmentFootprint {
 /// Floor spaces of a cell, prepared once for all layouts.
 ///
 /// [`Self::with_tolerances`] gives a plan in which floor spaces also keep the distance by which misplacements
-/// may bring them nearer together. A layout without an overlap in this plan has no overlap at any
+/// may bring them closer together. A layout without an overlap in this plan has no overlap at any
 /// misplacement.
 pub struct FloorPlan {
     equipment: Vec<EquipmentFootprint>,

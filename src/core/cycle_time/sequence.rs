@@ -34,7 +34,7 @@ pub struct CycleStep {
     pub time: f64,
 }
 
-/// Least time in which a layout completes its operations, one after the other.
+/// Least time in which the robot completes the operations of a layout, one after the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleTime {
     /// Steps in the order in which they happen.
@@ -67,7 +67,7 @@ pub struct MotionSequence<'a> {
 }
 
 impl MotionSequence<'_> {
-    /// Computes the least time of the motion under the speeds and accelerations of the joints.
+    /// Computes the least time of the motion under the speed and acceleration limits of the joints.
     ///
     /// Every straight line and every straight move begins and ends at rest, because the direction of the
     /// motion changes abruptly there. Without checked moves, the robot moves directly from the end of each

@@ -16,7 +16,8 @@ pub struct DataReading {
     pub unit: f64,
     /// Map from the joint columns to actuator coordinates.
     pub joints: JointMap,
-    /// Whether the frame of the positions is left-handed: two columns are swapped, or one has the wrong sign.
+    /// Whether the frame of the positions is left-handed: two columns are swapped, or one column has the
+    /// wrong sign.
     pub mirrored: bool,
     /// Root mean square distance of measured from nominal positions, m, without the worst tenth of the rows;
     /// base and reflector are fitted.

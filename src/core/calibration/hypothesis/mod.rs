@@ -1,8 +1,8 @@
 //! Hypotheses about measured data, compared by how well they fit the nominal robot.
 //!
-//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the joints, and
-//! whether the position is mirrored. The plain reading is kept unless another one fits clearly better. The convention
-//! of the orientations is found after the reading of the positions.
+//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the
+//! joints, and whether the position is mirrored. The plain reading is kept unless another reading fits
+//! clearly better. The convention of the orientations is found after the reading of the positions.
 
 mod data_reading;
 mod joint_map;
@@ -28,7 +28,7 @@ use linear_score::LinearScore;
 /// Largest number of rows with which the hypotheses are compared.
 const ROWS: usize = 80;
 
-/// Share of the reach of the arm up to which the plain reading is kept without a search for others.
+/// Share of the reach of the arm up to which the plain reading is kept without trying other hypotheses.
 const GOOD: f64 = 1e-3;
 
 /// Factor by which another hypothesis must reduce the distance of the plain reading.
@@ -40,7 +40,7 @@ const AS_GOOD: f64 = 1.05;
 /// Least number of rows with which hypotheses about more than units are compared.
 const LEAST_ROWS: usize = 8;
 
-/// Number of rows per row that is left out; the worst rows are left out.
+/// Reciprocal of the share of rows that are left out because they fit worst.
 const WORST: usize = 10;
 
 /// Number of hypotheses whose linear score is followed by a fit of base and reflectors.
@@ -67,7 +67,7 @@ pub fn explain(chain: &Chain, raw: &[RawMeasurement], reach: f64) -> Option<Data
     other.map(|other| DataReading { plain_rms, ..other }).or(plain)
 }
 
-/// Returns the simplest of the readings that fit about as well as the best one.
+/// Returns the simplest of the readings that fit about as well as the best reading.
 fn simplest(all: Vec<DataReading>) -> Option<DataReading> {
     let least = all.iter().map(|reading| reading.rms).min_by(f64::total_cmp)?;
     let good = all.into_iter().filter(|reading| reading.rms <= AS_GOOD * least);
