@@ -55,7 +55,7 @@ pub struct JoinedLine<K> {
 ///
 /// Every edge is in exactly one polyline. If several edges leave a corner, `choose` selects the edge with
 /// which the polyline continues. The function `choose` receives the index of the arriving edge and the
-/// indices of the leaving edges, and returns the index of a leaving edge.
+/// indices of the leaving edges. It returns the index of a leaving edge.
 pub fn join_edges<K: Copy + Ord>(
     edges: &[(K, K)],
     mut choose: impl FnMut(usize, &[usize]) -> usize,

@@ -49,7 +49,8 @@ struct Builder {
 }
 
 impl Builder {
-    /// Adds rows `s = constant + sum of terms` that lie in a cone; a term is a row, a variable and a coefficient.
+    /// Adds rows `s = constant + sum of terms` that lie in a cone. A term is a row, a variable and a
+    /// coefficient.
     fn add(&mut self, cone: SupportedConeT<f64>, constant: &[f64], terms: &[(usize, usize, f64)]) {
         let first = self.right.len();
         for &(row, variable, value) in terms.iter().filter(|(.., value)| *value != 0.0) {

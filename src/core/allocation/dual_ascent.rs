@@ -64,8 +64,8 @@ impl PricedScales {
     }
 }
 
-/// Returns the cheapest scales for figures whose limits are 1, with a relative gap of at most `gap` if this
-/// gap can be reached.
+/// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
+/// gap is at most `gap` if this gap can be reached.
 ///
 /// The costs must be continuous, and the tightest scales must keep every limit. Returns None if the ascent fails.
 pub fn priced_scales(
@@ -186,7 +186,9 @@ fn polished(
 }
 
 /// Returns the Newton step with the first ridge that makes the matrix of second derivatives positive
-/// definite; None if no ridge suffices.
+/// definite.
+///
+/// Returns None if no ridge suffices.
 fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector<f64>> {
     let size = hessian.trace() / hessian.nrows() as f64;
     let mut ridge = 1e-14 * size;

@@ -107,8 +107,8 @@ impl GradeSearch<'_> {
         self.figures.iter().all(|f| f.value(scales, self.scratch) <= 1.0 + ROUNDING)
     }
 
-    /// Rounds the relaxed scales of a branch to a choice of grades, discards grades that cannot lead to a
-    /// lower cost, and keeps the branch if it is open.
+    /// Rounds the relaxed scales of a branch to a choice of grades, and keeps the branch if it is open.
+    /// Grades that cannot lead to a lower cost are discarded.
     fn offer(&mut self, mut branch: GradeBranch, heap: &mut BinaryHeap<GradeBranch>) {
         let pairs = self.costs.iter().zip(&branch.domains).zip(&branch.relaxed.scales);
         let rounded: Vec<f64> = pairs.map(|((cost, domain), u)| tighter(cost, domain, *u)).collect();
@@ -134,8 +134,8 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Splits a branch at the parameter whose relaxed scale is farthest from both neighbouring grades,
-    /// weighted by the difference of their costs.
+    /// Splits a branch at the parameter whose relaxed scale is farthest from both neighbouring grades. The
+    /// distance is weighted by the difference of the costs of these grades.
     fn split(&mut self, branch: GradeBranch) -> Vec<Vec<ScaleDomain>> {
         let GradeBranch { domains, relaxed } = branch;
         let mut widest: Option<(f64, usize, usize)> = None;

@@ -47,7 +47,8 @@ pub struct Charged {
 /// Largest number of Newton steps for one scale; the steps converge from one side.
 const MAX_STEPS: usize = 60;
 
-/// Returns the scale in the range of a cost model with the least `c(u) + p u + q u^2`, where `q` is at least 0.
+/// Returns the scale in the range of a cost model with the least `c(u) + p u + q u^2`. The price `q` must be
+/// at least 0.
 pub fn charged(cost: &ToleranceCost, p: f64, q: f64) -> Charged {
     let (low, high) = cost.range;
     let total = |u: f64, c: f64| c + (p + q * u) * u;
@@ -70,8 +71,8 @@ pub fn charged(cost: &ToleranceCost, p: f64, q: f64) -> Charged {
         CostLaw::Reciprocal { at, power } => (power * at / (2.0 * q)).powf(1.0 / (power + 2.0)),
         _ => low,
     };
-    // If one part of the price is doubled and the other left out, the smaller of the two stationary scales is
-    // below the scale that is sought.
+    // Doubling one part of the price and leaving out the other gives two scales. The smaller one is below the
+    // scale that is sought.
     let mut u = match (q > 0.0, p > 0.0) {
         (false, _) => stationary(&cost.law, p),
         (true, false) => of_square(q).clamp(low, high),

@@ -25,8 +25,9 @@ pub struct NearbyPrice {
 }
 
 impl NearbyPrice {
-    /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure; None if the ascent
-    /// does not find them.
+    /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure.
+    ///
+    /// Returns None if the ascent does not find them.
     pub fn new(
         costs: &[ToleranceCost],
         figures: &[LinearFigure],
@@ -54,8 +55,9 @@ impl NearbyPrice {
         })
     }
 
-    /// Returns the cost of the scales, reduced until they keep every limit of other figures; None if the
-    /// reduced scales cannot keep every limit.
+    /// Returns the cost of the scales, reduced until they keep every limit of other figures.
+    ///
+    /// Returns None if the reduced scales cannot keep every limit.
     pub fn reduced_cost(
         &self,
         costs: &[ToleranceCost],

@@ -118,8 +118,9 @@ impl NodeFigure<'_> {
         LinearFigure::RootSumSquare { squares, constant: ratio * (constant - of_mean) }
     }
 
-    /// Returns a lower bound of the ratio of the squared figure to the mean square of the error; None for a
-    /// worst case.
+    /// Returns a lower bound of the ratio of the squared figure to the mean square of the error.
+    ///
+    /// Returns None for a worst case.
     ///
     /// Among normal errors of equal mean square, errors with equal variance in all directions have the least
     /// high percentile. Errors in one direction have the least low percentile. A bounded error has a lower
@@ -234,9 +235,9 @@ impl NodeFigure<'_> {
 
     /// Returns the root sum square with the value and the slopes of a percentile or mean at the present scales.
     ///
-    /// The square of such a figure is homogeneous of degree 1 in the squares of the scales, if all errors are free
-    /// and have no mean. So the derivatives with respect to these squares, `d value^2 / d u_k^2`, describe the figure
-    /// well.
+    /// If all errors are free and have no mean, the square of such a figure is homogeneous of degree 1 in the
+    /// squared scales. So the derivatives with respect to these squares, `d value^2 / d u_k^2`, describe the
+    /// figure well.
     fn percentile(
         &self,
         free: &[Parameter],
@@ -259,8 +260,8 @@ impl NodeFigure<'_> {
     }
 }
 
-/// Returns the derivatives of the squared percentile of `|e|` with respect to the covariance of `e`, which is `sum g
-/// g^T` over `columns`. Returns None if `e` is zero.
+/// Returns the derivatives of the squared percentile of `|e|` with respect to the covariance of `e`. This
+/// covariance is `sum g g^T` over `columns`. Returns None if `e` is zero.
 fn percentile_slopes(
     columns: &[(Option<usize>, Vector6<f64>)],
     rows: usize,

@@ -1,7 +1,8 @@
 //! Prices of nodes: the cost of the cheapest tolerances with which an operation keeps its limit at a node.
 //!
-//! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`] judges
-//! the resulting layout by the full model, whose prices differ by a few per cent if the tolerances are wide.
+//! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`]
+//! judges the resulting layout by the full model. Prices by the full model differ by a few per cent if the
+//! tolerances are wide.
 
 use super::dual_ascent::priced_scales;
 use super::limit_row::LimitRow;
@@ -19,8 +20,8 @@ pub const DEFAULT_YIELD: f64 = 0.99;
 /// Relative gap between a price and its lower bound.
 pub(super) const GAP: f64 = 1e-6;
 
-/// Effort of a rough bound: the largest number of directions of the error, and the largest number of steps to
-/// the multiplier of each direction.
+/// Effort of a rough bound: the largest numbers of directions of the error, and of steps to the multiplier of
+/// each direction.
 const ROUGH: (usize, usize) = (1, 2);
 /// Effort of a sharp bound, with the same two numbers as [`ROUGH`].
 const SHARP: (usize, usize) = (4, 8);

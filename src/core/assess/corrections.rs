@@ -34,8 +34,8 @@ pub struct CorrectedTarget {
     /// Error of the uncorrected robot: displacement from the target to the attained pose, base frame.
     pub before: Displacement,
     pub correction: Correction,
-    /// Root mean square of the random position error (m) and rotation error (rad) that no correction removes;
-    /// None if the errors have no random part.
+    /// Root mean square of the random position error (m) and rotation error (rad) that no correction removes.
+    /// None means that the errors have no random part.
     pub random: Option<(f64, f64)>,
 }
 

@@ -15,8 +15,8 @@ const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 /// feasible.
 ///
 /// Each tolerance is reduced alone. If no single tolerance suffices, all tolerances of each body (robot base
-/// or piece of equipment) are reduced together, and finally the tolerances of all bodies. The list is empty
-/// if the layout is infeasible even as drawn.
+/// or piece of equipment) are reduced together. Finally, the tolerances of all bodies are reduced. The list
+/// is empty if the layout is infeasible even as drawn.
 pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     if !workcell.certifies() || evaluate(workcell, layout).is_accepted() {
         return Vec::new();
@@ -36,8 +36,9 @@ pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     reduced(cell, layout, &bodies.concat()).into_iter().collect()
 }
 
-/// Describes the largest values of some tolerances with which the layout is feasible; None if the layout is
-/// infeasible even without these tolerances.
+/// Describes the largest values of some tolerances with which the layout is feasible.
+///
+/// Returns None if the layout is infeasible even without these tolerances.
 fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {
     let holds = |share: f64| {
         let mut less = cell.clone();

@@ -88,8 +88,9 @@ pub struct Assessment<'a> {
     /// Certificate that the layout works at every misplacement; None if no certificate is demanded, or if the
     /// layout is not feasible.
     pub certificate: Option<LayoutCertificate>,
-    /// Regions in which every piece of equipment may stand; None unless [`Self::with_regions`] was called, or
-    /// if the layout is not feasible or misses a limit.
+    /// Regions in which every piece of equipment may stand.
+    ///
+    /// None unless [`Self::with_regions`] was called, or if the layout is not feasible or misses a limit.
     pub regions: Option<Regions>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if no such layout was found.
     pub apart: Option<Layout>,
@@ -247,7 +248,7 @@ impl<'a> Assessment<'a> {
     /// yield, whose definition already contains the limit.
     ///
     /// If the value is the cost of tolerances, the limit is the cost of the tightest tolerances. If that cost
-    /// is only one of several goals, the result is None, because the limits constrain the tolerances, not the
+    /// is only one of several goals, the result is None. The limits then constrain the tolerances, not the
     /// error at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
@@ -264,8 +265,9 @@ impl<'a> Assessment<'a> {
         Some(Requirement { limit, margin: limit - value, known })
     }
 
-    /// Returns an upper bound of the value of an operation over all misplacements, m or rad; None if the layout is
-    /// not certified or no bound is known.
+    /// Returns an upper bound of the value of an operation over all misplacements, m or rad.
+    ///
+    /// Returns None if the layout is not certified or no bound is known.
     pub fn worst(&self, operation: usize) -> Option<f64> {
         let certified = self.certificate.as_ref()?.operations.get(operation)?.as_ref()?;
         let most = certified.as_ref().ok()?.most?;

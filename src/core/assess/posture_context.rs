@@ -49,8 +49,10 @@ pub struct PostureContext<'a> {
     pub evaluator: ErrorEvaluator,
     pub situation: WorkContext,
     pub frames: Frames,
-    /// Upper bound of the value at the spot over all misplacements, m or rad; None if no certificate is demanded, or
-    /// if the posture is not the posture at the spot. The inner value is None if no bound is known.
+    /// Upper bound of the value at the spot over all misplacements, m or rad.
+    ///
+    /// The outer value is None if no certificate is demanded, or if the posture is not the posture at the
+    /// spot. The inner value is None if no bound is known.
     pub worst: Option<Option<f64>>,
 }
 

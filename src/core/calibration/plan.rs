@@ -8,7 +8,7 @@
 //!
 //! The unknowns are normally distributed with their standard deviations before the measurement. No model is
 //! complete, so the misfit m, not the noise of the instrument, limits the accuracy. The misfit is a Gaussian
-//! process over the joint space: poses near each other have nearly the same misfit, so the second pose adds
+//! process over the joint space. Poses near each other have nearly the same misfit, so the second pose adds
 //! little information. The remaining errors e_i are independent.
 //!
 //! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of the task

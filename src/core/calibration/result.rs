@@ -47,7 +47,7 @@ pub struct Calibration {
     /// Root mean square of the residuals per axis, m.
     pub residual: f64,
     /// Statistics of the distances between measured positions and predictions of a fit without their block of
-    /// the joint space, m; None if no block can be left out.
+    /// the joint space, m. None means that no block can be left out.
     pub held_out: Option<Accuracy>,
     /// Variances of the errors that the parameters do not explain.
     pub misfit: ResidualVariances,

@@ -16,8 +16,8 @@ pub enum Unknown {
     /// [`crate::robot::lever`]). The value is the compliance of the joint (rad/(N m)) times the weight (N) at
     /// and beyond the end of the link.
     Elastic { joint: usize, link: usize },
-    /// Error of actuator `joint` that is periodic in the coordinate q of the actuator: the value (rad) times
-    /// `cos(order q)`, or `sin(order q)` if `sine` is true.
+    /// Error of actuator `joint` that is periodic in the coordinate q of the actuator. The error is the value
+    /// (rad) times `cos(order q)`, or `sin(order q)` if `sine` is true.
     Harmonic { joint: usize, order: usize, sine: bool },
 }
 

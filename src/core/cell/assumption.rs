@@ -15,9 +15,9 @@ const TURN_MARGIN_DEG: f64 = 2.0;
 const SLIDE_MARGIN_MM: f64 = 2.0;
 /// Assumed least singular value of the scaled Jacobian.
 ///
-/// At this value, a displacement of the TCP by 0.1 % of the reach of the arm moves the joints by up to 0.05
-/// rad, or 2.9 degrees. Below this value, an operation is no longer a precision operation: small corrections
-/// become large motions.
+/// At this value, the joints move by up to 0.05 rad (2.9 degrees) if the TCP is displaced by 0.1 % of the
+/// reach. Below this value, an operation is no longer a precision operation: small corrections become large
+/// motions.
 const SINGULARITY: f64 = 0.02;
 /// Assumed placement tolerance of every body that the search places: x, y and z, mm.
 const PLACE_MM: f64 = 2.0;

@@ -65,7 +65,7 @@ impl ToleranceCost {
     }
 
     /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade that is not
-    /// looser than `u`, or of the tightest grade if all grades are looser.
+    /// looser than `u`. If all grades are looser, it is the cost of the tightest grade.
     pub fn cost(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Reciprocal { at, power: 1.0 } => at / u,

@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 pub struct JointEnclosure {
     /// Half widths of the D-H coordinates about the nominal posture, rad or m; 0 for joints that do not move.
     pub half: JointVector,
-    /// First derivative of the D-H coordinates with respect to each [`BoxAxis`] of the target box, times the half
-    /// width of the target box along this axis, rad or m.
+    /// First-order change of the D-H coordinates over half the width of the target box along each
+    /// [`BoxAxis`], rad or m.
     pub first: [JointVector; BoxAxis::COUNT],
     /// Upper bounds of the deviation of the D-H coordinates from their linear expansion, rad or m.
     pub bend: JointVector,
@@ -45,7 +45,7 @@ impl JointEnclosure {
     /// `frames`.
     ///
     /// The result holds for every nominal posture whose D-H coordinates are within `beyond` (rad or m) of the
-    /// given posture; `beyond` is 0 for a single posture.
+    /// given posture. For a single posture, `beyond` is 0.
     ///
     /// # Errors
     /// Returns the reason if there is no joint enclosure, or if it exceeds the joint limits.
@@ -116,8 +116,8 @@ impl JointEnclosure {
         Ok(())
     }
 
-    /// Returns an upper bound of the change of the geometric Jacobian in the enclosure: the Frobenius norm of
-    /// the change, with lengths divided by `reach` (m).
+    /// Returns an upper bound of the change of the geometric Jacobian in the enclosure. The change is
+    /// measured by its Frobenius norm, with lengths divided by `reach` (m).
     ///
     /// The columns of the Jacobian belong to the actuators.
     pub fn jacobian_change(&self, chain: &Chain, task: &ToolTask, frames: &Frames, reach: f64) -> f64 {
@@ -196,8 +196,8 @@ impl JointEnclosure {
         let bend = theta(bend, f64::abs);
         let half: JointVector =
             std::array::from_fn(|j| first.iter().map(|steps| steps[j].abs()).sum::<f64>() + bend[j]);
-        // A tool whose orientation is not controlled as a whole can only rotate about the vertical with the
-        // first joint, or, with a numeric solver, with every joint.
+        // If the orientation of the tool is not controlled as a whole, the tool can only rotate about the
+        // vertical with the first joint. With a numeric solver, the tool can rotate with every joint.
         let tool_turn = match (posed.task.keeps_orientation, posed.task.rotation[0].0) {
             (true, _) if posed.task.radial => target.heading + target.yaw,
             (true, _) => 0.0,

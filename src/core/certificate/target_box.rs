@@ -76,8 +76,10 @@ impl TargetBox {
         second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
     }
 
-    /// Returns this box for an attitude that is measured from the direction of the target as seen from the base
-    /// axis; `target` is the nominal position in the base frame, m.
+    /// Returns this box for an attitude that is measured from the direction of the target as seen from the
+    /// base axis.
+    ///
+    /// `target` is the nominal position of the target in the base frame, m.
     ///
     /// The heading is not limited if the box reaches the base axis.
     #[must_use]

@@ -1,9 +1,9 @@
 //! Upper bound of the value of an operation while the arm follows its target through a target box.
 //!
 //! To first order, the error is a sum of effects: the size of each error source times the displacement that a
-//! unit of this source causes. Let f be such an effect as a function of the position in the target box. Linear
-//! interpolation between the corners of the box deviates from f by at most the sum over all axes t of
-//! `h_t^2 / 2 max |d2f/dt2|`, where h_t is the half width. Second derivatives of an effect are products of unit
+//! unit of this source causes. Let f be such an effect as a function of the position in the target box, and
+//! h_t the half width along axis t. Linear interpolation between the corners deviates from f by at most the
+//! sum of `h_t^2 / 2 max |d2f/dt2|` over all axes t. Second derivatives of an effect are products of unit
 //! axes and one lever arm, so the lever arms bound them.
 //!
 //! The size of a signed sample, the worst case, the RMS and the mean are convex functions of the effects.
@@ -75,7 +75,7 @@ pub struct ValueBound {
     gain: f64,
     /// Whether the value stays the same if error and sense rotate relative to each other about the vertical.
     is_isotropic: bool,
-    /// Total of the translations among the errors, m, and of the rotations, rad; both are 0 for the linear
+    /// Total of the translations among the errors, m, and of the rotations, rad. Both are 0 for the linear
     /// model and the statistical reading.
     totals: (f64, f64),
     /// Distance from the TCP to the point whose error counts, m.
@@ -236,8 +236,8 @@ impl ValueBound {
             let seen = whitening * there * whitening.transpose();
             growth = growth.max(seen.symmetric_eigenvalues().max());
         });
-        // For the interpolated effects A and their deviation R, the largest singular value of W (A + R) is at
-        // most the sum of the largest singular values of W A and of W R.
+        // Let A be the interpolated effects, and R their deviation. The largest singular value of W (A + R)
+        // is at most the sum of those of W A and of W R.
         let spread = growth.sqrt() + whitening.norm() * self.gain * rest;
         spread * value + mean + self.gain * self.mean(boxed, lever)
     }

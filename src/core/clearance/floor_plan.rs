@@ -115,8 +115,8 @@ pub struct FloorPlan {
     base: Rectangle,
     /// Height of the highest point of the robot base above the origin of its frame, m.
     base_top: f64,
-    /// Height of the lowest point of a hung base above the origin of its frame, m; None if the base, or its pedestal,
-    /// stands on the floor.
+    /// Height of the lowest point of a hung base above the origin of its frame, m. None means that the base,
+    /// or its pedestal, stands on the floor.
     base_bottom: Option<f64>,
     /// Keep-out boxes with their heights in the world.
     pub(super) keep_out: Vec<(PlacedRectangle, HeightRange)>,
@@ -329,8 +329,8 @@ impl Room {
         }
     }
 
-    /// Returns this room plus the room of a body with a placement tolerance; `far` is the distance of the farthest
-    /// point from the origin of the body, m.
+    /// Returns this room plus the room of a body with a placement tolerance. `far` is the distance of the
+    /// farthest point from the origin of the body, m.
     fn plus(self, tolerance: &PlacementTolerance, far: f64) -> Self {
         let [x, y, z, yaw] = tolerance.0;
         Self { plan: self.plan + x.hypot(y) + far * yaw, height: self.height + z }

@@ -10,8 +10,8 @@ use parry3d::query::Ray;
 use parry3d::shape::{Cuboid, Shape};
 
 impl Scene {
-    /// Returns the solid of equipment, fence or robot base that contains a point of the world (m), or the
-    /// floor if the point is below the floor.
+    /// Returns the solid of equipment, fence or robot base that contains a point (world frame, m). For a
+    /// point below the floor, the result is the floor.
     pub fn solid_at(&self, placed: &PlacedSolids, point: &Vector3<f64>) -> Option<SolidRef> {
         if !self.enabled {
             return None;

@@ -7,8 +7,8 @@
 //! Newton's method uses the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors
 //! differs from this Jacobian by the relative size of the errors, about 0.001. So each step multiplies the
 //! remaining error by about this factor, or by a larger factor near a singular posture. Position has priority
-//! over orientation: an arm with fewer than six joints attains the position with the nearest possible
-//! orientation (least squares in the null space of the position).
+//! over orientation. An arm with fewer than six joints attains the position with the nearest possible
+//! orientation, by least squares in the null space of the position.
 
 mod step;
 
@@ -87,8 +87,9 @@ fn rest_of(target: &Pose, tcp: &Pose, error: &Displacement) -> Displacement {
     Displacement { position: tcp.translation - target.translation + error.position, rotation }
 }
 
-/// Returns the joint that is farthest outside its limits, as a share of its travel; None if all joints are
-/// within their limits.
+/// Returns the joint that is farthest outside its limits, as a share of its travel.
+///
+/// Returns None if all joints are within their limits.
 fn beyond_limits(chain: &Chain, joints: &JointVector) -> Option<usize> {
     let excess = |i: usize| {
         let (low, high) = chain.links[i].limits;

@@ -61,8 +61,8 @@ pub struct MotionSequence<'a> {
     pub guard: Option<&'a Guard>,
     /// Postures at the spots, in the order in which the robot takes them.
     pub stops: &'a [OperationPosture],
-    /// Moves from each stop to the next, and in a cycle also from the last to the first; empty if the cell
-    /// demands no checked moves.
+    /// Moves from each stop to the next, and in a cycle also from the last stop to the first. Empty if the
+    /// cell demands no checked moves.
     pub transfers: &'a [Transfer],
 }
 

@@ -4,9 +4,9 @@ use crate::cell::{JointVector, MAX_JOINTS};
 
 /// Cubic spline through joint vectors, twice continuously differentiable, with not-a-knot ends.
 ///
-/// The third derivative is continuous at the second and at the second-to-last vector, so that no derivative
-/// at the ends need be known (C. de Boor, A Practical Guide to Splines, 1978). Three vectors give a parabola,
-/// and two a line.
+/// The third derivative is continuous at the second and at the second-to-last vector. So no derivative at the
+/// ends need be known (C. de Boor, A Practical Guide to Splines, 1978). Three vectors give a parabola, and
+/// two a line.
 pub(super) struct JointSpline {
     /// Parameter of every joint vector, increasing.
     at: Vec<f64>,

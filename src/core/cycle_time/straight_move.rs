@@ -24,10 +24,10 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 
 /// Returns the least time, s, of a straight move in joint coordinates from rest to rest.
 ///
-/// The joints are synchronised: every joint completes the same share of its travel at every instant, so that
-/// the arm stays on the straight line that is checked for collision. The share has a trapezoidal speed
-/// profile. The greatest speed of the share is the least v / |d| over all joints, and its greatest
-/// acceleration is the least a / |d|.
+/// The joints are synchronised: every joint completes the same share of its travel at every instant. So the
+/// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile.
+/// The greatest speed of the share is the least v / |d| over all joints. The greatest acceleration of the
+/// share is the least a / |d|.
 pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds) -> f64 {
     limited_move_time(from, to, bounds, f64::INFINITY)
 }

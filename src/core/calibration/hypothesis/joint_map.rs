@@ -69,7 +69,7 @@ impl JointMap {
         flips + 2 * offsets + 2 * self.couplings.iter().flatten().count() + moved
     }
 
-    /// Returns the map with other signs: bit i of `bits` flips the sign of joint i.
+    /// Returns the map with other signs: bit i of `bits` flips the sign and the offset of joint i.
     pub fn flipped(mut self, bits: u32) -> Self {
         for (i, sign) in self.signs.iter_mut().enumerate().filter(|(i, _)| bits >> i & 1 == 1) {
             *sign = -*sign;

@@ -74,8 +74,8 @@ fn simplest(all: Vec<DataReading>) -> Option<DataReading> {
     good.min_by(|a, b| a.complexity().cmp(&b.complexity()).then(a.rms.total_cmp(&b.rms)))
 }
 
-/// Fits base and reflectors for joint maps with angles in degrees (flag true) or rad, in all units of length
-/// that suit the size of the arm.
+/// Fits base and reflectors for joint maps, in all units of length that suit the size of the arm. The flag of
+/// a map is true if angles are in degrees.
 fn fitted(
     chain: &Chain,
     raw: &[RawMeasurement],
