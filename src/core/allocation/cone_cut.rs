@@ -1,4 +1,4 @@
-//! One second-order cone (or linear row) that every set of tolerances that keeps a requirement must satisfy.
+//! One second-order cone (or linear row) that a set of tolerances must satisfy to keep a requirement.
 
 use nalgebra::Vector6;
 

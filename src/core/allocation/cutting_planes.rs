@@ -167,8 +167,8 @@ impl ScaleDomain {
     }
 }
 
-/// Reduces all scales by the largest relative violation of a limit, which the limited accuracy of the solver
-/// leaves.
+/// Reduces all scales by the largest relative violation of a limit, which is caused by the limited accuracy
+/// of the solver.
 pub fn keep_limits(
     costs: &[ToleranceCost],
     figures: &[LinearFigure],

@@ -208,8 +208,8 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
 
 /// Returns the terms after the longest step of a sequence that raises the dual enough; None without such a step.
 ///
-/// The sequence starts with the whole step. Next are the lengths at which a multiplier reaches 0, whose term
-/// is then dropped. Halvings of the shortest of these lengths come last.
+/// The sequence starts with the whole step. Next are the lengths at which a multiplier reaches 0; the term of
+/// this multiplier is then dropped. Halvings of the shortest of these lengths come last.
 fn line_search(
     costs: &[ToleranceCost],
     terms: &[DualTerm],

@@ -1,8 +1,8 @@
 //! Discrete grades: branch and bound over the relaxation, which permits mixtures of grades.
 //!
-//! Each branch permits some of the grades of every parameter. Its lower bound is the Lagrangian bound of its
-//! relaxation. A grade is discarded if the bound with this grade alone exceeds the best known cost
-//! (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter grades, keep the
+//! Each branch permits some of the grades of every parameter. The lower bound of a branch is the Lagrangian
+//! bound of its relaxation. A grade is discarded if the bound with this grade alone exceeds the best known
+//! cost (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter grades, keep the
 //! requirements, and are improved by loosening single grades.
 
 use super::cone_program::ScaleDomain;
@@ -196,7 +196,7 @@ impl GradeSearch<'_> {
     }
 
     /// Reduces the continuous scales by the violation of a limit that the limited accuracy of the solver
-    /// leaves.
+    /// causes.
     fn shrink_continuous(&mut self, scales: &mut [f64]) {
         let grades: Vec<(usize, f64)> = (0..scales.len())
             .filter(|&k| !self.costs[k].grades().is_empty())

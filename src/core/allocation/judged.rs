@@ -1,11 +1,11 @@
 //! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged figures.
 //!
-//! In each round, the linear figure of a requirement is multiplied by a factor. It then equals the judged
-//! figure at the scales of the previous round. The square of a judged figure may be a convex function of the
-//! squared scales, as for a high percentile. Then the linear figures bound the judged figure from below, and
-//! all of them are kept as cuts. Kelley's method then converges to the cheapest tolerances (J. E. Kelley,
-//! "The cutting-plane method for solving convex programs", J. SIAM 8, 1960). Otherwise each round replaces
-//! the linear figures of the previous round.
+//! In each round, the linear figure of a requirement is multiplied by a factor. The scaled figure equals the
+//! judged figure at the scales of the previous round. The square of a judged figure may be a convex function
+//! of the squared scales, as for a high percentile. Then the linear figures bound the judged figure from
+//! below, and all of them are kept as cuts. Kelley's method then converges to the cheapest tolerances (J. E.
+//! Kelley, "The cutting-plane method for solving convex programs", J. SIAM 8, 1960). Otherwise each round
+//! replaces the linear figures of the previous round.
 
 use super::linear_figure::{FigureScratch, LinearFigure};
 use super::problem::{ToleranceProblem, ToleranceRequirement};

@@ -97,7 +97,7 @@ impl NormalEquations {
 /// Adds the scalar products of `residual` with the second derivatives of a position with respect to the
 /// motions `curved`.
 ///
-/// The second derivative with respect to two motions is a cross product. Its factors are the axis of the
+/// The second derivative with respect to two motions is a cross product. The factors are the axis of the
 /// motion nearer to the base, and the displacement by the other motion.
 fn add_curvature(
     bent: &mut DMatrix<f64>,

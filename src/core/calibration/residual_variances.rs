@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Largest number of variances.
 const MAX_VARIANCES: usize = MAX_JOINTS + 1;
-/// Standard deviation that is expected of a revolute joint without data, rad.
+/// Expected standard deviation of a revolute joint if there are no data, rad.
 const EXPECTED_ANGLE: f64 = 3e-4;
 /// Smallest standard deviation of a joint, rad or m.
 const FINEST_JOINT: f64 = 1e-7;

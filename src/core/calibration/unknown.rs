@@ -92,8 +92,8 @@ impl Unknown {
     /// Returns the default standard deviation before the measurement, m, rad or rad/m.
     ///
     /// The values are assumptions of this library: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1
-    /// degrees for twists, and 3 mrad/m for elastic terms. A coefficient of a harmonic has 0.15 mrad up to
-    /// order 4, and 0.075 mrad above order 4.
+    /// degrees for twists, and 3 mrad/m for elastic terms. The value for a coefficient of a harmonic is 0.15
+    /// mrad up to order 4, and 0.075 mrad above order 4.
     pub fn default_prior(self) -> f64 {
         match self {
             Self::Row(Parameter::Dr(_) | Parameter::Dl(_)) => m_from_mm(0.5),
@@ -108,7 +108,7 @@ impl Unknown {
 /// Largest order of the slow harmonics, whose coefficients are larger because encoders and gears are
 /// eccentric or tilted.
 const SLOW: usize = 4;
-/// Standard deviation that is expected of a coefficient of a fast harmonic without data, rad.
+/// Expected standard deviation of a coefficient of a fast harmonic if there are no data, rad.
 const EXPECTED_HARMONIC: f64 = 7.5e-5;
 
 /// Returns the standard deviation of one coefficient of this order before the measurement, rad.

@@ -25,8 +25,7 @@ use nalgebra::{Matrix6, Vector3};
 
 /// Factor by which the half widths grow from one trial to the next.
 const GROWTH: f64 = 1.02;
-/// Least half width that is tried, rad or m. This least half width keeps rounding errors inside the
-/// enclosure.
+/// Least half width that is tried, rad or m. This value keeps rounding errors inside the enclosure.
 const LEAST_HALF: f64 = 1e-9;
 /// Sine of the angle below which axes count as parallel: far above rounding errors, and far below any
 /// tolerance.

@@ -28,9 +28,9 @@ pub trait SolidMotion {
 }
 
 impl Scene {
-    /// Returns the first pair of solids that may come nearer to each other than the clearance. Every solid
-    /// moves by at most its bound in `motion`. The result is None if all pairs certainly keep their
-    /// clearance.
+    /// Returns the first pair of solids that may come nearer to each other than the clearance. The check
+    /// assumes that every solid moves by at most its bound in `motion`. The result is None if all pairs
+    /// certainly keep their clearance.
     ///
     /// `frames` are the nominal link frames in the robot base frame, and `operation` selects the held parts.
     pub fn first_unsafe(

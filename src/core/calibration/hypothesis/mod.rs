@@ -37,7 +37,7 @@ const CLEARLY: f64 = 3.0;
 /// Ratio of distances up to which the simpler one of two hypotheses is chosen.
 const AS_GOOD: f64 = 1.05;
 
-/// Least number of rows with which hypotheses about more than units are compared.
+/// Least number of rows with which hypotheses about anything but the units are compared.
 const LEAST_ROWS: usize = 8;
 
 /// Reciprocal of the share of rows that are left out because they fit worst.
