@@ -17,8 +17,8 @@ pub const PER_FRAME: usize = 6;
 /// rz.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
-    /// Actuator coordinate of a joint. The joint coupling passes this error on to the Denavit-Hartenberg
-    /// coordinates.
+    /// Actuator coordinate of a joint. The joint coupling passes an error of this coordinate on to the
+    /// Denavit-Hartenberg coordinates.
     Dq(usize),
     /// Axial offset r of a link.
     Dr(usize),
