@@ -1,7 +1,7 @@
-//! Colours that colour-blind readers can tell apart, even in a grey print.
+//! Colours that colour-blind readers can tell apart, even in a greyscale print.
 
-/// Colour map viridis (N. Smith, S. van der Walt and E. Firing; CC0), sampled at equal steps. Its lightness
-/// rises evenly.
+/// Colour map viridis (N. Smith, S. van der Walt and E. Firing; CC0), sampled at equal steps. The lightness
+/// of the map rises evenly.
 const VIRIDIS: [[f64; 3]; 6] = [
     [68.0, 1.0, 84.0],
     [65.0, 68.0, 135.0],
@@ -11,7 +11,7 @@ const VIRIDIS: [[f64; 3]; 6] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// Blue. This colour and those declared after it are from the palette of Okabe and Ito (2008).
+/// Blue of the palette of Okabe and Ito (2008), to which the colours declared below also belong.
 pub const BLUE: &str = "#0072b2";
 pub const ORANGE: &str = "#e69f00";
 pub const GREEN: &str = "#009e73";

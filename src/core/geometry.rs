@@ -14,7 +14,7 @@ pub fn turn(a: PlanePoint, b: PlanePoint, c: PlanePoint) -> f64 {
 /// Returns the corners of the convex hull, anticlockwise.
 ///
 /// The method is the monotone chain (A. M. Andrew, Information Processing Letters 9 (1979) 216-219). If the
-/// points are collinear, the result is their two end points; if they coincide, it is one point.
+/// points are collinear, the result is their two end points; if the points coincide, the result is one point.
 pub fn convex_hull(mut points: Vec<PlanePoint>) -> Vec<PlanePoint> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     points.dedup();
@@ -46,16 +46,16 @@ pub fn polygon_area(corners: &[PlanePoint]) -> f64 {
 /// Open or closed polyline that consists of joined edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JoinedLine<K> {
-    /// Corners in the order of the edges; a closed polyline does not repeat the first one.
+    /// Corners in the order of the edges; a closed polyline does not repeat the first corner.
     pub corners: Vec<K>,
     pub is_closed: bool,
 }
 
-/// Joins directed edges into polylines, and returns open polylines first, then closed ones.
+/// Joins directed edges into polylines, and returns open polylines first, then closed polylines.
 ///
 /// Every edge is in exactly one polyline. If several edges leave a corner, `choose` selects the edge with
 /// which the polyline continues. The function `choose` receives the index of the arriving edge and the
-/// indices of the leaving edges, and returns the index of a leaving edge.
+/// indices of the leaving edges. It returns the index of a leaving edge.
 pub fn join_edges<K: Copy + Ord>(
     edges: &[(K, K)],
     mut choose: impl FnMut(usize, &[usize]) -> usize,

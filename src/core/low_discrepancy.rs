@@ -1,4 +1,4 @@
-//! Low-discrepancy sequences: deterministic points that fill the unit cube more evenly than random ones.
+//! Low-discrepancy sequences: deterministic points that fill the unit cube more evenly than random points.
 //!
 //! - Halton: the radical inverse of the number of the point, with one of the first primes as base for each
 //!   coordinate (J. H. Halton, "On the efficiency of certain quasi-random sequences of points in evaluating

@@ -35,8 +35,8 @@ impl Pose {
 
     /// Returns roll, pitch and yaw (rad), from which [`Self::from_translation_rpy`] makes the rotation.
     ///
-    /// The result is accurate for every rotation. At a pitch of +-90 degrees (gimbal lock), where only the sum or the
-    /// difference of roll and yaw is defined, one of the equivalent triples is returned.
+    /// The result is accurate for every rotation. At a pitch of +-90 degrees (gimbal lock), only the sum or
+    /// the difference of roll and yaw is defined. One of the equivalent triples is then returned.
     pub fn roll_pitch_yaw(&self) -> Vector3<f64> {
         let r = &self.rotation;
         // The rotation about z by -yaw leaves Ry(pitch) Rx(roll), from whose elements the other angles follow.
@@ -126,7 +126,8 @@ impl Displacement {
 
     /// Returns the motion with `position` and `rotation` multiplied by a rotation matrix.
     ///
-    /// A matrix that maps vectors of frame b to frame a converts a motion from the axes of b to those of a.
+    /// A matrix that maps vectors of frame b to frame a converts a motion from the axes of b to the axes of
+    /// a.
     pub fn turned(&self, rotation: &Matrix3<f64>) -> Self {
         Self { position: rotation * self.position, rotation: rotation * self.rotation }
     }

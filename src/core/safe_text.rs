@@ -2,7 +2,7 @@
 
 /// Returns text from a file in a form that is safe to display.
 ///
-/// Special characters are escaped, and at most 80 characters are kept.
+/// Special characters are escaped. At most 80 characters are kept, and a longer text ends with "...".
 pub fn shown(text: &str) -> String {
     let safe: String = text
         .chars()

@@ -55,7 +55,7 @@ fn a_lamp_may_hang_over_a_table() {
     assert_eq!(words(&lamp_over_table(915.0, "")), none);
     assert_eq!(
         words(&lamp_over_table(905.0, "")),
-        ["table is nearer to lamp than the clearance: 5.0 mm of 15.0 mm in height"]
+        ["table is nearer to lamp than the clearance: 5.0 mm instead of 15.0 mm in height"]
     );
     assert_eq!(words(&lamp_over_table(895.0, "")), ["table overlaps lamp by 250.0 mm"]);
     // Below the slab are the legs of the table.
@@ -94,7 +94,10 @@ fn a_distance_below_the_clearance_is_not_called_an_overlap() {
         );
         words(&lamp_over_table(2000.0, &more))
     };
-    assert_eq!(beside(3.4), ["table is nearer to other than the clearance: 3.4 mm of 15.0 mm along a side"]);
+    assert_eq!(
+        beside(3.4),
+        ["table is nearer to other than the clearance: 3.4 mm instead of 15.0 mm along a side"]
+    );
     assert_eq!(beside(-11.6), ["table overlaps other by 11.6 mm"]);
     assert!(beside(15.1).is_empty());
     assert_eq!(
@@ -110,7 +113,7 @@ fn a_distance_below_the_clearance_is_not_called_an_overlap() {
     };
     assert_eq!(
         fenced(3.4),
-        ["table is nearer to the fence than the clearance: 3.4 mm of 15.0 mm along a side"]
+        ["table is nearer to the fence than the clearance: 3.4 mm instead of 15.0 mm along a side"]
     );
     assert_eq!(fenced(-5.0), ["table passes the fence by 5.0 mm"]);
 }

@@ -1,4 +1,4 @@
-//! One second-order cone (or linear row) that every set of tolerances which keeps a requirement must satisfy.
+//! One second-order cone (or linear row) that a set of tolerances must satisfy to keep a requirement.
 
 use nalgebra::Vector6;
 
@@ -7,7 +7,8 @@ use nalgebra::Vector6;
 pub enum ConeCut {
     /// One sign pattern in one axis: `constant + sum_k columns_k u_k <= 1`.
     Row { columns: Vec<f64>, constant: f64 },
-    /// One sign pattern of a zonotope: `|constant + sum_k columns_k u_k| <= 1`, of the first `rows` components.
+    /// One sign pattern of a zonotope: `|constant + sum_k columns_k u_k| <= 1`, where only the first `rows`
+    /// components count.
     Vertex { columns: Vec<Vector6<f64>>, constant: Vector6<f64>, rows: usize },
     /// Root sum square: `|(constant, roots_k u_k, ...)| <= 1`.
     Ellipsoid { roots: Vec<f64>, constant: f64 },
@@ -45,8 +46,8 @@ impl ConeCut {
         }
     }
 
-    /// Calls `put` with row, parameter and coefficient of the affine function `s(u)` of a cone program, and
-    /// returns its constant part. The cut states that `s(u)` lies in the cone.
+    /// Calls `put` with the row, parameter and coefficient of each term of the affine function `s(u)` of a
+    /// cone program. Returns the constant part of `s(u)`. The cut states that `s(u)` lies in the cone.
     pub fn rows(&self, mut put: impl FnMut(usize, usize, f64)) -> Vec<f64> {
         match self {
             Self::Row { columns, constant } => {
@@ -69,9 +70,9 @@ impl ConeCut {
 
     /// Adds the linear inequality that a dual vector of the constraint proves: `prices . u <= limit`.
     ///
-    /// For any vector y, `|s| <= 1` implies `y . s <= |y|`. The dual vector `z` of the cone holds `-y` after its
-    /// first component. So the inequality is exact, whatever the accuracy of `z`. Returns `|y|`, the shadow price
-    /// of the limit.
+    /// For any vector y, `|s| <= 1` implies `y . s <= |y|`. The dual vector `z` of the cone holds `-y` after
+    /// its first component. The inequality is therefore exact, whatever the accuracy of `z`. Returns `|y|`,
+    /// the shadow price of the limit.
     pub fn add_inequality(&self, z: &[f64], prices: &mut [f64], limit: &mut f64) -> f64 {
         match self {
             Self::Row { columns, constant } => {

@@ -1,7 +1,7 @@
 //! One cone program: the cheapest scales that satisfy a list of cuts, solved by the library clarabel.
 //!
-//! The variables are the scales `u_k`, an upper bound `e_k` of each continuous cost, and a share of each grade.
-//! Costs are cones:
+//! The variables are the scales `u_k`, an upper bound `e_k` of each continuous cost, and a share of each
+//! grade. The costs are expressed as cones:
 //!
 //! ```text
 //! reciprocal         1 / u <= e            |(u - e, 2)| <= u + e
@@ -49,7 +49,8 @@ struct Builder {
 }
 
 impl Builder {
-    /// Adds rows `s = constant + sum of terms` that lie in a cone; a term is a row, a variable and a coefficient.
+    /// Adds rows `s = constant + sum of terms` that lie in a cone. A term is a row, a variable and a
+    /// coefficient.
     fn add(&mut self, cone: SupportedConeT<f64>, constant: &[f64], terms: &[(usize, usize, f64)]) {
         let first = self.right.len();
         for &(row, variable, value) in terms.iter().filter(|(.., value)| *value != 0.0) {
@@ -62,7 +63,9 @@ impl Builder {
     }
 }
 
-/// Returns the cheapest scales that satisfy the cuts up to a tolerance of the solver; None if the solver fails or the cuts cannot be satisfied.
+/// Returns the cheapest scales that satisfy the cuts up to a tolerance of the solver.
+///
+/// Returns None if the solver fails or the cuts cannot be satisfied.
 pub fn solve(
     costs: &[ToleranceCost],
     domains: &[ScaleDomain],
@@ -128,7 +131,7 @@ pub fn solve(
     Some(ConeSolution { scales: solution.x[..n].to_vec(), duals })
 }
 
-/// Adds the upper bound of a continuous cost as a variable, with its cone.
+/// Adds the upper bound of a continuous cost as a variable, with the cone that ties it to the scale.
 fn add_cost(program: &mut Builder, objective: &mut Vec<f64>, cost: &ToleranceCost, k: usize) {
     let e = objective.len();
     match cost.law {

@@ -11,28 +11,28 @@ use crate::cell::ToleranceCost;
 const MAX_ROUNDS: usize = 60;
 /// Relative violation of a limit above which a coarse solution adds a cut.
 const COARSE_VIOLATION: f64 = 1e-3;
-/// Relative violation of a limit below which a solution keeps it.
+/// Relative violation of a limit below which a solution counts as keeping this limit.
 const VIOLATION: f64 = 1e-9;
 /// Relative gap at which the solution of the dual ascent needs no cone program.
 const ASCENT_GAP: f64 = 1e-9;
 /// Largest number of requirements that add a cut in one round.
 const MAX_NEW_CUTS: usize = 12;
 
-/// Cuts found so far. They hold for every set of tolerances that keeps the requirements.
+/// Cuts found so far, which hold for every set of tolerances that keeps the requirements.
 #[derive(Default)]
 pub struct CutPool {
-    /// Requirement and constraint of every cut.
+    /// Constraint of every cut, with the index of its requirement.
     pub cuts: Vec<(usize, ConeCut)>,
     /// Number of cone programs solved.
     pub programs: usize,
 }
 
-/// Solution of the relaxed problem.
+/// Solution of the relaxed problem, in which grades may be mixed.
 #[derive(Debug, Clone)]
 pub struct RelaxedSolution {
     /// Scales that keep every requirement, up to rounding and the bounds of the domains.
     pub scales: Vec<f64>,
-    /// Lower bound of the cost in the domains.
+    /// Lower bound of the cost of all scales in the domains that keep every requirement.
     pub bound: f64,
     /// Price of every scale in the Lagrangian.
     pub prices: Vec<f64>,
@@ -75,8 +75,8 @@ impl CutPool {
             self.separate(figures, &shrunk, 0.9, scratch);
         }
         let mut best: Option<RelaxedSolution> = None;
-        // Dual ascent knows the cuts that bind. Otherwise coarse solutions find them, and the fine ones find those that
-        // are left.
+        // Dual ascent already gives the cuts that bind. Without it, coarse solutions find most of these cuts,
+        // and fine solutions find the others.
         let has_many_cuts = figures.iter().any(LinearFigure::has_many_cuts);
         let (mut tolerance, mut violation) = match has_many_cuts && !knows_cuts {
             true => (COARSE, COARSE_VIOLATION),
@@ -103,7 +103,8 @@ impl CutPool {
         best
     }
 
-    /// Adds a cut for the requirements that exceed `threshold` most; returns whether there was a new one.
+    /// Adds a cut for each of the requirements that exceed `threshold` most. Returns whether there is a new
+    /// cut.
     fn separate(
         &mut self,
         figures: &[LinearFigure],
@@ -124,7 +125,7 @@ impl CutPool {
         is_new
     }
 
-    /// Returns the lower bound that the dual vectors of the cuts prove, with its prices.
+    /// Returns the lower bound that the dual vectors of the cuts prove, with the prices of the scales.
     fn bounded(
         &self,
         costs: &[ToleranceCost],
@@ -166,7 +167,8 @@ impl ScaleDomain {
     }
 }
 
-/// Reduces all scales by the relative violation of a limit that the accuracy of the solver leaves.
+/// Reduces all scales by the largest relative violation of a limit, which is caused by the limited accuracy
+/// of the solver.
 pub fn keep_limits(
     costs: &[ToleranceCost],
     figures: &[LinearFigure],

@@ -1,18 +1,18 @@
 //! Dual ascent: Newton's method for the Lagrangian dual of a small allocation, without a cone program.
 //!
-//! A search prices thousands of nodes per second, and a few requirements bind at each node. The dual then has a
-//! handful of variables. The minimum over each scale at given prices has a closed form or takes a few Newton steps
-//! (`lagrangian`):
+//! A search prices thousands of nodes per second, but only a few requirements bind at each node. The dual
+//! then has a handful of variables. The minimum over each scale at given prices has a closed form or takes a
+//! few Newton steps (`lagrangian`):
 //!
 //! ```text
 //! maximize  sum_k min_u (c_k(u) + p_k u + q_k u^2)  -  sum_i (|y_i| - y_i . f_i)  -  sum_j mu_j (1 - f_j^2)
 //!           p_k = sum_i y_i . g_ik,   q_k = sum_j mu_j w_jk
 //! ```
 //!
-//! A vector `y_i` belongs to one sign pattern of a worst case, a number `mu_j` to a root sum square. Patterns are
-//! added when the scales violate them. For any multipliers, the value of the dual is a lower bound of the cost. The
-//! scales are reduced until they keep every limit, so their cost is an upper bound. The gap between the two bounds is
-//! therefore known.
+//! A vector `y_i` belongs to one sign pattern of a worst case, and a number `mu_j` belongs to a root sum
+//! square. A pattern is added when the scales violate its limit. For any multipliers, the value of the dual
+//! is a lower bound of the cost. The scales are reduced until they keep every limit, so their cost is an
+//! upper bound. The gap between the two bounds is therefore known.
 
 use super::cone_cut::ConeCut;
 use super::dual_terms::{DualPoint, DualTerm, charges, crossings, derivatives, dual, stepped};
@@ -28,18 +28,18 @@ const MAX_ROUNDS: usize = 40;
 const MAX_STEPS: usize = 60;
 /// Largest number of halvings of one step.
 const MAX_HALVINGS: i32 = 40;
-/// Ratio of each ridge that is tried to the ridge tried before it.
+/// Factor by which each ridge exceeds the ridge that was tried before.
 const RIDGE_GROWTH: f64 = 1000.0;
 /// Relative gain of a step below which the dual has converged.
 const CONVERGED: f64 = 1e-12;
-/// Derivative of the dual, which is the relative violation of a limit, at which a coarse ascent ends.
+/// Derivative of the dual (the relative violation of a limit) at which a coarse ascent ends.
 const COARSE: f64 = 1e-2;
 /// Derivative at which the last ascent ends, as a share of the requested gap.
 const FINE: f64 = 0.1;
 /// Violation below which the last ascent adds no sign pattern, as a share of the requested gap.
 const VIOLATION: f64 = 0.01;
 
-/// Cheapest scales by dual ascent.
+/// Cheapest scales of the tolerances, found by dual ascent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PricedScales {
     /// Scales of the tolerances, which keep every limit.
@@ -64,7 +64,8 @@ impl PricedScales {
     }
 }
 
-/// Returns the cheapest scales for figures whose limits are 1, with a relative gap of `gap` if that can be reached.
+/// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
+/// gap is at most `gap` if this gap can be reached.
 ///
 /// The costs must be continuous, and the tightest scales must keep every limit. Returns None if the ascent fails.
 pub fn priced_scales(
@@ -86,7 +87,7 @@ pub fn priced_scales(
             let (value, cut) = figure.cut(&scales, scratch);
             largest = largest.max(value);
             if value > 1.0 + threshold && !terms.iter().any(|own| own.figure == i && own.cut.is_same(&cut)) {
-                // The terms that this round has added may already keep this limit.
+                // The terms that this round has added may already enforce this limit.
                 let y = first_multipliers(costs, &terms, &cut, &scales);
                 is_new |= y.is_some();
                 terms.extend(y.map(|y| DualTerm { figure: i, cut: cut.into(), y }));
@@ -123,8 +124,9 @@ pub fn priced_scales(
     None
 }
 
-/// Returns multipliers with which the violated constraint `cut` reaches its limit along its direction at the scales
-/// `u`. The terms `others` stay unchanged. The result is None if the scales already keep the constraint.
+/// Returns multipliers with which the constraint `cut`, violated at the scales `u`, reaches its limit. The
+/// multipliers act along the direction of the error at `u`. The terms `others` stay unchanged. The result is
+/// None if the scales already keep the constraint.
 fn first_multipliers(
     costs: &[ToleranceCost],
     others: &[DualTerm],
@@ -143,8 +145,8 @@ fn first_multipliers(
     (size > 0.0).then(|| direction * size)
 }
 
-/// Maximizes the dual over the multipliers of the terms; drops terms that do not bind. Returns None if a step cannot be
-/// computed.
+/// Maximizes the dual over the multipliers of the terms, and drops terms that do not bind. Returns None if a
+/// step cannot be computed.
 fn ascend(costs: &[ToleranceCost], terms: &mut Vec<DualTerm>, tolerance: f64) -> Option<DualPoint> {
     let mut point = dual(costs, terms);
     for _ in 0..MAX_STEPS {
@@ -160,7 +162,7 @@ fn ascend(costs: &[ToleranceCost], terms: &mut Vec<DualTerm>, tolerance: f64) ->
         let gain = gradient.dot(&step);
         let is_near = gain <= CONVERGED * point.value.abs();
         let next = match is_near {
-            // Rounding hides the gain, so the derivatives tell whether the step is good.
+            // Rounding hides the gain, so the derivatives show whether the step is good.
             true => polished(costs, terms, &step, largest),
             false => line_search(costs, terms, &step, (&point, gain)),
         };
@@ -183,7 +185,10 @@ fn polished(
     is_better.then_some((next, moved))
 }
 
-/// Solves for the Newton step, with a ridge if the second derivatives are singular.
+/// Returns the Newton step with the first ridge that makes the matrix of second derivatives positive
+/// definite.
+///
+/// Returns None if no ridge suffices.
 fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector<f64>> {
     let size = hessian.trace() / hessian.nrows() as f64;
     let mut ridge = 1e-14 * size;
@@ -203,7 +208,8 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
 
 /// Returns the terms after the longest step of a sequence that raises the dual enough; None without such a step.
 ///
-/// The sequence has the lengths at which a multiplier reaches 0; its term is then dropped.
+/// The sequence starts with the whole step. Next are the lengths at which a multiplier reaches 0; the term of
+/// this multiplier is then dropped. Halvings of the shortest of these lengths come last.
 fn line_search(
     costs: &[ToleranceCost],
     terms: &[DualTerm],

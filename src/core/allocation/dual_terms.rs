@@ -16,7 +16,7 @@ pub struct DualTerm {
     pub y: Vector6<f64>,
 }
 
-/// Dual at one set of multipliers.
+/// Value of the dual at one set of multipliers, with the scales that attain it.
 pub struct DualPoint {
     pub value: f64,
     pub scales: Vec<Charged>,
@@ -70,12 +70,12 @@ pub fn dual(costs: &[ToleranceCost], terms: &[DualTerm]) -> DualPoint {
     DualPoint { value: scales.iter().map(|c| c.least).sum::<f64>() - limits.sum::<f64>(), scales }
 }
 
-/// Returns the first and the negative second derivatives of the dual by the multipliers.
+/// Returns the first and the negative second derivatives of the dual with respect to the multipliers.
 pub fn derivatives(terms: &[DualTerm], point: &DualPoint) -> (DVector<f64>, DMatrix<f64>) {
     let size: usize = terms.iter().map(DualTerm::count).sum();
     let mut gradient = DVector::zeros(size);
     let mut hessian = DMatrix::zeros(size, size);
-    // Slopes of the constraints by each scale.
+    // Slopes of the constraints with respect to each scale.
     let mut slopes = DMatrix::zeros(size, point.scales.len());
     let mut at = 0;
     for term in terms {
@@ -126,7 +126,7 @@ pub fn crossings(terms: &[DualTerm], step: &DVector<f64>) -> Vec<f64> {
         let size = term.y.norm_squared();
         at += term.count();
         if size + along < 0.0 {
-            // A little beyond, so that rounding does not keep the term.
+            // The length is slightly greater, so that rounding does not keep the term.
             found.push(-size / along * (1.0 + 1e-9));
         }
     }
@@ -134,7 +134,8 @@ pub fn crossings(terms: &[DualTerm], step: &DVector<f64>) -> Vec<f64> {
     found
 }
 
-/// Returns the terms with their multipliers moved by a step; those that would pass 0 are left out.
+/// Returns the terms with their multipliers moved by a step; terms whose multipliers would pass 0 are left
+/// out.
 pub fn stepped(terms: &[DualTerm], step: &DVector<f64>, length: f64) -> Vec<DualTerm> {
     let mut at = 0;
     let mut moved = Vec::with_capacity(terms.len());

@@ -1,9 +1,9 @@
 //! Discrete grades: branch and bound over the relaxation, which permits mixtures of grades.
 //!
-//! Each branch permits a part of the grades of every parameter. Its lower bound is the Lagrangian bound of its
-//! relaxation. A grade is discarded if the bound with this grade alone exceeds the best known cost (reduced-cost
-//! fixing). The scales of a relaxation, rounded to the next tighter grades, keep the requirements, and are
-//! improved by loosening single grades.
+//! Each branch permits some of the grades of every parameter. The lower bound of a branch is the Lagrangian
+//! bound of its relaxation. A grade is discarded if the bound with this grade alone exceeds the best known
+//! cost (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter grades, keep the
+//! requirements, and are improved by loosening single grades.
 
 use super::cone_program::ScaleDomain;
 use super::cutting_planes::{CutPool, RelaxedSolution, keep_limits};
@@ -13,11 +13,11 @@ use crate::cell::ToleranceCost;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Largest number of branches; the lower bound is valid also if the search ends there.
+/// Largest number of branches; the lower bound is valid even if the search ends at this number.
 const MAX_BRANCHES: usize = 4000;
 /// Relative gap at which a branch counts as closed.
 const CLOSED: f64 = 1e-9;
-/// Relative violation of a limit that rounding leaves in chosen grades.
+/// Largest relative violation of a limit that counts as rounding, so that chosen grades still keep the limit.
 const ROUNDING: f64 = 1e-9;
 
 /// Branch of the search: the scales that it permits, and the solution of its relaxation.
@@ -53,7 +53,7 @@ struct GradeSearch<'a> {
     figures: &'a [LinearFigure],
     pool: &'a mut CutPool,
     scratch: &'a mut FigureScratch,
-    /// Cheapest known scales that can be ordered, with their cost.
+    /// Cheapest known scales without a mixture of grades, with their cost.
     best: Option<(Vec<f64>, f64)>,
 }
 
@@ -91,7 +91,8 @@ pub fn choose_grades(
 }
 
 impl GradeSearch<'_> {
-    /// Returns whether a branch with this bound may hold a better choice than the best known.
+    /// Returns whether a branch with the lower bound `bound` may hold a better choice than the best known
+    /// choice.
     fn is_open(&self, bound: f64) -> bool {
         self.best.as_ref().is_none_or(|(_, cost)| bound < cost * (1.0 - CLOSED))
     }
@@ -106,8 +107,8 @@ impl GradeSearch<'_> {
         self.figures.iter().all(|f| f.value(scales, self.scratch) <= 1.0 + ROUNDING)
     }
 
-    /// Rounds the relaxed scales of a branch to a choice of grades, discards grades, and keeps the branch if it is
-    /// open.
+    /// Rounds the relaxed scales of a branch to a choice of grades, and keeps the branch if it is open.
+    /// Grades that cannot lead to a lower cost are discarded.
     fn offer(&mut self, mut branch: GradeBranch, heap: &mut BinaryHeap<GradeBranch>) {
         let pairs = self.costs.iter().zip(&branch.domains).zip(&branch.relaxed.scales);
         let rounded: Vec<f64> = pairs.map(|((cost, domain), u)| tighter(cost, domain, *u)).collect();
@@ -133,7 +134,8 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Splits a branch at the parameter whose grade exceeds its cost in the relaxation the most.
+    /// Splits a branch at the parameter whose relaxed scale is farthest from both neighbouring grades. The
+    /// distance is weighted by the difference of the costs of these grades.
     fn split(&mut self, branch: GradeBranch) -> Vec<Vec<ScaleDomain>> {
         let GradeBranch { domains, relaxed } = branch;
         let mut widest: Option<(f64, usize, usize)> = None;
@@ -173,7 +175,8 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Takes a choice, with single grades loosened, as the best if it keeps the requirements and costs less.
+    /// Loosens single grades of a choice that keeps the requirements, and records the result if it costs less
+    /// than the best choice.
     fn consider(&mut self, scales: &[f64]) {
         let mut scales: Vec<f64> = self.costs.iter().zip(scales).map(|(c, u)| c.ordered(*u)).collect();
         if !self.keeps(&scales) {
@@ -192,7 +195,8 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Reduces the continuous scales by the violation of a limit that the accuracy of the solver leaves.
+    /// Reduces the continuous scales by the violation of a limit that the limited accuracy of the solver
+    /// causes.
     fn shrink_continuous(&mut self, scales: &mut [f64]) {
         let grades: Vec<(usize, f64)> = (0..scales.len())
             .filter(|&k| !self.costs[k].grades().is_empty())
@@ -204,7 +208,8 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Loosens the one grade that saves most and keeps the requirements; returns false if there is none.
+    /// Loosens the one grade that saves most and keeps the requirements; returns false if there is no such
+    /// grade.
     fn loosen(&mut self, scales: &mut [f64]) -> bool {
         let mut steps: Vec<(f64, usize, f64)> = Vec::new();
         for (k, cost) in self.costs.iter().enumerate() {

@@ -1,10 +1,11 @@
 //! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged figures.
 //!
-//! In each round, the linear figure of a requirement is scaled so that it equals the judged figure at the scales of
-//! the previous round. The square of a judged figure may be a convex function of the squared scales, as for a high
-//! percentile. Then the linear figures bound the judged figure from below, and all of them are kept as cuts. Kelley's
-//! method then converges to the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving convex
-//! programs", J. SIAM 8, 1960). Otherwise each round replaces the linear figures of the previous round.
+//! In each round, the linear figure of a requirement is multiplied by a factor. The scaled figure equals the
+//! judged figure at the scales of the previous round. The square of a judged figure may be a convex function
+//! of the squared scales, as for a high percentile. Then the linear figures bound the judged figure from
+//! below, and all of them are kept as cuts. Kelley's method then converges to the cheapest tolerances (J. E.
+//! Kelley, "The cutting-plane method for solving convex programs", J. SIAM 8, 1960). Otherwise each round
+//! replaces the linear figures of the previous round.
 
 use super::linear_figure::{FigureScratch, LinearFigure};
 use super::problem::{ToleranceProblem, ToleranceRequirement};
@@ -12,13 +13,13 @@ use super::solution::{AllocationFailure, ToleranceAllocation, allocate};
 use super::uniform::uniform_scale;
 use crate::cell::ToleranceCost;
 
-/// Largest number of rounds.
+/// Largest number of rounds if all linear figures are kept as cuts.
 const MAX_ROUNDS: usize = 40;
-/// Largest number of rounds that replace linear figures.
+/// Largest number of rounds if each round replaces the linear figures.
 const MAX_REPLACING_ROUNDS: usize = 10;
 /// Largest number of reductions of all tolerances after the last round.
 const MAX_REDUCTIONS: usize = 8;
-/// Relative excess of a judged figure over its limit up to which it counts as kept.
+/// Relative excess of a judged figure over its limit up to which the limit counts as kept.
 pub const JUDGED_EXCESS: f64 = 1e-6;
 /// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut before the
 /// first solution.
@@ -28,10 +29,10 @@ const SAME_SCALE: f64 = 1e-9;
 
 /// Judge of tolerances: the full error model at all requirements.
 pub trait ToleranceJudge {
-    /// Returns the figure of every requirement at these scales; None if it cannot be judged.
+    /// Returns the figure of every requirement at these scales; None if a figure cannot be judged.
     fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>>;
 
-    /// Returns the linear figures of some requirements at the scales that were judged last.
+    /// Returns the linear figures of the requirements `which` at the scales that were judged last.
     fn linear(&mut self, which: &[usize]) -> Option<Vec<LinearFigure>>;
 
     /// Returns whether linear figures bound the judged figures from below, so that they may be kept as cuts.
@@ -64,7 +65,7 @@ struct LinearModel<'a> {
 }
 
 impl LinearModel<'_> {
-    /// Adds the linear figures of some requirements, scaled to their judged values at the scales `at`.
+    /// Adds the linear figures of the requirements `which`, scaled to their judged values at the scales `at`.
     fn add(&mut self, which: &[usize], linear: Vec<LinearFigure>, values: &[f64], at: &[f64]) {
         for (&requirement, figure) in which.iter().zip(linear) {
             let value = figure.value(at, &mut self.scratch);
@@ -112,10 +113,11 @@ impl LinearModel<'_> {
 
 /// Finds the cheapest tolerances that keep the limits as `judge` judges them.
 ///
-/// Limits are in the unit of the figures.
+/// The limits are in the unit of the figures.
 ///
 /// # Errors
-/// Returns by how much limits are exceeded if even the tightest tolerances exceed them.
+/// Returns the excess over the limits if even the tightest tolerances exceed limits. Returns a failure if the
+/// solver or the judge fails.
 pub fn allocate_judged(
     costs: &[ToleranceCost],
     limits: &[f64],
@@ -185,10 +187,11 @@ fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn
     }
 }
 
-/// Returns the loosest common scale that keeps the judged limits, with its cost; None if none was found.
+/// Returns the loosest common scale that keeps the judged limits, with its cost; None if no such scale was
+/// found.
 ///
-/// The judged figures are nearly proportional to the common scale, so a few corrections by the largest ratio of
-/// figure and limit suffice.
+/// The judged figures are nearly proportional to the common scale, so a few corrections by the largest ratio
+/// of figure to limit suffice.
 fn uniform(model: &LinearModel<'_>, judge: &mut dyn ToleranceJudge) -> Option<(f64, f64)> {
     let (mut u, mut scales) = uniform_scale(&model.problem())?;
     let mut best: Option<(f64, f64)> = None;

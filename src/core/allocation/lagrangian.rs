@@ -21,7 +21,7 @@ pub fn least_priced(cost: &ToleranceCost, domain: &ScaleDomain, price: f64) -> (
     }
 }
 
-/// Returns the scale at which `c(u) + price u` is stationary; infinite if it always decreases.
+/// Returns the scale at which `c(u) + price u` is stationary; infinite if this sum always decreases.
 fn stationary(law: &CostLaw, price: f64) -> f64 {
     if price <= 0.0 {
         return f64::INFINITY;
@@ -44,10 +44,11 @@ pub struct Charged {
     pub curvature: f64,
 }
 
-/// Largest number of Newton steps for one scale; they converge from one side.
+/// Largest number of Newton steps for one scale; the steps converge from one side.
 const MAX_STEPS: usize = 60;
 
-/// Returns the scale in the range of a cost model with the least `c(u) + p u + q u^2`, where `q` is at least 0.
+/// Returns the scale in the range of a cost model with the least `c(u) + p u + q u^2`. The price `q` must be
+/// at least 0.
 pub fn charged(cost: &ToleranceCost, p: f64, q: f64) -> Charged {
     let (low, high) = cost.range;
     let total = |u: f64, c: f64| c + (p + q * u) * u;
@@ -65,12 +66,13 @@ pub fn charged(cost: &ToleranceCost, p: f64, q: f64) -> Charged {
         return at_bound(low);
     }
     let of_square = |q: f64| match cost.law {
-        // The cube root of the compiler is slower.
+        // The function `cbrt` of the standard library is slower.
         CostLaw::Reciprocal { at, power: 1.0 } => (at / (2.0 * q)).powf(1.0 / 3.0),
         CostLaw::Reciprocal { at, power } => (power * at / (2.0 * q)).powf(1.0 / (power + 2.0)),
         _ => low,
     };
-    // Each part of the price alone, doubled, has its stationary scale below the one that is sought.
+    // For each part of the price, doubling this part and leaving out the other gives a stationary scale. The
+    // smaller of the two scales is below the scale that is sought.
     let mut u = match (q > 0.0, p > 0.0) {
         (false, _) => stationary(&cost.law, p),
         (true, false) => of_square(q).clamp(low, high),

@@ -13,7 +13,7 @@ const WIDEST: f64 = 60.0;
 const LONGEST: f64 = 3.0;
 /// Relative gain below which the steps of a quick bound end.
 const QUICK_GAIN: f64 = 1e-4;
-/// Difference up to which two values differ by rounding alone.
+/// Difference up to which two values count as equal, because rounding may cause it.
 const SAME: f64 = 1e-13;
 
 /// One constraint along one direction: `constant + sum_k (linear_k u_k + squares_k u_k^2) <= 1`. An empty list counts
@@ -60,7 +60,7 @@ impl LimitRow {
         (of(&self.linear), of(&self.squares))
     }
 
-    /// Returns the left side of the constraint at one end of the range of every scale.
+    /// Returns the left side of the constraint if every scale is at the end of its range that `end` selects.
     pub(super) fn sum(&self, costs: &[ToleranceCost], end: fn(&ToleranceCost) -> f64) -> f64 {
         let of = |(k, cost): (usize, &ToleranceCost)| {
             let ((a, w), u) = (self.at(k), end(cost));

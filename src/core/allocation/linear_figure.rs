@@ -11,7 +11,7 @@ use nalgebra::Vector6;
 pub enum LinearFigure {
     /// Worst case: the largest `|sum_j s_j f_j + sum_k s_k g_k u_k|` over all signs.
     WorstCase {
-        /// Number of components of the vectors that count.
+        /// Number of leading components of the vectors that count; the others are ignored.
         rows: usize,
         /// Error at the present tolerance of each parameter, `g_k`.
         generators: Vec<Vector6<f64>>,
@@ -28,7 +28,7 @@ pub struct FigureScratch {
     zonotope: ZonotopeScratch,
     columns: Vec<Vector6<f64>>,
     signs: Vec<f64>,
-    /// Constraint along one direction, and scales, for bounds.
+    /// Working memory for lower bounds: a constraint along one direction, and scales.
     pub(super) bound: (LimitRow, Vec<f64>),
 }
 
@@ -69,8 +69,8 @@ impl LinearFigure {
         (value, cut)
     }
 
-    /// Writes to `row` the component of the error along the direction of the worst sign pattern at the scales `u`. It
-    /// never exceeds the worst case. A root sum square is written unchanged.
+    /// Writes to `row` the component of the error along the direction of the worst sign pattern at the scales
+    /// `u`. This component never exceeds the worst case. A root sum square is written unchanged.
     pub(super) fn along_worst(&self, u: &[f64], row: &mut LimitRow, scratch: &mut FigureScratch) {
         row.linear.clear();
         row.squares.clear();
@@ -86,7 +86,8 @@ impl LinearFigure {
                 let signed = generators.iter().zip(u).zip(own).map(|((g, u), s)| g * (*u * *s));
                 let vertex = signed.sum::<Vector6<f64>>() + constant;
                 let direction = vertex.try_normalize(0.0).unwrap_or_default();
-                // A generator that helps in this direction has the other sign in the row.
+                // A generator that reduces the component along this direction gets the opposite sign in the
+                // row.
                 row.linear.extend(generators.iter().map(|g| g.dot(&direction).abs()));
                 row.constant = fixed.iter().map(|f| f.dot(&direction).abs()).sum();
             }
@@ -95,8 +96,8 @@ impl LinearFigure {
 
     /// Adds the figure along a multiplier vector to a row; the vector's length is the weight of the limit.
     ///
-    /// The sum along a vector of length 1 never exceeds a worst case. The weight of a squared root sum square is the
-    /// first component.
+    /// The sum along a vector of length 1 never exceeds a worst case. The weight of a squared root sum square
+    /// is the first component of the vector.
     pub(super) fn add_along(&self, y: &Vector6<f64>, row: &mut LimitRow) {
         match self {
             Self::RootSumSquare { squares, constant } => {

@@ -1,6 +1,7 @@
 //! Tolerance allocation: the cheapest tolerances with which every requirement is kept.
 //!
-//! The tolerances are `t_k = u_k t0_k`, where `t0` are those of the error set and `u` the scales to be found:
+//! The tolerances are `t_k = u_k t0_k`, where `t0_k` are the tolerances of the error set and `u_k` the scales
+//! to be found:
 //!
 //! ```text
 //! minimize    sum_k c_k(u_k)
@@ -16,15 +17,16 @@
 //! (`ConeCut`) add the patterns that bind: the exact worst case finds the pattern that a solution violates. Every
 //! requirement adds cuts only while it is violated, so many nodes cost little.
 //!
-//! Continuous costs are solved by Newton's method on the dual, which has a few variables ([`priced_scales`]). Two
-//! cases are solved as cone programs by the crate `clarabel`: discrete grades, and a gap that Newton's method leaves.
-//! The cones of the costs are second-order, power and exponential cones. Both give dual vectors, and these give a
-//! lower bound of the cost in closed form ([`ToleranceAllocation::lower_bound`]). It holds whatever the accuracy of
-//! the solver, so the duality gap is proven. Discrete grades are chosen by branch and bound over the relaxation
+//! Continuous costs are solved by Newton's method on the dual, which has a few variables ([`priced_scales`]).
+//! Two cases are solved as cone programs by the crate `clarabel`: discrete grades, and a gap that Newton's
+//! method leaves. The cones of the costs are second-order, power and exponential cones. Newton's method and
+//! the cone programs give dual vectors, which give a lower bound of the cost in closed form
+//! ([`ToleranceAllocation::lower_bound`]). This bound holds whatever the accuracy of the solver, so the
+//! duality gap is proven. Discrete grades are chosen by branch and bound over the relaxation
 //! (`grade_choice`).
 //!
-//! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution by the
-//! full model and adapts the requirements until the judged figures keep the limits.
+//! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution by
+//! the full model. It adapts the requirements until the judged figures keep the limits.
 
 mod cone_cut;
 mod cone_program;

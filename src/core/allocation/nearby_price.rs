@@ -13,7 +13,8 @@ use nalgebra::Vector6;
 /// Largest number of steps to a common factor of the multipliers.
 const STEPS: usize = 3;
 
-/// Cheapest tolerances that keep the limits of some figures. They bound the prices of similar figures.
+/// Cheapest tolerances that keep the limits of some figures, and with which the prices of similar figures are
+/// bounded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearbyPrice {
     /// Scale of every tolerance.
@@ -24,8 +25,9 @@ pub struct NearbyPrice {
 }
 
 impl NearbyPrice {
-    /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure; None if an ascent does not find
-    /// them.
+    /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure.
+    ///
+    /// Returns None if the ascent does not find them.
     pub fn new(
         costs: &[ToleranceCost],
         figures: &[LinearFigure],
@@ -53,8 +55,9 @@ impl NearbyPrice {
         })
     }
 
-    /// Returns the cost of the scales, reduced until they keep every limit of other figures; None if they cannot keep
-    /// a limit.
+    /// Returns the cost of the scales, reduced until they keep every limit of other figures.
+    ///
+    /// Returns None if the reduced scales cannot keep every limit.
     pub fn reduced_cost(
         &self,
         costs: &[ToleranceCost],

@@ -10,7 +10,7 @@ use nalgebra::{Matrix6, Vector6};
 /// Relative step of a scale in the numerical slopes of a percentile.
 const STEP: f64 = 1e-4;
 
-/// Share of the largest variance; smaller variances do not influence the numerical step.
+/// Least variance, as a share of the largest variance, from which the numerical step is computed.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
@@ -24,7 +24,8 @@ pub struct NodeFigure<'a> {
     pub evaluator: &'a ErrorEvaluator,
     pub context: &'a WorkContext,
     pub frames: &'a Frames,
-    /// Yield that is demanded, 0 to 1, if the quantity is the yield: the limit must hold for this share.
+    /// Yield that is demanded, 0 to 1, if the quantity is the yield: this share of the arms must keep the
+    /// limit.
     pub share: f64,
 }
 
@@ -53,7 +54,8 @@ impl NodeFigure<'_> {
 
     /// Returns a linear figure near the judged figure `value`.
     ///
-    /// The evaluator has the tolerances at the scales `scales` of the parameters `free`. Other errors are fixed.
+    /// The tolerances of the evaluator are already at the scales `scales` of the parameters `free`. All other
+    /// errors are fixed.
     pub fn linear(
         &self,
         free: &[Parameter],
@@ -116,17 +118,20 @@ impl NodeFigure<'_> {
         LinearFigure::RootSumSquare { squares, constant: ratio * (constant - of_mean) }
     }
 
-    /// Returns a lower bound of the squared figure divided by the mean square of the error; None for a worst case.
+    /// Returns a lower bound of the ratio of the squared figure to the mean square of the error.
     ///
-    /// Among normal errors, those with equal variance in all directions have the least high percentile. Those in one
-    /// direction have the least low percentile. A bounded error has a lower percentile than a normal error, but its
-    /// high percentile is still above the root mean square.
+    /// Returns None for a worst case.
+    ///
+    /// Among normal errors of equal mean square, errors with equal variance in all directions have the least
+    /// high percentile. Errors in one direction have the least low percentile. A bounded error has a lower
+    /// percentile than a normal error, but its high percentile is still above the root mean square.
     pub fn least_square_ratio(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         if evaluator.reading != Reading::Statistical {
             return None;
         }
         let Some(probability) = Self::probability(evaluator, share) else {
-            // The mean size of a normal error in one direction is `sqrt(2 / pi)` times its deviation.
+            // The mean size of a normal error in one direction is `sqrt(2 / pi)` times its standard
+            // deviation.
             let of_mean = std::f64::consts::FRAC_2_PI;
             return Some(if evaluator.quantity == Quantity::Rms { 1.0 } else { of_mean });
         };
@@ -154,8 +159,9 @@ impl NodeFigure<'_> {
         LinearFigure::RootSumSquare { squares, constant }
     }
 
-    /// Returns three results: the mean square that each free parameter causes at its present tolerance, the square of
-    /// the mean error, and the mean square of all other errors plus the square of the mean error.
+    /// Returns three results. The first is the mean square that each free parameter causes at its present
+    /// tolerance. The second is the square of the mean error. The third is the second plus the mean square of
+    /// all other errors.
     fn squares(&self, free: &[Parameter], memory: &mut EvaluatorScratch) -> (Vec<f64>, f64, f64) {
         let Self { evaluator, context, frames, .. } = self;
         evaluator.prepare(context, frames, memory);
@@ -179,8 +185,10 @@ impl NodeFigure<'_> {
         (squares, of_mean, constant)
     }
 
-    /// Returns the root sum square with the value and the slopes of a percentile of normal errors without a mean;
-    /// None if the quantity is not a percentile or an error is not normal.
+    /// Returns the root sum square with the value and the slopes of a percentile of normal errors without a
+    /// mean.
+    ///
+    /// Returns None if the quantity is not a percentile or an error is not normal.
     ///
     /// The squared percentile is a function of the eigenvalues of the covariance, so a few percentiles give all slopes.
     pub fn normal_percentile(
@@ -227,9 +235,9 @@ impl NodeFigure<'_> {
 
     /// Returns the root sum square with the value and the slopes of a percentile or mean at the present scales.
     ///
-    /// The square of such a figure is homogeneous of degree 1 in the squares of the scales, if all errors are free
-    /// and have no mean. So the derivatives with respect to these squares, `d value^2 / d u_k^2`, describe the figure
-    /// well.
+    /// If all errors are free and have no mean, the square of such a figure is homogeneous of degree 1 in the
+    /// squared scales. So the derivatives with respect to these squares, `d value^2 / d u_k^2`, describe the
+    /// figure well.
     fn percentile(
         &self,
         free: &[Parameter],
@@ -252,8 +260,8 @@ impl NodeFigure<'_> {
     }
 }
 
-/// Returns the derivatives of the squared percentile of `|e|` with respect to the covariance of `e`, which is `sum g
-/// g^T` over `columns`. Returns None if `e` is zero.
+/// Returns the derivatives of the squared percentile of `|e|` with respect to the covariance of `e`. This
+/// covariance is `sum g g^T` over `columns`. Returns None if `e` is zero.
 fn percentile_slopes(
     columns: &[(Option<usize>, Vector6<f64>)],
     rows: usize,
@@ -272,7 +280,8 @@ fn percentile_slopes(
     };
     let present = square(&variances);
     let mut slopes = Matrix6::zeros();
-    // The squared percentile is homogeneous, so the slope by the largest variance follows from the others.
+    // The squared percentile is homogeneous, so the slope with respect to the largest variance follows from
+    // the others.
     let mut of_largest = present / largest;
     for (k, variance) in variances.iter().enumerate().skip(1) {
         let step = STEP * variance.max(LEAST_VARIANCE * largest);
@@ -287,7 +296,7 @@ fn percentile_slopes(
     Some(slopes + axis * axis.transpose() * of_largest)
 }
 
-/// Returns the index of a parameter among the free ones.
+/// Returns the index of a parameter in the list `free`; None if it is not in the list.
 fn place(free: &[Parameter], parameter: Parameter) -> Option<usize> {
     free.iter().position(|p| *p == parameter)
 }

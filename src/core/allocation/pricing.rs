@@ -1,7 +1,8 @@
 //! Prices of nodes: the cost of the cheapest tolerances with which an operation keeps its limit at a node.
 //!
-//! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`] judges
-//! the resulting layout by the full model, whose prices differ by a few per cent if the tolerances are wide.
+//! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`]
+//! judges the resulting layout by the full model. Prices by the full model differ by a few per cent if the
+//! tolerances are wide.
 
 use super::dual_ascent::priced_scales;
 use super::limit_row::LimitRow;
@@ -13,15 +14,16 @@ use crate::cell::{Cell, Operation, Parameter, ToleranceCost};
 use crate::reading::{ErrorEvaluator, EvaluatorScratch};
 use std::sync::Arc;
 
-/// Share of arms that must keep a limit if the quantity is the yield and nothing else is stated.
+/// Share of arms that must keep a limit if the quantity is the yield and no other share is stated.
 pub const DEFAULT_YIELD: f64 = 0.99;
 
 /// Relative gap between a price and its lower bound.
 pub(super) const GAP: f64 = 1e-6;
 
-/// Largest number of directions of the error from which a bound is computed, and largest number of steps to the
-/// multiplier of each direction.
+/// Effort of a rough bound: the largest numbers of directions of the error, and of steps to the multiplier of
+/// each direction.
 const ROUGH: (usize, usize) = (1, 2);
+/// Effort of a sharp bound, with the same two numbers as [`ROUGH`].
 const SHARP: (usize, usize) = (4, 8);
 /// Relative amount by which rounding may raise a bound.
 pub(super) const ROUNDING: f64 = 1e-9;
@@ -46,12 +48,12 @@ pub struct OperationPricing {
     pub tolerances: Arc<TolerancePricing>,
     /// Limit, m or rad, greater than 0.
     pub limit: f64,
-    /// Lower bound of the squared figure divided by the mean square; None for a worst case.
+    /// Lower bound of the ratio of the squared figure to the mean square of the error; None for a worst case.
     least_ratio: Option<f64>,
 }
 
 impl TolerancePricing {
-    /// Collects the tolerances that act on the operations of a cell; None if there is none.
+    /// Collects the tolerances that act on the operations of a cell; None if there are no such tolerances.
     ///
     /// Measured and correlated errors have no tolerance of their own.
     pub fn new(cell: &Cell, evaluators: &[&ErrorEvaluator]) -> Option<Self> {
@@ -154,7 +156,8 @@ impl TolerancePricing {
 }
 
 impl OperationPricing {
-    /// Prepares an operation with a limit; `evaluator` must belong to this operation.
+    /// Prepares the pricing of an operation; None if the operation has no limit. `evaluator` must belong to
+    /// this operation.
     pub fn new(
         tolerances: Arc<TolerancePricing>,
         operation: &Operation,
@@ -177,7 +180,7 @@ impl OperationPricing {
         figure.scaled(1.0 / self.limit)
     }
 
-    /// Returns the price of a node: the cost of the cheapest tolerances with which it keeps the limit.
+    /// Returns the price of a node: the cost of the cheapest tolerances with which the node keeps the limit.
     pub fn price(
         &self,
         node: &NodeFigure<'_>,
@@ -187,7 +190,8 @@ impl OperationPricing {
         let figure = self.figure(node, memory);
         let price = self.tolerances.price(&[figure], scratch);
         match self.least_ratio {
-            // The linear figure of a percentile may be below its bounds, as all are below the percentile.
+            // The linear figure of a percentile and the bounding figures are all below the percentile, so a
+            // bound may exceed the price.
             Some(ratio) if ratio != 1.0 => {
                 let rough = self.rough_bound(node, memory, scratch);
                 price.max(rough).max(self.bound(node, memory, scratch))
@@ -216,7 +220,7 @@ impl OperationPricing {
         self.tolerances.bound(&self.bounding_figure(node, memory), SHARP, scratch)
     }
 
-    /// Returns a figure that is never above the figure of a node, divided by the limit.
+    /// Returns a lower bound of the figure of a node, divided by the limit.
     fn bounding_figure(&self, node: &NodeFigure<'_>, memory: &mut EvaluatorScratch) -> LinearFigure {
         let parameters = &self.tolerances.parameters;
         match self.least_ratio {

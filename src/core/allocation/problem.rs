@@ -1,4 +1,4 @@
-//! The problem of tolerance allocation.
+//! Tolerance allocation problem: cost models and requirements.
 
 use super::linear_figure::LinearFigure;
 use crate::cell::ToleranceCost;

@@ -23,7 +23,8 @@ pub struct ToleranceShortfall {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundInTheWay {
     pub parameter: usize,
-    /// Figure if this parameter had no error and all others were at their tightest.
+    /// Figure if this parameter had no error and the tolerances of all other parameters were at their
+    /// tightest.
     pub without: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Solution of the problem of tolerance allocation.
+//! Solution of a tolerance allocation problem.
 
 use super::cone_program::ScaleDomain;
 use super::cutting_planes::{CutPool, RelaxedSolution, keep_limits};
@@ -44,7 +44,8 @@ pub enum AllocationFailure {
 /// Finds the cheapest tolerances that keep all requirements.
 ///
 /// # Errors
-/// Returns by how much the limits are exceeded if even the tightest tolerances exceed them.
+/// Returns the excess over the limits if even the tightest tolerances exceed limits, or a failure of the
+/// solver.
 pub fn allocate(problem: &ToleranceProblem) -> Result<ToleranceAllocation, AllocationFailure> {
     let mut scratch = FigureScratch::default();
     let ToleranceProblem { costs, requirements } = problem;

@@ -3,10 +3,11 @@
 use super::linear_figure::FigureScratch;
 use super::problem::ToleranceProblem;
 
-/// Number of bisections, which reach the last digit of a scale.
+/// Number of bisections, enough to determine a scale to its last digit.
 const BISECTIONS: usize = 60;
 
-/// Returns the scales of uniform tightening: one common scale, within the range or at the grades of each cost model.
+/// Returns the common scale of uniform tightening, and the scale of every tolerance. The latter is the common
+/// scale, moved into the range or to a grade of the cost model.
 ///
 /// Returns None if the tightest tolerances exceed a limit.
 pub fn uniform_scale(problem: &ToleranceProblem) -> Option<(f64, Vec<f64>)> {

@@ -4,23 +4,23 @@ use super::posture_context::no_spot;
 use crate::error_map::OperationMap;
 use crate::layout::Workcell;
 
-/// Place of a node in the map of its operation, and its indices (i, j).
+/// Index of a node in the list of its map, and its indices (i, j) in the grid.
 pub type ChosenNode = (usize, (usize, usize));
 
 /// Choice of the nodes at which every operation must keep its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AllocatedNodes {
-    /// The spot of an operation, or every node if the operation happens at all of them.
+    /// The spot of an operation, or every node if the operation happens at all of its nodes.
     Spots,
     /// Every usable node.
     Usable,
-    /// The node of each operation at which its limit alone costs least.
+    /// The node of each operation at which keeping its limit alone costs least.
     Cheapest,
     /// The node with these indices.
     Node(usize, usize),
 }
 
-/// Returns the nodes of a map at which the operation must keep its limit, each with its place in the map.
+/// Returns the nodes of a map at which the operation must keep its limit, each with its index in the map.
 pub fn chosen(
     workcell: &Workcell,
     map: &OperationMap,

@@ -18,7 +18,7 @@ const BINDING: f64 = 1e-4;
 #[derive(Debug, Clone, PartialEq)]
 pub struct AllocatedParameter {
     pub parameter: Parameter,
-    /// Tolerance of the error set, m or rad.
+    /// Tolerance of the parameter in the error set, m or rad.
     pub plus_minus: f64,
     pub cost: ToleranceCost,
 }
@@ -37,7 +37,7 @@ pub struct NodeRequirement {
     pub before: f64,
 }
 
-/// Problem of tolerance allocation of one layout.
+/// Tolerance allocation problem of one layout.
 pub struct CellAllocation<'a> {
     pub workcell: &'a Workcell,
     layout: &'a Layout,
@@ -55,7 +55,7 @@ pub struct CellAllocation<'a> {
 pub enum NoAllocation {
     /// The cell lacks a limit or a tolerance. The text `why` states the reason, and `help` the remedy.
     Question { why: String, help: &'static str },
-    /// An operation has no usable node. The text tells why.
+    /// An operation has no usable node. The text states the reason.
     Unusable(String),
     /// Even the tightest tolerances exceed these limits.
     Infeasible(Vec<ToleranceShortfall>),
@@ -121,7 +121,8 @@ impl<'a> CellAllocation<'a> {
 
     /// Refuses errors that would displace the TCP by more than the reach of the arm.
     ///
-    /// Some factory calibrations have rows of kilometres, whose errors compensate each other in one arm.
+    /// Some factory calibrations have Denavit-Hartenberg rows of kilometres, whose errors compensate each
+    /// other in one arm.
     fn refuse_compensating_errors(&self) -> Result<(), NoAllocation> {
         let cell = &self.workcell.cell;
         let is_beyond =
@@ -136,7 +137,8 @@ impl<'a> CellAllocation<'a> {
         Err(NoAllocation::Question { why, help })
     }
 
-    /// Keeps for each operation only the node at which its limit alone costs least, by the linear model.
+    /// Keeps for each operation only the node at which keeping its limit alone costs least, according to the
+    /// linear model.
     fn keep_cheapest_nodes(&mut self) -> Result<(), NoAllocation> {
         let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
         let free: Vec<Parameter> = self.parameters.iter().map(|p| p.parameter).collect();
@@ -146,7 +148,7 @@ impl<'a> CellAllocation<'a> {
             let value = figure.value(&mut memory);
             let linear = figure.linear(&free, &present, value, &mut memory);
             let at_present = linear.value(&present, &mut FigureScratch::default());
-            // The linear figure is scaled to the judged one at the present tolerances.
+            // The linear figure is scaled to the judged figure at the present tolerances.
             linear.scaled(if at_present > 0.0 && value > 0.0 { value / at_present } else { 1.0 })
         })?;
         let cost_of = |(figure, r): (LinearFigure, &NodeRequirement)| {
@@ -186,12 +188,12 @@ impl<'a> CellAllocation<'a> {
         ((cell.reading, cell.quantity) == (Reading::Statistical, Quantity::Yield)).then_some(self.share)
     }
 
-    /// Returns the cell with the tolerances at some scales.
+    /// Returns the cell with its tolerances multiplied by `scales`.
     pub fn scaled_cell(&self, scales: &[f64]) -> Cell {
         self.workcell.cell.with_scaled_tolerances(&|parameter| self.scale(parameter, scales))
     }
 
-    /// Returns the workcell with the tolerances at some scales.
+    /// Returns the workcell with its tolerances multiplied by `scales`.
     pub(super) fn scaled(&self, scales: &[f64]) -> Result<Workcell, NoAllocation> {
         let scaled = self.workcell.with_scaled_tolerances(&|parameter| self.scale(parameter, scales));
         scaled.map_err(NoAllocation::Unusable)
@@ -202,7 +204,7 @@ impl<'a> CellAllocation<'a> {
         place.map_or(1.0, |place| scales[place])
     }
 
-    /// Calls `each` for some requirements in a workcell.
+    /// Calls `each` for the requirements with the indices `which` in a workcell, and collects the results.
     pub(super) fn visit<T>(
         &self,
         workcell: &Workcell,

@@ -29,8 +29,8 @@ pub struct BudgetReport<'a> {
     /// worst case in any other reading.
     pub figure: f64,
     /// Results of trials with halved tolerances. The trials concern up to three parameters: those with the
-    /// largest shares of the budget. Each trial halves the tolerance of one of these parameters. If there
-    /// are several, a last trial halves the tolerances of all of them.
+    /// largest shares of the budget. Each trial halves the tolerance of one of these parameters. If there are
+    /// several parameters, a last trial halves the tolerances of all of them.
     pub tighter: Vec<Tighter>,
 }
 

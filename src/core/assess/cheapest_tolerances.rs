@@ -6,7 +6,7 @@ use crate::allocation::{AllocationFailure, JudgedAllocation, LinearFigure, Toler
 use crate::cell::{Parameter, ToleranceCost};
 use crate::layout::Workcell;
 
-/// Largest number of allocations that Monte Carlo samples may correct.
+/// Largest number of allocations; after each of them, Monte Carlo samples may correct the limits.
 const MAX_SAMPLED_ROUNDS: usize = 4;
 
 /// Cheapest tolerances of a cell.
@@ -23,7 +23,7 @@ impl CellAllocation<'_> {
     /// Finds the cheapest tolerances.
     ///
     /// # Errors
-    /// Returns the reason if there are none.
+    /// Returns the reason if there are no such tolerances.
     pub fn solve(&self) -> Result<CheapestTolerances, NoAllocation> {
         let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
         let mut limits: Vec<f64> = self.requirements.iter().map(|r| r.limit).collect();
@@ -54,7 +54,8 @@ impl CellAllocation<'_> {
 /// Judge of the tolerances of a cell by its error model.
 struct CellJudge<'p, 'a> {
     problem: &'p CellAllocation<'a>,
-    /// Scales that were judged last, with the workcell and the figures there.
+    /// Scales that were judged last. `scaled` is the workcell at these scales, and `values` are the figures
+    /// there.
     scales: Vec<f64>,
     scaled: Option<Workcell>,
     values: Vec<f64>,

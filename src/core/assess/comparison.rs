@@ -68,7 +68,11 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
         |what: String| Err(format!("{} and {} cannot be compared: {what}", shown(&a.label), shown(&b.label)));
     let names = |c: &Cell| c.operations.iter().map(|o| o.name.clone()).collect::<Vec<_>>().join(", ");
     if names(a.cell) != names(b.cell) {
-        return refuse(format!("their operations are {} and {}", names(a.cell), names(b.cell)));
+        return refuse(format!(
+            "the operations of one are {}, those of the other {}",
+            names(a.cell),
+            names(b.cell)
+        ));
     }
     let read = |c: &Cell| {
         let quantity = if c.reading == Reading::Statistical { c.quantity.name() } else { "" };
@@ -77,9 +81,9 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
     if read(a.cell) != read(b.cell) {
         let said = |c: &Cell| {
             let (reading, quantity, registration) = read(c);
-            format!("{reading} {quantity}").trim().to_string() + &format!(", registration {registration}")
+            format!("{reading} {quantity}").trim().to_string() + &format!(" with registration {registration}")
         };
-        return refuse(format!("one is read {}, the other {}", said(a.cell), said(b.cell)));
+        return refuse(format!("the reading of one is {}, of the other {}", said(a.cell), said(b.cell)));
     }
     if a.cell.search.objective != b.cell.search.objective {
         let [x, y] = [a, b].map(|a| a.cell.search.objective.name());

@@ -1,4 +1,5 @@
-//! Corrections of a cell's programme: the commands with which the TCP lands on each target despite its errors.
+//! Corrections of a cell's programme: the commands with which the TCP lands on each target despite the
+//! errors.
 
 use super::posture_context::{NodeChoice, PostureContext};
 use crate::cell::{
@@ -17,27 +18,28 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Debug, Clone, PartialEq)]
 pub struct StatedTarget {
     pub name: String,
-    /// Position of the TCP, base frame, m. If `rotation` is None, the attitude of the operation applies.
+    /// Position of the TCP in the base frame, m.
     pub position: Vector3<f64>,
+    /// Orientation of the TCP in the base frame; None if the attitude of the operation applies.
     pub rotation: Option<Matrix3<f64>>,
 }
 
 /// Target with the joint coordinates that land on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CorrectedTarget {
-    /// Nominal pose of the TCP, base frame.
+    /// Pose that the TCP is to attain, base frame.
     pub target: Pose,
     /// Joint coordinates of the nominal robot at the target, rad or m.
     pub nominal: JointVector,
-    /// Error of the uncorrected robot: from the target to the attained pose, base frame.
+    /// Error of the uncorrected robot: displacement from the target to the attained pose, base frame.
     pub before: Displacement,
     pub correction: Correction,
-    /// Root mean square of the random position (m) and rotation error (rad) that no correction removes; None
-    /// if the errors have no random part.
+    /// Root mean square of the random position error (m) and rotation error (rad) that no correction removes.
+    /// None means that the errors have no random part.
     pub random: Option<(f64, f64)>,
 }
 
-/// Corrector of one operation: its errors in one layout.
+/// Corrector of the errors of one operation in one layout.
 pub struct OperationCorrector<'a> {
     workcell: &'a Workcell,
     operation: usize,
@@ -95,7 +97,7 @@ impl<'a> OperationCorrector<'a> {
     }
 
     fn corrected(&self, nominal: &JointVector, target: &Pose, mut context: WorkContext) -> CorrectedTarget {
-        // The pick is corrected, too, so the place must be correct by itself.
+        // The pick is corrected, too, so the placing must be correct by itself.
         context.reference = None;
         let propagation = self.evaluator.propagation();
         let error = |frames: &_| propagation.error(&context, frames, &self.sample, Model::Nonlinear);
@@ -126,14 +128,15 @@ impl<'a> OperationCorrector<'a> {
         Some((position.sqrt(), rotation.sqrt()))
     }
 
-    /// Returns joint coordinates at which the nominal robot is at a target, or near its orientation.
+    /// Returns joint coordinates at which the TCP of the nominal robot is at a target. If the arm cannot
+    /// reach a stated orientation, only its elevation is kept.
     fn nominal(&self, stated: &StatedTarget) -> Result<JointVector, String> {
         let (cell, inverse) = (&self.workcell.cell, self.workcell.inverse());
         let layout = cell.start();
         let at = layout.placements[cell.operations[self.operation].equipment];
         let attitudes = match &stated.rotation {
             None => vec![(layout.attitudes[self.operation].clone(), at.yaw - layout.base.yaw)],
-            // An arm with fewer joints may reach the target only with another azimuth or spin.
+            // An arm with fewer than six joints may reach the target only with another azimuth or spin.
             Some(rotation) => {
                 let held = attitude_of(&(rotation * tool_columns(&cell.robot.tool_axis)));
                 let free = Attitude::elevation(held.elevation);
@@ -167,7 +170,8 @@ fn nearest(branches: &[Branch], home: &JointVector) -> Option<JointVector> {
     usable.min_by(|a, b| far(a).total_cmp(&far(b))).map(|branch| branch.joints)
 }
 
-/// Returns whether a parameter varies at random; the deviations of a signed sample are only its magnitudes.
+/// Returns whether a parameter varies at random. The errors of a signed error set do not vary; its deviations
+/// only state their magnitudes.
 fn is_random(cell: &Cell, parameter: Parameter) -> bool {
     match parameter {
         Parameter::Equipment(e, _) => matches!(cell.equipment[e].errors, Some(FrameErrors::Tolerance(_))),
@@ -177,7 +181,7 @@ fn is_random(cell: &Cell, parameter: Parameter) -> bool {
 
 /// Returns the attitude of a tool whose axes r, d x r and d are the columns of `axes`, base frame.
 ///
-/// [`crate::cell::held`] makes the columns from these angles.
+/// [`crate::cell::held`] computes the columns from these angles.
 fn attitude_of(axes: &Matrix3<f64>) -> Attitude {
     let (r, d) = (axes.column(0).into_owned(), axes.column(2).into_owned());
     let level = d.x.hypot(d.y);

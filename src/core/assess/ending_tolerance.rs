@@ -6,16 +6,17 @@ use crate::layout::{Workcell, evaluate};
 use crate::safe_text::shown;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 
-/// Number of bisection steps for the largest tolerance that holds.
+/// Number of bisection steps for the largest tolerance with which a layout is feasible.
 const BISECTIONS: usize = 8;
-/// Names of the keys of a tolerance.
+/// Names of the keys of a placement tolerance in a cell file.
 const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 
 /// Returns, in words, which placement tolerances make a layout infeasible, and with which values it would be
 /// feasible.
 ///
-/// Each tolerance is reduced alone. If no single tolerance suffices, all tolerances of each piece are reduced
-/// together, and finally the tolerances of all pieces. The list is empty if the layout does not hold even as drawn.
+/// Each tolerance is reduced alone. If no single tolerance suffices, all tolerances of each body (robot base
+/// or piece of equipment) are reduced together. Finally, the tolerances of all bodies are reduced. The list
+/// is empty if the layout is infeasible even as drawn.
 pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     if !workcell.certifies() || evaluate(workcell, layout).is_accepted() {
         return Vec::new();
@@ -35,8 +36,9 @@ pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     reduced(cell, layout, &bodies.concat()).into_iter().collect()
 }
 
-/// Describes the largest values of some tolerances with which the layout is feasible; None if it is infeasible even
-/// without these tolerances.
+/// Describes the largest values of some tolerances with which the layout is feasible.
+///
+/// Returns None if the layout is infeasible even without these tolerances.
 fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {
     let holds = |share: f64| {
         let mut less = cell.clone();
@@ -66,7 +68,7 @@ fn reduced(cell: &Cell, layout: &Layout, slots: &[Slot]) -> Option<String> {
         )
     };
     let names: Vec<String> = slots.iter().map(named).collect();
-    Some(format!("it would hold with less placement tolerance: {}", names.join(", ")))
+    Some(format!("the layout would be feasible with smaller placement tolerances: {}", names.join(", ")))
 }
 
 /// Returns the half width of a tolerance. The slot must be one of [`Cell::placement_tolerances`].

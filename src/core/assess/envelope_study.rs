@@ -18,10 +18,10 @@ pub struct Reachable<'a> {
     pub step: f64,
     /// Azimuth of the vertical section, rad.
     pub azimuth: f64,
-    /// Vertical section through the base axis, with points (r, z). The distance r from the axis is negative
-    /// on the side opposite to [`Self::azimuth`].
+    /// Vertical section through the base axis, with points (r, z), m. The distance r from the axis is
+    /// negative on the side opposite to [`Self::azimuth`].
     pub section: EnvelopeSection,
-    /// Horizontal sections, each with its height (m) and its points (x, y).
+    /// Horizontal sections, each with its height (m) and its points (x, y), m.
     pub plans: Vec<(f64, EnvelopeSection)>,
     pub size: Size,
     /// Points of the arm in a posture near its greatest reach, m: base, origins of the link frames, then the

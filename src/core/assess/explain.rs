@@ -52,7 +52,7 @@ impl ParameterEffect {
     fn alone(parameter: Parameter, own: usize, motions: &[ParameterMotion]) -> Displacement {
         let sum = motions.iter().fold(Displacement::NONE, |sum, motion| sum + motion.effect());
         match parameter {
-            // Seen from moving work, the TCP moves the other way.
+            // Relative to the moved equipment, the TCP moves in the opposite direction.
             Parameter::Equipment(e, _) if e == own => sum * -1.0,
             Parameter::Equipment(..) => Displacement::NONE,
             _ => sum,

@@ -10,7 +10,8 @@ use crate::units::mm_from_m;
 
 /// Evaluation of a layout with the reasons why it is infeasible.
 ///
-/// No errors are computed except those that the search minimizes. A map computes many more at every node.
+/// No errors are computed except those that the search minimizes. A map computes many more errors at every
+/// node.
 pub struct Feasibility {
     pub evaluation: Evaluation,
     /// Reasons why the layout is infeasible, in words; empty if it is feasible.
@@ -46,7 +47,7 @@ pub fn reasons<'m>(
     }
     let overlaps = evaluation.overlaps.iter().map(|o| o.in_words(cell));
     let apart = apart.map(|apart| nearest_without_overlap(cell, layout, apart));
-    // An operation with a spot that is only not certified is named below.
+    // An operation that has a spot but no certificate is reported by `misplaced`.
     let is_certain = |map: &&OperationMap| {
         !matches!(evaluation.outcomes.get(map.operation), Some(Outcome::Uncertain { .. }))
     };

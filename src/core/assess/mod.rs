@@ -78,19 +78,21 @@ pub struct Assessment<'a> {
     /// Yield of the whole cell: share of Monte Carlo samples that keep the limits of all operations at their
     /// spots.
     ///
-    /// None unless the reading is statistical, every operation has a spot and at least one has a limit.
+    /// None unless the reading is statistical, every operation has a spot and at least one operation has a
+    /// limit.
     pub cell_yield: Option<Estimate>,
     /// Whether the samples confirm the first-order figures of each operation; None without samples.
     ///
     /// If the samples refute these figures, the map holds the figures of the samples at the spot.
     pub confirmed: Vec<Option<bool>>,
-    /// Certificate that the layout works at every misplacement; None if none is demanded, or if the layout is not
-    /// feasible.
+    /// Certificate that the layout works at every misplacement; None if no certificate is demanded, or if the
+    /// layout is not feasible.
     pub certificate: Option<LayoutCertificate>,
-    /// Regions in which every piece may stand; None unless [`Self::with_regions`] was called, or if the layout is not
-    /// feasible or misses a limit.
+    /// Regions in which every piece of equipment may stand.
+    ///
+    /// None unless [`Self::with_regions`] was called, or if the layout is not feasible or misses a limit.
     pub regions: Option<Regions>,
-    /// Nearest layout found without overlaps; None if no equipment overlaps, or if none was found.
+    /// Nearest layout found without overlaps; None if no equipment overlaps, or if no such layout was found.
     pub apart: Option<Layout>,
 }
 
@@ -128,7 +130,7 @@ impl<'a> Assessment<'a> {
         }
     }
 
-    /// Computes [`Self::regions`]: where every piece may stand.
+    /// Computes [`Self::regions`]: where every piece of equipment may stand.
     pub fn with_regions(mut self) -> Self {
         if self.evaluation.misfit.is_none() {
             self.regions = Regions::new(self.workcell, &self.layout);
@@ -198,8 +200,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns whether the Monte Carlo samples confirm the first-order figures at the spot of an operation.
     ///
-    /// If they do not, the figures of the samples replace the first-order figures. Returns None if the
-    /// operation has no samples.
+    /// If the samples do not confirm them, the figures of the samples replace the first-order figures.
+    /// Returns None if the operation has no samples.
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
         self.confirmed[operation]
     }
@@ -215,7 +217,8 @@ impl<'a> Assessment<'a> {
         (proof, gap)
     }
 
-    /// Returns the values of all goals in the order of [`crate::cell::Goal::ALL`]: m, rad, m2 or a share.
+    /// Returns the values of all goals in the order of [`crate::cell::Goal::ALL`]: m, rad, m^2, s, a share or
+    /// a cost.
     ///
     /// Returns None if the layout is infeasible.
     pub fn goals(&self) -> Option<Vec<f64>> {
@@ -229,12 +232,12 @@ impl<'a> Assessment<'a> {
         self.workcell.cycle_time(&self.layout, &self.evaluation)
     }
 
-    /// Returns the objective in mm, degrees or as a share; None if the layout is infeasible.
+    /// Returns the objective in mm, in degrees, as a share or as a cost; None if the layout is infeasible.
     pub fn objective(&self) -> Option<f64> {
         self.evaluation.objective.map(|o| self.cell.unit().from_si(o))
     }
 
-    /// Returns the objective in mm; None if it is not a length or the layout is infeasible.
+    /// Returns the objective in mm; None if the objective is not a length or the layout is infeasible.
     pub fn objective_mm(&self) -> Option<f64> {
         self.objective().filter(|_| self.cell.unit() == Unit::Length)
     }
@@ -244,8 +247,9 @@ impl<'a> Assessment<'a> {
     /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
     /// yield, whose definition already contains the limit.
     ///
-    /// If the value is the cost of tolerances, the limit is the cost of the tightest ones. If that cost is only one
-    /// of several goals, the limits constrain the tolerances, not the error at the tolerances of the error set.
+    /// If the value is the cost of tolerances, the limit is the cost of the tightest tolerances. If that cost
+    /// is only one of several goals, the result is None. The limits then constrain the tolerances, not the
+    /// error at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);
@@ -261,8 +265,9 @@ impl<'a> Assessment<'a> {
         Some(Requirement { limit, margin: limit - value, known })
     }
 
-    /// Returns an upper bound of the value of an operation over all misplacements, m or rad; None if the layout is
-    /// not certified or no bound is known.
+    /// Returns an upper bound of the value of an operation over all misplacements, m or rad.
+    ///
+    /// Returns None if the layout is not certified or no bound is known.
     pub fn worst(&self, operation: usize) -> Option<f64> {
         let certified = self.certificate.as_ref()?.operations.get(operation)?.as_ref()?;
         let most = certified.as_ref().ok()?.most?;
@@ -299,7 +304,7 @@ pub struct Requirement {
     ///
     /// If the layout must withstand misplacements, the error is its upper bound over all of them.
     pub margin: f64,
-    /// Whether the upper bound is known. If not, the margin is that of the layout as drawn.
+    /// Whether the upper bound is known. If not, the margin belongs to the layout as drawn.
     pub known: bool,
 }
 

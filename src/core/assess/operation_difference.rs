@@ -67,14 +67,14 @@ impl Comparison<'_> {
     /// Compares every operation of layout `column` with the first layout, node by node.
     ///
     /// # Errors
-    /// Returns a message if the two layouts have their nodes at different places of the surface.
+    /// Returns a message if the two layouts have their nodes at different places on the surface.
     pub fn differences(&self, column: usize) -> Result<Vec<OperationDifference>, String> {
         let (first, other) = (&self.columns[0], &self.columns[column]);
         let maps = first.maps.iter().zip(&other.maps).enumerate();
         maps.map(|(k, (a, b))| {
             if first.cell.operations[k].place != other.cell.operations[k].place {
                 return Err(format!(
-                    "{}: the nodes of {} and {} are not at the same places of the surface",
+                    "{}: the nodes of {} and {} are not at the same places on the surface",
                     shown(&first.cell.operations[k].name),
                     shown(&other.label),
                     shown(&first.label)
@@ -113,8 +113,8 @@ fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String 
     let (a, b, name) = (shown(&first.label), shown(&other.label), shown(&operation.name));
     let (x, y) = match (first.maps[k].value, other.maps[k].value) {
         (Some(x), Some(y)) => (x, y),
-        (Some(_), None) => return format!("{b} has no spot for {name}, {a} has one"),
-        (None, Some(_)) => return format!("{b} has a spot for {name}, {a} has none"),
+        (Some(_), None) => return format!("{b} has no spot for {name}, but {a} has one"),
+        (None, Some(_)) => return format!("{b} has a spot for {name}, but {a} has none"),
         (None, None) => return format!("neither {a} nor {b} has a spot for {name}"),
     };
     let unit = first.cell.unit();
@@ -123,7 +123,7 @@ fn sentence(first: &Assessment<'_>, other: &Assessment<'_>, k: usize) -> String 
         format!("{y:.3} against {x:.3} {}", unit.word())
     };
     let what = match unit {
-        Unit::Share => "share of failures".to_string(),
+        Unit::Share => "the share of failures".to_string(),
         Unit::Cost => "the cost of its tolerances".to_string(),
         _ => shown(&operation.sense.name),
     };

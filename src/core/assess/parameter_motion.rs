@@ -37,9 +37,9 @@ pub struct ParameterMotion {
 impl ParameterMotion {
     /// Returns the displacement of the TCP per unit of the parameter.
     ///
-    /// A rotation moves the TCP by `w x (p - o)`, a translation by `w`. Here `w` is the unit vector
-    /// [`Self::direction`], `p` the TCP and `o` the origin of [`Self::place`]. The result is multiplied by
-    /// [`Self::factor`].
+    /// A rotation moves the TCP by `w x (p - o)`, and a translation moves it by `w`. Here `w` is the unit
+    /// vector [`Self::direction`], `p` the TCP and `o` the origin of [`Self::place`]. The result is
+    /// multiplied by [`Self::factor`].
     pub fn effect(&self) -> Displacement {
         let unit = match self.turns {
             true => Displacement { position: self.direction.cross(&self.lever), rotation: self.direction },

@@ -49,8 +49,10 @@ pub struct PostureContext<'a> {
     pub evaluator: ErrorEvaluator,
     pub situation: WorkContext,
     pub frames: Frames,
-    /// Upper bound of the value at the spot over all misplacements, m or rad; None if no certificate is demanded, or
-    /// if the posture is not the posture at the spot. The inner value is None if no bound is known.
+    /// Upper bound of the value at the spot over all misplacements, m or rad.
+    ///
+    /// The outer value is None if no certificate is demanded, or if the posture is not the posture at the
+    /// spot. The inner value is None if no bound is known.
     pub worst: Option<Option<f64>>,
 }
 
@@ -170,7 +172,7 @@ fn situation_elsewhere(
     let name = shown(&cell.operations[operation].name);
     let what = match cell.registration {
         Registration::Taught => "a taught frame",
-        _ => "a placed part's pick",
+        _ => "the pick of a placed part",
     };
     let workcell =
         workcell.map_err(|why| format!("{what} needs the inverse kinematics of the robot: {why}"))?;
@@ -182,7 +184,7 @@ fn situation_elsewhere(
     posed.map(|(situation, _)| situation).map_err(|why| format!("{name}: {}", why.in_words()))
 }
 
-/// Returns why a map has no best node.
+/// Returns, in words, why a map has no best node.
 pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     let operation = &cell.operations[map.operation];
     let name = shown(&operation.name);
@@ -206,7 +208,7 @@ pub fn no_usable_node(cell: &Cell, map: &OperationMap) -> String {
     format!("{name} has no usable node: {}{}", counts.join(", "), unjudged.unwrap_or_default())
 }
 
-/// Returns why a map has no best node, including any overlap that blocks the equipment.
+/// Returns, in words, why a map has no best node, including any overlap that blocks the equipment.
 pub fn no_spot(cell: &Cell, map: &OperationMap) -> String {
     let blocked = map.nodes.iter().find(|n| matches!(n.status, Status::Overlap(_)));
     let overlap = blocked.map_or(String::new(), |n| format!("; {}", n.status.reason(cell)));

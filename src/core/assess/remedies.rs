@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Remedy {
-    /// Nothing: the layout as drawn with all errors.
+    /// No remedy: the layout as drawn with all errors.
     AsDrawn,
     /// The controller compensates the identified errors; the layout is as drawn.
     Calibrated,
@@ -20,7 +20,7 @@ pub enum Remedy {
 }
 
 impl Remedy {
-    /// All remedies, the least work first.
+    /// All remedies, the one with the least work first.
     pub const ALL: [Remedy; 4] = [Remedy::AsDrawn, Remedy::Calibrated, Remedy::Moved, Remedy::Both];
 }
 
@@ -66,7 +66,7 @@ impl<'a> Remedies<'a> {
         Some(1.0 - self.objective(remedy)? / drawn)
     }
 
-    /// Returns whether an operation has a limit that the objective does not contain already.
+    /// Returns whether an operation has a limit that the objective does not already contain.
     pub fn has_limits(&self) -> bool {
         let [drawn, ..] = &self.columns;
         drawn.cell.unit().is_error() && drawn.cell.operations.iter().any(|o| o.limit.is_some())
@@ -81,9 +81,9 @@ impl<'a> Remedies<'a> {
 
     /// Returns the advised remedies, each of which is enough; empty if none helps.
     ///
-    /// If there are limits, these are the remedies with the least work that keep them. Otherwise, the only advised
-    /// remedy has an error that exceeds the least error by at most 1 % of the error as drawn. Of several such
-    /// remedies, it is the one with the least work.
+    /// If there are limits, the advised remedies are those with the least work that keep the limits.
+    /// Otherwise, the only advised remedy has an error that exceeds the least error by at most 1 % of the
+    /// error as drawn. Among several such remedies, it is the one with the least work.
     pub fn advised(&self) -> Vec<Remedy> {
         let steps = [&[Remedy::AsDrawn][..], &[Remedy::Calibrated, Remedy::Moved], &[Remedy::Both]];
         if self.has_limits() {

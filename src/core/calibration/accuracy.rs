@@ -11,7 +11,7 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
-    /// Returns the statistics of distances (m); None if there are none.
+    /// Returns the statistics of distances (m); None if the list is empty.
     pub fn of(mut distances: Vec<f64>) -> Option<Self> {
         distances.sort_by(f64::total_cmp);
         let (count, max) = (distances.len(), *distances.last()?);

@@ -7,7 +7,8 @@ use crate::pose::Pose;
 use crate::robot::{Chain, lever};
 use nalgebra::{Matrix3, Vector3};
 
-/// Pose of the mechanical interface with errors, and the axes about which its errors move it; base frame.
+/// Pose of the mechanical interface of a robot with errors, and the frames in which the errors act; base
+/// frame.
 #[derive(Debug, Clone)]
 pub struct Deformed {
     pub interface: Pose,
@@ -27,7 +28,7 @@ impl Deformed {
     /// Returns the deformed chain at actuator coordinates `q` for the values of the unknowns.
     ///
     /// The link errors are small motions in the order `Rz(dq) Tz(dr) Tx(dl) Rx(dalpha) Ry(dbeta)` at the
-    /// frames of the row. The levers of the elastic terms are those of the chain without errors.
+    /// frames of the row. The levers of the elastic terms belong to the chain without errors.
     pub fn new(chain: &Chain, q: &JointVector, unknowns: &[Unknown], values: &[f64]) -> Self {
         let nominal = chain.posture(q);
         let frames = chain.frames(&nominal);
@@ -84,7 +85,7 @@ impl Deformed {
             let axis = frame.rotation.column(axis).into_owned();
             PointMotion { slope: axis.cross(&(x - frame.translation)), axis, place }
         };
-        // Place 0 and 1 are those of the base.
+        // The ranks 0 and 1 belong to the base.
         let place = |row: usize, k: usize| 2 + PER_LINK * row + k;
         let drive = |i: usize| match chain.links[i].kind {
             JointKind::Revolute => turn(&self.before[i], 2, place(i, 0)),

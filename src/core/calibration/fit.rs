@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 const STEPS: usize = 100;
 /// Largest step, in standard deviations before the measurement, at which the fit has converged.
 const CONVERGED: f64 = 1e-6;
-/// Smallest share of a step of the variances.
+/// Smallest share of a scoring step by which the variances change.
 const LEAST_SHARE: f64 = 0.1;
 /// Largest step, in standard deviations before the measurement, at which the variances may count as converged.
 const ROUGHLY: f64 = 1e-3;
@@ -35,7 +35,7 @@ pub(super) struct Fit<'a> {
     pub covariance: DMatrix<f64>,
 }
 
-/// Measured position beside its prediction, base frame.
+/// Measured position compared with its prediction, base frame.
 pub(super) struct Residual {
     pub row: usize,
     /// Measured minus predicted position, m.
@@ -85,7 +85,7 @@ impl<'a> Fit<'a> {
                 of_harmonics =
                     improve_deviations(unknowns, &state.values, &self.covariance, &mut state.priors);
             }
-            // Where the variances swing, shorter steps settle them.
+            // If the variances oscillate, shorter steps make them converge.
             let swings = change * before < 0.0;
             share = if swings { (share / 2.0).max(LEAST_SHARE) } else { (share * 1.5).min(1.0) };
             before = change;
@@ -93,7 +93,7 @@ impl<'a> Fit<'a> {
                 continue;
             }
             if finds_misfit && largest < ROUGHLY && change.abs().max(of_harmonics) < SETTLED {
-                // The last digits of the unknowns do not depend on those of the variances.
+                // The last digits of the unknowns do not depend on the last digits of the variances.
                 return self.solved(sessions, false);
             }
             if !finds_misfit && largest < CONVERGED {
@@ -101,14 +101,15 @@ impl<'a> Fit<'a> {
             }
         }
         if finds_misfit {
-            // Few positions leave a variance open; those found so far weigh the positions well enough.
+            // Few positions may leave a variance undetermined. The variances found so far weight the
+            // positions well enough.
             return self.solved(sessions, false);
         }
         Err(format!("the fit has not converged after {STEPS} steps"))
     }
 
-    /// Takes a Levenberg-Marquardt step, and returns its largest change in standard deviations before the
-    /// measurement.
+    /// Takes a Levenberg-Marquardt step, and returns the largest change of an unknown, in standard deviations
+    /// before the measurement.
     ///
     /// A long step that raises the loss is undone, and the damping grows.
     fn take_step(&mut self, sessions: &[MeasuringSession], damping: &mut f64) -> Result<f64, String> {
@@ -185,7 +186,7 @@ impl<'a> Fit<'a> {
 /// Returns the covariances (m^2) of positions, given their Jacobians and the covariance `of_unknowns` of the
 /// unknowns.
 pub(super) fn spreads(jacobians: &[DMatrix<f64>], of_unknowns: &DMatrix<f64>) -> Vec<Matrix3<f64>> {
-    // One product of large matrices is faster than many of small ones.
+    // One product of large matrices is faster than many products of small matrices.
     let stacks = jacobians.chunks(STACKED).flat_map(|some| {
         let mut stack = DMatrix::zeros(3 * some.len(), of_unknowns.nrows());
         for (k, jacobian) in some.iter().enumerate() {

@@ -20,7 +20,8 @@ pub(super) const FARTHEST_REFLECTOR: f64 = 1.0;
 pub(super) struct FitProblem<'a> {
     pub chain: &'a Chain,
     pub unknowns: &'a [Unknown],
-    /// Standard deviations of the unknowns before the measurement; those of harmonics are improved by the fit.
+    /// Standard deviations of the unknowns before the measurement; the fit improves the standard deviations
+    /// of harmonics.
     pub priors: &'a [f64],
 }
 
@@ -126,7 +127,7 @@ impl<'a> FitState<'a> {
         let weight = (HUBER / residual.dot(&factor(misfit).solve(&residual)).sqrt()).min(1.0);
         let factor = factor(self.misfit.covariance_of_fit(&drives, measured.sigma));
         let of_chain = self.question.unknowns.iter().map(|unknown| match *unknown {
-            // Harmonics are many, and need no axis because the fit ignores their curvature.
+            // There are many harmonics, and they need no axis because the fit ignores their curvature.
             Unknown::Harmonic { joint, order, sine } => PointMotion {
                 slope: drives[joint] * wave(measured.joints[joint], order, sine),
                 ..PointMotion::none(0)

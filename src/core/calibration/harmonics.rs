@@ -1,17 +1,19 @@
 //! Encoder harmonics: errors of an actuator that are periodic in its own coordinate.
 //!
-//! Encoders, gears and bearings repeat their errors with every turn of a joint. The error of actuator j is
+//! Encoders, gears and bearings repeat their errors with every revolution of a joint. The error of actuator j
+//! is
 //!
 //! ```text
 //! e_j(q_j) = sum_k a_jk cos(k q_j) + b_jk sin(k q_j),   a_jk, b_jk ~ N(0, (f_j s_k)^2)
 //! ```
 //!
-//! Here `s_k` is the expected standard deviation of the order k. So `e_j` is a Gaussian process: nearby postures
-//! share their error, and outside the measured range the error stays as uncertain as before the measurement. The
-//! factor `f_j^2` is the sum of the squared coefficients, in units of `s_k`, divided by the number of coefficients
-//! that the data determine. The fit estimates it together with the coefficients (D. J. C. MacKay, "Bayesian
-//! interpolation", Neural Computation 4, 1992). The expectation `f_j = 1` counts as much as twenty coefficients,
-//! because the errors in the measured range say little about the rest of the turn.
+//! Here `s_k` is the expected standard deviation of the order k. So `e_j` is a Gaussian process, in which
+//! nearby postures share their error. Outside the measured range, the error is as uncertain as before the
+//! measurement. The factor `f_j^2` is the sum of the squared coefficients, in units of `s_k`, divided by the
+//! number of coefficients that the data determine. The fit estimates this factor together with the
+//! coefficients (D. J. C. MacKay, "Bayesian interpolation", Neural Computation 4, 1992). The expectation that
+//! `f_j` is 1 counts as much as twenty coefficients. This weight is high because the errors in the measured
+//! range say little about the rest of the revolution.
 
 use super::unknown::{Unknown, expected_harmonic};
 use crate::cell::{JointKind, MAX_JOINTS};
@@ -49,7 +51,7 @@ pub(super) fn improve_deviations(
 ) -> f64 {
     let mut largest: f64 = 0.0;
     for joint in 0..MAX_JOINTS {
-        // Places and expected standard deviations of the coefficients of the joint.
+        // Indices and expected standard deviations of the coefficients of the joint.
         let own = unknowns.iter().enumerate().filter_map(|(k, unknown)| match *unknown {
             Unknown::Harmonic { joint: of, order, .. } if of == joint => Some((k, expected_harmonic(order))),
             _ => None,

@@ -1,7 +1,7 @@
 //! Calibration with its periodic errors fixed at the identified values.
 //!
-//! An error set states periodic errors as functions of the posture, without a covariance of their coefficients. Their
-//! uncertainty counts as a variance of the joint coordinate.
+//! An error set states periodic errors as functions of the posture, without a covariance of their
+//! coefficients. The uncertainty of the coefficients counts as a variance of the joint coordinate.
 
 use super::harmonics::wave;
 use super::result::Calibration;
@@ -10,12 +10,12 @@ use crate::cell::{Parameter, PeriodicError};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Number of joint coordinates over which a variance is averaged.
+/// Number of coordinates of a joint over which a variance is averaged.
 const COORDINATES: usize = 256;
 
 impl Calibration {
-    /// Returns the identified periodic errors; none for an arm with joint coupling, whose joints have no periodic
-    /// errors of their own.
+    /// Returns the identified periodic errors; empty for an arm with joint coupling, whose joints have no
+    /// periodic errors of their own.
     pub fn periodic_errors(&self) -> Vec<PeriodicError> {
         if self.is_coupled() {
             return Vec::new();

@@ -1,24 +1,24 @@
 //! Calibration: identifies the kinematic errors of a robot from measured positions of its tool.
 //!
-//! A session is one set-up of the measuring instrument and the reflectors. Let B be the pose of the robot base
-//! in the frame of the instrument, f a reflector in the frame of the mechanical interface, and T(q) the
-//! pose of that interface with errors. The model of the measured position is
+//! A session is one set-up of the measuring instrument and the reflectors. Let B be the pose of the robot
+//! base in the frame of the instrument. Let f be the position of a reflector in the frame of the mechanical
+//! interface, and T(q) the pose of that interface with errors. The model of the measured position is
 //!
 //! ```text
 //! p = B T(q) f
 //! ```
 //!
-//! Every session has a B and an f of its own; the errors in T are common to all sessions. They are the errors
-//! of the Denavit-Hartenberg rows, with dbeta instead of dr between parallel axes (Hayati 1983), and elastic
-//! terms. The fit minimises, with Huber's loss,
+//! Every session has a B and an f of its own; the errors in T are common to all sessions. These errors
+//! comprise errors of the Denavit-Hartenberg rows, elastic terms, and periodic errors of the joints. Between
+//! parallel axes, dbeta replaces dr (Hayati 1983). The fit minimises, with Huber's loss,
 //!
 //! ```text
 //! sum_i r_i^T S_i^-1 r_i + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f
 //! ```
 //!
-//! by Newton's method with exact derivatives. Here `s_k` is the standard deviation of parameter `a_k` before the
-//! measurement, and `S_i` the covariance of the error that the parameters do not explain (see `residual_variances`).
-//! On a real arm, most of the unexplained error comes from the joints.
+//! by Newton's method with exact derivatives. Here `s_k` is the standard deviation of parameter `a_k` before
+//! the measurement. `S_i` is the covariance of the error that the parameters do not explain (see
+//! `residual_variances`). On a real arm, most of the unexplained error comes from the joints.
 
 mod accuracy;
 mod deformed;

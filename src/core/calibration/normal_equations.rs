@@ -7,7 +7,7 @@ use super::session::MeasuringSession;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::cmp::Ordering;
 
-/// Hessian of half the sum of squares, and its negative gradient.
+/// Hessian of half the sum of squares, and the negative gradient of this half sum.
 ///
 /// The unknowns of the arm come first, followed by those of the frames of every session.
 #[derive(Debug, Clone)]
@@ -94,10 +94,11 @@ impl NormalEquations {
     }
 }
 
-/// Adds the scalar products of `residual` with the second derivatives of a position by the motions `curved`.
+/// Adds the scalar products of `residual` with the second derivatives of a position with respect to the
+/// motions `curved`.
 ///
-/// The second derivative with respect to two motions is a cross product: the axis of the motion nearer to the base
-/// times the displacement by the other motion.
+/// The second derivative with respect to two motions is a cross product. The factors are the axis of the
+/// motion nearer to the base, and the displacement by the other motion.
 fn add_curvature(
     bent: &mut DMatrix<f64>,
     curved: &[usize],

@@ -6,10 +6,10 @@
 //! y_i = J_i a + m(q_i) + e_i
 //! ```
 //!
-//! The unknowns are normal with their standard deviations before the measurement. No model is complete, so the misfit
-//! m limits the accuracy, not the noise of the instrument. It is a Gaussian process over the joint space: poses near
-//! each other have nearly the same misfit, so the second pose adds little information. The remaining errors e_i are
-//! independent.
+//! The unknowns are normally distributed with their standard deviations before the measurement. No model is
+//! complete, so the misfit m, not the noise of the instrument, limits the accuracy. The misfit is a Gaussian
+//! process over the joint space. Poses near each other have nearly the same misfit, so the second pose adds
+//! little information. The remaining errors e_i are independent.
 //!
 //! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of the task
 //! (I-optimality). A plan that maximises a determinant (D-optimality) would determine all unknowns well, even those
@@ -31,16 +31,16 @@ impl PlanProblem {
     }
 
     /// Returns the expected root mean square error of predicted positions at the task, m, once the chosen
-    /// candidates are measured. The misfit at the task itself is not part of it.
+    /// candidates are measured. This error does not include the misfit at the task itself.
     pub fn after(&self, chosen: &[usize]) -> f64 {
         PlanPosterior::of(self, chosen).map_or(f64::INFINITY, |posterior| posterior.remaining().sqrt())
     }
 
     /// Chooses `count` candidates that leave the least expected error at the task, the most informative first.
     ///
-    /// The choice is greedy, then each pose is exchanged for a better candidate as long as there is one
-    /// (Fedorov 1972). `progress` gets the number of finished steps and the largest number of all steps.
-    /// Returns None if there are fewer candidates.
+    /// The first choice is greedy. Then each pose is exchanged for a better candidate as long as there is a
+    /// better one (Fedorov 1972). `progress` receives the number of finished steps and the largest number of
+    /// all steps. Returns None if there are fewer than `count` candidates.
     pub fn best(&self, count: usize, progress: &mut dyn FnMut(usize, usize)) -> Option<Vec<usize>> {
         if count > self.candidates() {
             return None;

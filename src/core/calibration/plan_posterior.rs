@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, Matrix3, Matrix3xX};
 
 /// Covariances of the positions of all candidates once the chosen poses are measured.
 ///
-/// A pose that is added or removed changes them by a matrix of rank 3 (Sherman, Morrison and Woodbury 1950).
+/// A pose that is added or removed changes these covariances by a matrix of rank 3 (Sherman, Morrison and
+/// Woodbury 1950).
 pub struct PlanPosterior<'a> {
     problem: &'a PlanProblem,
     pub(super) chosen: Vec<usize>,
@@ -53,13 +54,14 @@ impl<'a> PlanPosterior<'a> {
         inverse.component_mul(&squares).sum()
     }
 
-    /// Returns the candidate with the greatest gain that is not chosen yet; the first of several equal ones.
+    /// Returns the candidate that is not chosen yet and has the greatest gain; the first of several equal
+    /// candidates.
     pub fn most_telling(&self) -> Option<usize> {
         self.most_telling_of(0..self.crosses.len())
     }
 
-    /// Returns the one of `candidates` with the greatest gain that is not chosen yet; the first of several equal
-    /// ones.
+    /// Returns the candidate among `candidates` that is not chosen yet and has the greatest gain; the first
+    /// of several equal candidates.
     pub fn most_telling_of(&self, candidates: impl Iterator<Item = usize>) -> Option<usize> {
         let free = candidates.filter(|&i| !self.is_chosen[i]).map(|i| (i, self.gain(i)));
         free.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(i, _)| i)
@@ -88,13 +90,13 @@ impl<'a> PlanPosterior<'a> {
         Matrix3::identity() * self.problem.error.own.powi(2)
     }
 
-    /// Returns the covariance of every candidate with a pose before the measurement.
+    /// Returns the covariance of every candidate with the pose `pose`, before the measurement.
     fn prior_column(&self, pose: usize) -> Vec<Matrix3<f64>> {
         (0..self.crosses.len()).map(|i| self.problem.prior(i, pose)).collect()
     }
 
-    /// Conditions on a measurement of a pose with an error of the given covariance. A negative covariance
-    /// removes such a measurement.
+    /// Conditions the covariances on a measurement of a pose with an error of the given covariance. A
+    /// negative covariance removes such a measurement.
     fn update(&mut self, pose: usize, error: &Matrix3<f64>) -> Option<()> {
         let column = self.column(pose)?;
         let inverse = (column[pose] + error).try_inverse()?;
@@ -107,7 +109,7 @@ impl<'a> PlanPosterior<'a> {
         self.remaining.is_finite().then_some(())
     }
 
-    /// Returns the covariance of every candidate with a pose once the chosen poses are measured.
+    /// Returns the covariance of every candidate with the pose `pose`, once the chosen poses are measured.
     fn column(&self, pose: usize) -> Option<Vec<Matrix3<f64>>> {
         let mut column = self.prior_column(pose);
         let count = self.chosen.len();

@@ -27,8 +27,9 @@ pub struct UnmodelledError {
 impl Default for UnmodelledError {
     /// Returns the errors of a measured arm, rounded.
     ///
-    /// Maximum likelihood on the series A, B and D of a UR10 (Landgraf et al. 2021) gives 0.10 to 0.21 mm for the
-    /// shared part, 0.83 to 0.99 rad for its length scale, and 0.18 to 0.22 mm for the independent part.
+    /// For the series A, B and D of a UR10 (Landgraf et al. 2021), maximum likelihood gives 0.10 to 0.21 mm
+    /// for the shared part. The length scale is 0.83 to 0.99 rad, and the independent part is 0.18 to 0.22
+    /// mm.
     fn default() -> Self {
         Self { shared: 2e-4, length: 1.0, own: 2e-4 }
     }
@@ -57,9 +58,9 @@ impl IntendedCalibration<'_> {
         self.unknowns.len() + OF_SET_UP
     }
 
-    /// Returns the motion of a point (m, interface frame) by each unknown, in units of its standard deviation.
+    /// Returns the motion of a point (m, interface frame) per standard deviation of each unknown.
     ///
-    /// The last nine columns are those of the set-up, whose standard deviations are 1 m and 1 rad.
+    /// The last nine columns belong to the set-up, whose standard deviations are 1 m and 1 rad.
     fn slopes(&self, joints: &JointVector, point: &Vector3<f64>) -> Matrix3xX<f64> {
         let pose = Deformed::new(self.chain, joints, self.unknowns, &vec![0.0; self.unknowns.len()]);
         let at = pose.interface.transform(point);
@@ -77,7 +78,8 @@ impl IntendedCalibration<'_> {
 pub struct PlanProblem {
     /// Motion of the reflector at every candidate per standard deviation of each unknown, m.
     pub(super) slopes: Vec<Matrix3xX<f64>>,
-    /// Points that represent the candidates; the distance of two points is the distance in the joint space, rad.
+    /// Points that represent the candidates; the distance between two points is the distance in the joint
+    /// space, rad.
     places: Vec<SMatrix<f64, { 2 * MAX_JOINTS }, 1>>,
     /// Directions of the unknowns that matter at the task; the squared error is the sum of their variances.
     pub(super) targets: DMatrix<f64>,
@@ -112,9 +114,9 @@ impl PlanProblem {
     }
 }
 
-/// Returns a point for a posture; postures a full turn apart have the same point. The distance of two points is the
-/// root sum square of chords of the joint angle differences. The whole travel of a prismatic joint counts as half a
-/// turn.
+/// Returns a point for a posture; postures a full revolution apart have the same point. The distance between
+/// two points is the root sum square of chords of the joint angle differences. The whole travel of a
+/// prismatic joint counts as half a revolution.
 fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> {
     let mut place = SMatrix::zeros();
     for (i, link) in chain.links.iter().enumerate() {
@@ -130,7 +132,7 @@ fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> 
 
 /// Returns, for each unknown, the motion of the base that best fits the motions of the candidates.
 fn registered(slopes: &[Matrix3xX<f64>], unknowns: usize) -> DMatrix<f64> {
-    // Without this, candidates in a line would leave a rotation undetermined.
+    // Without this small term, candidates in a line would leave a rotation undetermined.
     let mut normal = DMatrix::identity(OF_BASE, OF_BASE) * (1e-9 * slopes.len() as f64);
     let mut right = DMatrix::zeros(OF_BASE, unknowns);
     for slopes in slopes {
@@ -138,7 +140,7 @@ fn registered(slopes: &[Matrix3xX<f64>], unknowns: usize) -> DMatrix<f64> {
         normal.gemm_tr(1.0, &base, &base, 1.0);
         right.gemm_tr(1.0, &base, &robot, 1.0);
     }
-    // The normal matrix is positive definite unless it is no number.
+    // The normal matrix is positive definite unless it contains NaN.
     normal.cholesky().map_or_else(|| DMatrix::zeros(OF_BASE, unknowns), |c| c.solve(&right))
 }
 

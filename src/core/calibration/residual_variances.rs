@@ -1,8 +1,8 @@
 //! Residual variances: random errors of every joint and of every position that the identified parameters do not
 //! explain.
 //!
-//! Gears and bearings add an error to each actuator coordinate that depends on the posture in a way that no
-//! parameter describes. The model of the remaining error of a measured position is
+//! Gears and bearings add an error to each actuator coordinate. This error depends on the posture in a way
+//! that no parameter describes. The model of the remaining error of a measured position is
 //!
 //! ```text
 //! r ~ N(0, sum_j v_j g_j g_j^T + (v_0 + u^2) I)
@@ -19,11 +19,11 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Largest number of variances.
 const MAX_VARIANCES: usize = MAX_JOINTS + 1;
-/// Standard deviation of a revolute joint that is expected without data, rad.
+/// Expected standard deviation of a revolute joint if there are no data, rad.
 const EXPECTED_ANGLE: f64 = 3e-4;
 /// Smallest standard deviation of a joint, rad or m.
 const FINEST_JOINT: f64 = 1e-7;
-/// Smallest standard deviation of a position, m; no tracker is more accurate.
+/// Smallest standard deviation of a position, m; no laser tracker is more accurate.
 const FINEST_POSITION: f64 = 1e-6;
 /// Largest factor by which one step may change a variance.
 const STEEPEST: f64 = 10.0;
@@ -32,9 +32,9 @@ const NEGLIGIBLE: f64 = 1e-3;
 
 /// Factors that enlarge the variances of the joints in the fit: without harmonics, then with harmonics.
 ///
-/// Errors of a joint depend on the posture, so nearby postures have nearly the same misfit. They carry less
-/// information than as many independent postures. Harmonics explain a part of the common misfit. The values are those
-/// of a real arm (results/measured).
+/// Errors of a joint depend on the posture, so nearby postures have nearly the same misfit. Nearby postures
+/// carry less information than as many independent postures. Harmonics explain a part of the common misfit.
+/// The values come from a real arm (results/measured).
 const CORRELATED: [f64; 2] = [4.0, 2.0];
 
 /// Variances of the errors that the identified parameters do not explain.
@@ -82,12 +82,13 @@ impl ResidualVariances {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);
         let mut gradient = DVector::from_fn(count, |i, _| scores.gradient[i]);
-        // The expectation counts as much as two joint errors; it decides where the data tell nothing.
+        // The expectation counts as much as two joint errors; it is decisive if the data contain no
+        // information.
         for (k, (v, expected)) in self.joints.iter().zip(&self.expected).enumerate() {
             information[(k, k)] += expected.powi(-2);
             gradient[k] += (expected - v) / expected.powi(2);
         }
-        // Units differ by many orders, so the system is scaled to a unit diagonal.
+        // Units differ by many orders of magnitude, so the system is scaled to a unit diagonal.
         let scale: Vec<f64> = (0..count).map(|i| information[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
         let scaled = DMatrix::from_fn(count, count, |i, j| information[(i, j)] / (scale[i] * scale[j]));
         let right = DVector::from_fn(count, |i, _| gradient[i] / scale[i]);
@@ -125,8 +126,8 @@ impl Scores {
 
     /// Adds one measured position.
     ///
-    /// `inverse` is the inverse of its covariance. `scatter` is the outer product `r r^T` of the remaining error,
-    /// plus the covariance of the fitted position.
+    /// `inverse` is the inverse of the covariance of the position. `scatter` is the outer product `r r^T` of
+    /// the remaining error, plus the covariance of the fitted position.
     pub fn add(&mut self, drives: &[Vector3<f64>], inverse: &Matrix3<f64>, scatter: &Matrix3<f64>) {
         let last = drives.len();
         for (k, g) in drives.iter().enumerate() {

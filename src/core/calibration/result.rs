@@ -23,7 +23,7 @@ const OUTLIER: f64 = 6.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedSession {
     pub frames: SessionFrames,
-    /// Distance of every measured position from the predicted one, m.
+    /// Distance of every measured position from the predicted position, m.
     pub distances: Vec<f64>,
     /// Rows whose distance the misfit does not explain, with the distance, m.
     pub outliers: Vec<(usize, f64)>,
@@ -38,15 +38,16 @@ pub struct Calibration {
     pub covariance: DMatrix<f64>,
     /// Every session after the fit.
     pub sessions: Vec<FittedSession>,
-    /// Number of identified directions: the data reduce the standard deviation in such a direction to less than half.
-    /// Directions are in the space of the unknowns without harmonics, each divided by its standard deviation before
-    /// the measurement.
+    /// Number of identified directions: the data reduce the standard deviation in such a direction to less
+    /// than half. The directions are in the space of the unknowns without harmonics, each unknown divided by
+    /// its standard deviation before the measurement.
     pub rank: usize,
     /// Directions that the data do not identify, as unit vectors in the same space as for [`Self::rank`].
     pub unidentified: Vec<Vec<f64>>,
     /// Root mean square of the residuals per axis, m.
     pub residual: f64,
-    /// Distances of measured positions from predictions of a fit without their block of the joint space, m.
+    /// Statistics of the distances between measured positions and predictions of a fit without their block of
+    /// the joint space, m. None means that no block can be left out.
     pub held_out: Option<Accuracy>,
     /// Variances of the errors that the parameters do not explain.
     pub misfit: ResidualVariances,
@@ -68,7 +69,7 @@ pub fn calibrate(
 ) -> Result<Calibration, String> {
     let equations: usize = sessions.iter().map(|s| 3 * s.measured.len()).sum();
     let of_sessions = sessions.iter().map(|s| SessionFrames::unknowns(&s.measured)).sum::<usize>();
-    // Harmonics are as many as the data determine.
+    // The data need not determine the harmonics, so harmonics do not count here.
     let parameters: Vec<usize> = (0..unknowns.len()).filter(|&k| !unknowns[k].is_harmonic()).collect();
     let count = parameters.len() + of_sessions;
     if equations < count {
@@ -116,8 +117,9 @@ fn range_of(sessions: &[MeasuringSession], joint: usize) -> (f64, f64) {
     all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(q), high.max(q)))
 }
 
-/// Returns the directions in which the data do not reduce the standard deviation to less than half. They are
-/// eigenvectors of the covariance of the parameters, divided by the standard deviations before the measurement.
+/// Returns the directions in which the data do not reduce the standard deviation to less than half. These
+/// directions are eigenvectors of the covariance of the parameters, divided by the standard deviations before
+/// the measurement.
 fn undetermined(covariance: &DMatrix<f64>, priors: &[f64], parameters: &[usize]) -> Vec<Vec<f64>> {
     let count = parameters.len();
     let scaled = DMatrix::from_fn(count, count, |i, j| {
@@ -154,7 +156,8 @@ impl Calibration {
         self.identified.iter().filter(is_own)
     }
 
-    /// Returns the variance of the periodic error of a joint before the measurement, averaged over a turn, rad^2.
+    /// Returns the variance of the periodic error of a joint before the measurement, averaged over a
+    /// revolution, rad^2.
     pub fn periodic_variance(&self, joint: usize) -> f64 {
         self.harmonics_of(joint).map(|i| i.prior.powi(2)).sum::<f64>() / 2.0
     }

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 pub struct SessionFrames {
     /// Pose of the robot base in the frame of the instrument.
     pub base: Pose,
-    /// Reflectors in the frame of the mechanical interface, m.
+    /// Positions of the reflectors in the frame of the mechanical interface, m.
     pub reflectors: Vec<Vector3<f64>>,
 }
 
@@ -18,7 +18,7 @@ impl SessionFrames {
     /// Number of unknowns of the base: translation and rotation.
     pub const OF_BASE: usize = 6;
 
-    /// Returns the number of unknowns of a session: those of the base, and three for each reflector.
+    /// Returns the number of unknowns of a session: six for the base, and three for each reflector.
     pub fn unknowns(measured: &[MeasuredPosition]) -> usize {
         Self::OF_BASE + 3 * reflectors(measured)
     }
@@ -28,17 +28,17 @@ impl SessionFrames {
         Self::OF_BASE + 3 * self.reflectors.len()
     }
 
-    /// Returns a reflector in the base frame, m, for a pose of the mechanical interface.
+    /// Returns the position of a reflector in the base frame, m, for a pose of the mechanical interface.
     pub fn reached(&self, interface: &Pose, reflector: usize) -> Vector3<f64> {
         interface.transform(&self.reflectors[reflector])
     }
 
-    /// Returns the measured position minus the predicted one, m, base frame.
+    /// Returns the measured position minus the predicted position, m, base frame.
     pub fn residual(&self, interface: &Pose, measured: &MeasuredPosition) -> Vector3<f64> {
         self.base.inverse().transform(&measured.position) - self.reached(interface, measured.reflector)
     }
 
-    /// Returns the motions of a reflector by the unknowns of the session, base frame.
+    /// Returns the motions of a reflector per unit of each unknown of the session, base frame.
     ///
     /// The unknowns are the translation of the base, its rotation about the axes of the base frame (rad), and
     /// the coordinates of every reflector.
@@ -75,7 +75,7 @@ const CONVERGED: f64 = 1e-10;
 /// Returns the frames of a session that fit the measured positions best, by least squares.
 ///
 /// The first estimate of the base is the rigid motion (Kabsch 1976) from the mechanical interface to the
-/// measured positions. Returns None if the positions do not determine it.
+/// measured positions. Returns None if the positions do not determine this motion.
 pub fn aligned(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<SessionFrames> {
     let pairs = poses.iter().zip(measured).map(|(pose, m)| (pose.interface.translation, m.position));
     let base = superposed(pairs)?;

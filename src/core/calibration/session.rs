@@ -14,7 +14,7 @@ pub struct MeasuredPosition {
     pub row: usize,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,
-    /// Number of the reflector among those of the session.
+    /// Index of the reflector in the session, counted from 0.
     pub reflector: usize,
     /// Position of the reflector in the frame of the instrument, m.
     pub position: Vector3<f64>,

@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use crate::robot::Chain;
 use nalgebra::Rotation3;
 
-/// Difference of two unit vectors along axes from which the axes count as different.
+/// Difference between the unit vectors of two axes above which the axes count as different.
 const OTHER_AXIS: f64 = 1e-9;
 
 /// Returns an error set without errors.
@@ -54,14 +54,14 @@ pub fn nominal_frames(chain: &Chain) -> Vec<Pose> {
     chain.links.iter().map(frame).collect()
 }
 
-/// Returns the errors of joint frames and tool that turn one chain into another one.
+/// Returns the errors of joint frames and tool that transform one chain into another one.
 ///
 /// Both chains are from URDF files: the frames of their joints are compared, each in the frame of the joint
 /// before it.
 ///
 /// # Errors
 ///
-/// Returns the number of the joint, counted from 0, whose axis has another direction in its frame.
+/// Returns the index of the first joint whose axis has different directions in the frames of the two chains.
 pub fn errors_between(nominal: &Chain, calibrated: &Chain) -> Result<SignedErrors, usize> {
     let mut errors = no_errors(nominal.axes());
     let [a, b] = [nominal, calibrated].map(frames_at_zero);
@@ -76,8 +76,8 @@ pub fn errors_between(nominal: &Chain, calibrated: &Chain) -> Result<SignedError
     Ok(errors)
 }
 
-/// Returns the change from frame k of `a` to frame k of `b`, in the axes of that frame. The frames before frame k are
-/// assumed to coincide.
+/// Returns the change from frame k of `a` to frame k of `b`, in the axes of frame k of `a`. The frames before
+/// frame k are assumed to coincide.
 fn change(a: &[Pose], b: &[Pose], k: usize) -> Pose {
     let own = |all: &[Pose]| match k {
         0 => all[0],

@@ -6,12 +6,12 @@ use crate::cell::MAX_JOINTS;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// Difference of a joint coordinate, as a share of the range of the joint, from which two postures count as
-/// different.
+/// Difference between two coordinates of a joint, as a share of the range of the joint, above which two
+/// postures count as different.
 const OTHER_POSTURE: f64 = 2e-3;
 
-/// Distance of two positions, as a share of the largest distance in the file, that exceeds the repeatability of any
-/// robot.
+/// Distance between two positions, as a share of the largest distance in the file, that exceeds the
+/// repeatability of any robot.
 const UNREPEATED: f64 = 5e-3;
 
 /// Range of a joint coordinate, rad or m, below which the joint does not move.
@@ -22,9 +22,9 @@ const STILL: f64 = 1e-3;
 pub struct SuspectRows {
     /// Rows that repeat joints and position of an earlier row, digit by digit.
     pub copies: Vec<usize>,
-    /// Rows that repeat the position of the row before, although the arm has moved.
+    /// Rows that repeat the position of the previous row, although the arm has moved.
     pub stuck_positions: Vec<usize>,
-    /// Rows that repeat the joints of the row before, although the reflector has moved.
+    /// Rows that repeat the joints of the previous row, although the reflector has moved.
     pub stuck_joints: Vec<usize>,
 }
 
@@ -67,14 +67,14 @@ impl SuspectRows {
     }
 }
 
-/// Returns the difference of the largest and the least value.
+/// Returns the difference between the largest and the least value.
 fn range(measured: &[MeasuredPosition], value: impl Fn(&MeasuredPosition) -> f64) -> f64 {
     let all = measured.iter().map(value);
     let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     most - least
 }
 
-/// Returns the joints, counted from 0, that have one coordinate in all rows.
+/// Returns the joints, counted from 0, that have the same coordinate in all rows.
 pub fn still_joints(axes: usize, measured: &[MeasuredPosition]) -> Vec<usize> {
     (0..axes).filter(|joint| range(measured, |m| m.joints[*joint]) < STILL).collect()
 }

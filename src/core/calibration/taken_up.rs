@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Vector3};
 
 /// Jacobians of one position: the motions that are random, and the motions of the frames that are fitted.
 ///
-/// Each has three rows (m, base frame) and one column for each motion.
+/// Each Jacobian has three rows (m, base frame) and one column for each motion.
 pub type PositionJacobians = (DMatrix<f64>, DMatrix<f64>);
 
 /// Returns the matrix with the given columns, m per unit of the motion.

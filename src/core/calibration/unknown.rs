@@ -12,12 +12,12 @@ pub enum Unknown {
     Row(Parameter),
     /// Deflection of joint `joint` by weight that link `link` carries.
     ///
-    /// The deflection is the value of the unknown (rad/m) times the horizontal lever of the link (m), see
-    /// [`crate::robot::lever`]. The value is the compliance of the joint (rad/(N m)) times the weight (N) at and
-    /// beyond the end of the link.
+    /// The deflection is the value of the unknown (rad/m) times the horizontal lever of the link (m; see
+    /// [`crate::robot::lever`]). The value is the compliance of the joint (rad/(N m)) times the weight (N) at
+    /// and beyond the end of the link.
     Elastic { joint: usize, link: usize },
-    /// Error of actuator `joint` that is periodic in its coordinate q: the value (rad) times `cos(order q)`, or
-    /// `sin(order q)` if `sine` is true.
+    /// Error of actuator `joint` that is periodic in the coordinate q of the actuator. The error is the value
+    /// (rad) times `cos(order q)`, or `sin(order q)` if `sine` is true.
     Harmonic { joint: usize, order: usize, sine: bool },
 }
 
@@ -42,11 +42,11 @@ impl Identified {
 /// Share of the largest lever below which a lever is ignored.
 const SHORT_LEVER: f64 = 1.0 / 6.0;
 
-/// Returns the unknowns of a chain; with the elastic terms if `elastic` is true.
+/// Returns the unknowns of a chain, with the elastic terms if `elastic` is true.
 ///
-/// A joint has an elastic term for each link that it carries and whose lever can turn it. The calibration also finds
-/// base and reflector of every session. They replace the errors dq and dr of the first row and all errors of the last
-/// row.
+/// A joint has an elastic term for each link that it carries and whose lever can rotate it. The calibration
+/// also finds base and reflector of every session. Base and reflector replace the errors dq and dr of the
+/// first row and all errors of the last row.
 pub fn unknowns(chain: &Chain, elastic: bool) -> Vec<Unknown> {
     let last = chain.axes() - 1;
     let is_free = |parameter: &Parameter| match *parameter {
@@ -63,7 +63,7 @@ pub fn unknowns(chain: &Chain, elastic: bool) -> Vec<Unknown> {
     }
 }
 
-/// Number of postures that decide which levers can turn a joint.
+/// Number of postures that decide which levers can rotate a joint.
 const POSTURES: usize = 200;
 
 fn elastic_terms(chain: &Chain) -> Vec<Unknown> {
@@ -91,8 +91,9 @@ impl Unknown {
 
     /// Returns the default standard deviation before the measurement, m, rad or rad/m.
     ///
-    /// The values are ours: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1 degrees for twists, and
-    /// 3 mrad/m for elastic terms. A coefficient of a harmonic has 0.15 mrad up to order 4, and 0.075 mrad above.
+    /// The values are assumptions of this library: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1
+    /// degrees for twists, and 3 mrad/m for elastic terms. The value for a coefficient of a harmonic is 0.15
+    /// mrad up to order 4, and 0.075 mrad above order 4.
     pub fn default_prior(self) -> f64 {
         match self {
             Self::Row(Parameter::Dr(_) | Parameter::Dl(_)) => m_from_mm(0.5),
@@ -104,14 +105,15 @@ impl Unknown {
     }
 }
 
-/// Largest order of the slow harmonics, which are larger because encoders and gears are eccentric or tilted.
+/// Largest order of the slow harmonics, whose coefficients are larger because encoders and gears are
+/// eccentric or tilted.
 const SLOW: usize = 4;
-/// Standard deviation of a coefficient of a fast harmonic that is expected without data, rad.
+/// Expected standard deviation of a coefficient of a fast harmonic if there are no data, rad.
 const EXPECTED_HARMONIC: f64 = 7.5e-5;
 
 /// Returns the standard deviation of one coefficient of this order before the measurement, rad.
 ///
-/// The values are those of a real arm (results/measured).
+/// The values come from a real arm (results/measured).
 pub(super) fn expected_harmonic(order: usize) -> f64 {
     if order <= SLOW { 2.0 * EXPECTED_HARMONIC } else { EXPECTED_HARMONIC }
 }

@@ -10,7 +10,7 @@ const BLOCKS: usize = 8;
 
 /// Returns the residuals of positions whose block of the joint space was left out of the fit.
 ///
-/// Blocks without which the sessions cannot be fitted are left out.
+/// Blocks without which the sessions cannot be fitted are skipped.
 pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Residual> {
     let blocks: Vec<Vec<usize>> = sessions.iter().map(|s| blocks(&s.measured)).collect();
     let all = NormalEquations::of_positions(&fit.state, sessions, 1.0);
@@ -40,7 +40,7 @@ pub(super) fn held_out(fit: &Fit<'_>, sessions: &[MeasuringSession]) -> Vec<Resi
     residuals
 }
 
-/// Returns the number of the block of every position. The blocks have about equal numbers of positions; each
+/// Returns the index of the block of every position. The blocks have about equal numbers of positions; each
 /// cut is at the median of the joint coordinate with the greatest variance.
 ///
 /// Positions of different reflectors at one posture are in one block.

@@ -9,14 +9,15 @@ use crate::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg, rounded};
 
 /// Assumed clearance, mm.
 const CLEARANCE_MM: f64 = 10.0;
-/// Assumed distance from the limits of revolute joints, rad.
+/// Assumed distance from the limits of revolute joints, degrees.
 const TURN_MARGIN_DEG: f64 = 2.0;
 /// Assumed distance from the limits of prismatic joints, mm.
 const SLIDE_MARGIN_MM: f64 = 2.0;
 /// Assumed least singular value of the scaled Jacobian.
 ///
-/// At this value, a displacement of the TCP by 0.1 % of the reach of the arm turns its joints by up to 0.05 rad, or
-/// 2.9 degrees. Below it, an operation is no longer a precision operation: small corrections become large motions.
+/// At this value, the joints move by up to 0.05 rad (2.9 degrees) if the TCP is displaced by 0.1 % of the
+/// reach. Below this value, an operation is no longer a precision operation: small corrections become large
+/// motions.
 const SINGULARITY: f64 = 0.02;
 /// Assumed placement tolerance of every body that the search places: x, y and z, mm.
 const PLACE_MM: f64 = 2.0;

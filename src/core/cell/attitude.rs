@@ -95,7 +95,7 @@ fn free_step(k: usize) -> f64 {
 /// Returns the rotation matrix of a tool with these angles, rad. The azimuth is measured from the x axis of
 /// the frame in which the matrix is expressed.
 ///
-/// The columns are r, d x r and d: r is the reference axis, d the tool axis.
+/// The columns are r, d x r and d: r is the reference axis, and d is the tool axis.
 pub fn held(elevation: f64, azimuth: f64, spin: f64) -> Matrix3<f64> {
     let (sin, cos) = exact_sin_cos(elevation);
     let (h_y, h_x) = exact_sin_cos(azimuth);

@@ -95,7 +95,8 @@ impl Cell {
         cell
     }
 
-    /// Returns this cell with fixed coordinates made free again: each gets its range in the cell `wide`.
+    /// Returns this cell with fixed coordinates made free again: each coordinate gets its range in the cell
+    /// `wide`.
     ///
     /// Another search can thus start from a result, whose coordinates are fixed.
     ///

@@ -226,9 +226,9 @@ impl Solver {
 pub struct SearchSettings {
     pub solver: Solver,
     pub objective: Objective,
-    /// Relative difference up to which the lexicographic objective takes two values as equally good.
+    /// Relative difference up to which the lexicographic objective treats two values as equally good.
     pub indifference: f64,
-    /// Coordinates that a search finds are multiples of the resolution.
+    /// Resolution of the layout: the coordinates that a search finds are multiples of it.
     pub resolution: Resolution,
     /// Largest number of layout evaluations.
     pub budget: u64,
@@ -261,7 +261,7 @@ pub struct Assumption {
 
 /// Resolution of the coordinates that a search finds.
 ///
-/// It is in mm and degrees, because the coordinates are multiples in the units of files.
+/// The resolution is in mm and degrees, because the coordinates in files are multiples of it in these units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resolution {
     pub mm: f64,
@@ -269,7 +269,7 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Resolution that a fitter can set.
+    /// Resolution with which a fitter can place equipment.
     pub const BUILDABLE: Self = Self { mm: 1.0, deg: 0.1 };
     /// Resolution of an ideal layout, so fine that a layout file states the evaluated coordinates exactly.
     pub const IDEAL: Self = Self { mm: 1e-3, deg: 1e-4 };
@@ -279,7 +279,7 @@ impl SearchSettings {
     /// Allowed budgets, in layout evaluations.
     pub const BUDGETS: std::ops::RangeInclusive<u64> = 1..=1_000_000_000;
 
-    /// Search settings of a cell file that states none.
+    /// Search settings of a cell file that states no settings.
     pub const DEFAULT: Self = Self {
         solver: Solver::CmaEs,
         objective: Objective::WeightedSum,

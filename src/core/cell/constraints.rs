@@ -34,7 +34,7 @@ impl Margins {
     }
 }
 
-/// Rules for the transfers between operations, which must be free of collision.
+/// Rules for the collision-free transfers between operations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferRules {
     /// Height by which the TCP may be lifted before and after a move, m; 0 means no lift.

@@ -8,7 +8,7 @@ pub const PER_LINK: usize = 5;
 
 /// Number of components of a frame error: x, y, z (m), then rx, ry, rz (rad).
 ///
-/// The erroneous frame is the nominal one times `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`.
+/// The erroneous frame is the nominal frame times `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`.
 pub const PER_FRAME: usize = 6;
 
 /// Parameter that can have an error.
@@ -17,7 +17,8 @@ pub const PER_FRAME: usize = 6;
 /// rz.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
-    /// Actuator coordinate. The joint coupling passes its error on to the Denavit-Hartenberg coordinates.
+    /// Actuator coordinate of a joint. The joint coupling passes an error of this coordinate on to the
+    /// Denavit-Hartenberg coordinates.
     Dq(usize),
     /// Axial offset r of a link.
     Dr(usize),
@@ -45,8 +46,8 @@ pub enum Parameter {
     /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the joint
     /// carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
-    /// Index of a revolute joint: factor of its periodic error ([`SignedErrors::periodic`]), without unit; 1 for the
-    /// whole error.
+    /// Index of a revolute joint: dimensionless factor of its periodic error ([`SignedErrors::periodic`]); 1
+    /// for the whole error.
     Periodic(usize),
     /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
     /// frame.
@@ -76,7 +77,8 @@ impl Parameter {
         terms.chain((0..axes).map(Self::Compliance)).chain((0..axes).map(Self::Periodic))
     }
 
-    /// Returns the name of the parameter in files: `dl2`, `base rx`, `joint3 rx`, `elastic 2 3`.
+    /// Returns the name of the parameter in files, for example `dl2`, `base rx`, `joint3 rx` or `elastic 2
+    /// 3`.
     ///
     /// For a parameter of equipment, this is the name of the component alone.
     pub fn name(self) -> String {
@@ -154,11 +156,11 @@ pub struct SignedErrors {
     pub joints: Vec<[f64; PER_FRAME]>,
     /// Values of [`Parameter::elastic`], rad/m or rad/(N m). Values beyond the end of the list are 0.
     pub elastic: Vec<f64>,
-    /// Periodic errors of joints; their shares are values of [`Parameter::Periodic`].
+    /// Periodic errors of joints; the values of [`Parameter::Periodic`] are their factors.
     pub periodic: Vec<PeriodicError>,
 }
 
-/// Error of the coordinate q of a revolute joint that repeats with every turn.
+/// Error of the coordinate q of a revolute joint; the error repeats with every revolution.
 ///
 /// The error is the sum of `cos[k] cos((k + 1) q) + sin[k] sin((k + 1) q)`.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,7 +169,7 @@ pub struct PeriodicError {
     pub joint: usize,
     /// Coefficients of the cosines, rad.
     pub cos: Vec<f64>,
-    /// Coefficients of the sines, rad; as many as those of the cosines.
+    /// Coefficients of the sines, rad; as many as coefficients of the cosines.
     pub sin: Vec<f64>,
 }
 
@@ -184,7 +186,7 @@ impl SignedErrors {
         Self { name, dq, dr, dl, dalpha, dbeta, base, tool, joints, elastic, periodic }
     }
 
-    /// Returns this sample with periodic errors, whose shares become 1.
+    /// Returns this sample with periodic errors, whose factors become 1.
     pub fn with_periodic(mut self, periodic: Vec<PeriodicError>) -> Self {
         let axes = self.dq.len();
         self.elastic.resize(Parameter::elastic(axes).count(), 0.0);
@@ -301,7 +303,8 @@ pub struct Tolerance {
     /// the spread follows from the diagonal of that matrix.
     pub spreads: Vec<Spread>,
     pub covariance: Option<Covariance>,
-    /// Cost models of all parameters in the order of `spreads`; empty if every parameter has the default.
+    /// Cost models of all parameters in the order of `spreads`; empty if every parameter has the default
+    /// model.
     pub costs: Vec<ToleranceCost>,
 }
 

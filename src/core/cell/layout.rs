@@ -12,7 +12,7 @@ pub enum Slot {
     Base(usize),
     /// Index of the equipment, then its coordinate: 0 to 3 stand for x, y, z and yaw.
     ///
-    /// The coordinate is in the world frame, or in the frame of the equipment that carries this one.
+    /// The coordinate is in the world frame, or in the frame of the equipment that carries this equipment.
     Equipment(usize, usize),
     /// Index of the operation, then the angle of its attitude: 0 to 2 stand for elevation, azimuth and spin.
     Attitude(usize, usize),
@@ -106,8 +106,8 @@ impl Cell {
 
     /// Returns the placement of a piece of equipment in the frame that the cell file uses.
     ///
-    /// That is the frame of the equipment that carries it, or the world frame. If the layout does not place
-    /// the piece, the result is its placement as drawn.
+    /// This is the frame of the equipment that carries the piece, or the world frame. If the layout does not
+    /// place the piece, the result is its placement as drawn.
     pub fn own_placement(&self, layout: &Layout, equipment: usize) -> Placement {
         let placed = |k: usize| layout.placements.get(k).copied();
         let drawn =

@@ -13,7 +13,7 @@ pub const MAX_COORDINATE: f64 = 1e6;
 /// Reason why a layout does not belong to a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Misfit {
-    /// The layout places `given` pieces of equipment, but the cell has `needed`.
+    /// The layout places `given` pieces of equipment, but the cell has `needed` pieces.
     Placements { given: usize, needed: usize },
     /// The layout has `given` attitudes, but the cell has `needed` operations.
     Attitudes { given: usize, needed: usize },
@@ -22,7 +22,7 @@ pub enum Misfit {
     Coordinate(Slot),
     /// The attitude of the operation with this index does not fit the cell, for one of two reasons:
     ///
-    /// - a fixed angle or the tolerance differs from that of the operation in the cell;
+    /// - a fixed angle or the tolerance differs from the value of the operation in the cell;
     /// - an angle that a search may change does not have exactly one value.
     Attitude(usize),
 }

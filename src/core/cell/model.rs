@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 
 /// Placement of the robot base or of equipment, m and rad.
 ///
-/// It is given in the world frame, or in the frame of the equipment that carries the placed equipment.
+/// The placement is given in the world frame, or in the frame of the equipment that carries the placed
+/// equipment.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     pub x: f64,
@@ -90,17 +91,18 @@ pub struct Equipment {
     pub role: Role,
     /// Work surface: horizontal rectangle at z = 0 of the equipment's frame; None without a surface.
     pub surface: Option<Rectangle>,
-    /// Floor space, which contains all solids of the equipment in plan.
+    /// Floor space, which contains all solids of the equipment in plan view.
     pub footprint: Rectangle,
     pub solids: Vec<Solid>,
-    /// Index of the equipment on which this one stands and with which it moves; None if it stands on no other
-    /// equipment.
+    /// Index of the equipment on which this equipment stands and with which it moves; None if it stands on no
+    /// other equipment.
     pub on: Option<usize>,
-    /// Coordinates x, y, z, yaw in the world frame, or in the frame of the equipment that carries this one.
+    /// Coordinates x, y, z, yaw in the world frame, or in the frame of the equipment that carries this
+    /// equipment.
     pub placement: [Coordinate; 4],
     /// Errors of the placement or fixture, in the equipment's frame (m, rad).
     pub errors: Option<FrameErrors>,
-    /// Cost models of the six components of `errors`; empty if every component has the default.
+    /// Cost models of the six components of `errors`; empty if every component has the default model.
     pub error_costs: Vec<ToleranceCost>,
     /// Tolerance of the placement.
     pub tolerance: PlacementTolerance,
@@ -224,7 +226,7 @@ impl Operation {
     }
 }
 
-/// Workcell: robot, equipment, obstacles and operations, with what a search may change.
+/// Workcell: robot, equipment, obstacles and operations, and what a search may change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     pub name: String,
@@ -252,7 +254,7 @@ pub struct Cell {
     pub senses: Vec<Sense>,
     /// Whether collisions of the robot and overlaps of equipment are checked.
     pub collision: bool,
-    /// Least allowed distance between solids, m; even with 0, contact counts as collision.
+    /// Least allowed distance between solids, m; contact counts as collision even if the clearance is 0.
     pub clearance: f64,
     /// Height of the floor in the world, m.
     pub floor: f64,
@@ -272,10 +274,11 @@ impl Cell {
         &self.robot.errors[self.errors]
     }
 
-    /// Returns whether the errors of a signed sample compensate each other, which holds if one of them exceeds the
-    /// reach of the arm.
+    /// Returns whether the errors of a signed sample compensate each other. This holds if an error of a
+    /// length exceeds the reach of the arm.
     ///
-    /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are not tolerances.
+    /// Some factory calibrations have Denavit-Hartenberg rows of kilometres. The magnitudes of such errors
+    /// are not tolerances.
     pub fn errors_compensate(&self) -> bool {
         let ErrorSet::Signed(sample) = self.error_set() else { return false };
         sample.dr.iter().chain(&sample.dl).any(|length| length.abs() > self.robot.reach())

@@ -27,7 +27,7 @@ impl Cell {
 }
 
 impl Rectangle {
-    /// Returns the least rectangle that contains this one and another.
+    /// Returns the least rectangle that contains this rectangle and another.
     pub fn joined(&self, other: &Self) -> Self {
         let ends = |centre: f64, size: f64| (centre - size / 2.0, centre + size / 2.0);
         let join = |a: (f64, f64), b: (f64, f64)| {

@@ -52,7 +52,8 @@ impl Interpretation {
 
     /// Returns the limit of an operation under this interpretation.
     ///
-    /// It is None if the operation has no limit, or if the sense of this interpretation has another unit.
+    /// The result is None if the operation has no limit, or if the sense of this interpretation has another
+    /// unit.
     fn limit_of(&self, operation: &Operation) -> Option<f64> {
         operation.limit.filter(|_| operation.sense.unit == self.sense_of(operation).unit)
     }
@@ -149,7 +150,7 @@ impl Cell {
             let unlimited = |o: &Operation| interpretation.limit_of(o).is_none();
             for (k, operation) in self.operations.iter().enumerate().filter(|(_, o)| unlimited(o)) {
                 let message = format!(
-                    "`{}` has no limit, which the yield needs: it is the share of errors within the limit",
+                    "`{}` has no limit, which the yield needs: the yield is the share of errors within the limit",
                     operation.name
                 );
                 let word = interpretation.sense_of(operation).unit.word();
@@ -166,7 +167,11 @@ impl Cell {
         for (k, other) in self.operations.iter().enumerate().filter(|(_, o)| unit(o) != unit(first)) {
             let [a, b] = [first, other].map(|o| format!("`{}` is measured in {}", o.name, unit(o).word()));
             let help = "choose senses of one unit, or the statistical reading and the quantity yield";
-            faults.push(fault(About::Sense(k), format!("{b}, {a}: they cannot be added"), help));
+            faults.push(fault(
+                About::Sense(k),
+                format!("{b}, but {a}: values of different units cannot be added"),
+                help,
+            ));
         }
         faults
     }
@@ -193,7 +198,7 @@ impl Cell {
         for (k, operation) in self.operations.iter().enumerate() {
             if interpretation.limit_of(operation).is_none() {
                 let word = interpretation.sense_of(operation).unit.word();
-                let message = format!("`{}` has no limit, which the tolerances must keep", operation.name);
+                let message = format!("`{}` has no limit that the tolerances must keep", operation.name);
                 refuse(About::Operation(k), message, &format!("add limit_{word}, the largest allowed error"));
             }
             if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {
@@ -210,7 +215,7 @@ impl Cell {
         faults
     }
 
-    /// Returns why the search cannot minimize the cycle time; None if it can, or does not.
+    /// Returns why the search cannot minimize the cycle time; None if it can, or if the time is not a goal.
     fn time_fault(&self) -> Option<QuestionFault> {
         let missing = self.robot.joints_without_speed();
         if missing.is_empty() || !self.search.pareto.iter().any(|goal| goal == Goal::Time) {
@@ -223,7 +228,7 @@ impl Cell {
         Some(QuestionFault { about: About::Goals, message, help: self.speed_remedy().unwrap_or_default() })
     }
 
-    /// Returns how to state the speeds that cycle times need; None if none is missing.
+    /// Returns how to state the speeds that cycle times need; None if no speed is missing.
     pub fn speed_remedy(&self) -> Option<String> {
         let first = *self.robot.joints_without_speed().first()?;
         let key = match self.robot.joints[first].kind {

@@ -1,6 +1,7 @@
 //! Limits of the speed and the acceleration of joints.
 
-/// Greatest speed and acceleration of the actuator of a joint; None for what the robot file does not state.
+/// Greatest speed and acceleration of the actuator of a joint; a limit is None if the robot file does not
+/// state it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RateLimits {
     /// Greatest speed, rad/s or m/s.
@@ -10,7 +11,7 @@ pub struct RateLimits {
 }
 
 impl RateLimits {
-    /// Returns these limits, with those of `other` for what these do not state.
+    /// Returns these limits; a limit that is None is taken from `other`.
     pub fn or(self, other: Self) -> Self {
         Self {
             velocity: self.velocity.or(other.velocity),

@@ -61,9 +61,9 @@ pub struct Joint {
     pub theta: f64,
     /// Axial offset r at joint coordinate 0, m; a prismatic joint adds its coordinate.
     pub r: f64,
-    /// Common normal l: distance of this joint axis from the next one, m.
+    /// Common normal l: distance of this joint axis from the next joint axis, m.
     pub l: f64,
-    /// Twist alpha: angle from this joint axis to the next one, rad.
+    /// Twist alpha: angle from this joint axis to the next joint axis, rad.
     pub alpha: f64,
     /// Lower and upper limit of the actuator coordinate, rad or m.
     ///
@@ -152,7 +152,8 @@ pub struct Robot {
     /// Masses of the links and of the tool; a robot without masses has no torques by gravity.
     pub masses: Vec<LinkMass>,
     pub self_collision: SelfCollision,
-    /// Time from rest to full speed of the joints whose acceleration is unknown, s; None if the file states none.
+    /// Time from rest to full speed of the joints whose acceleration is unknown, s; None if the file states
+    /// no such time.
     pub full_speed_after: Option<f64>,
     /// Floor space of the robot base, in the base frame.
     pub footprint: Rectangle,
@@ -206,7 +207,7 @@ impl Robot {
     pub fn reach(&self) -> f64 {
         let upright = self.mount.rotation.m33.abs() > 1.0 - 1e-12;
         let links = self.joints.iter().enumerate().map(|(i, joint)| {
-            // The first offset and its travel lie along the base axis, unless the first axis leans.
+            // The first offset and its travel lie along the base axis, unless the first axis is inclined.
             let axial = if i == 0 && upright { 0.0 } else { joint.r.abs() + self.travel(i) };
             joint.l.hypot(axial)
         });

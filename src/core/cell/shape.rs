@@ -36,7 +36,7 @@ pub enum Shape {
         size: (f64, f64),
         top: f64,
     },
-    /// Triangle mesh with its vertices in the frame `pose`; `closed` tells whether it bounds a solid.
+    /// Triangle mesh with its vertices in the frame `pose`; `closed` states whether the mesh bounds a solid.
     Mesh {
         pose: Pose,
         vertices: Vec<Vector3<f64>>,
@@ -78,7 +78,7 @@ pub struct Rectangle {
     pub size: (f64, f64),
 }
 
-/// Axis-aligned box: the corner of least x, y and z, then the corner of greatest x, y and z.
+/// Axis-aligned box: the corner of least x, y and z, then the corner of greatest x, y and z, m.
 pub type Extent = (Vector3<f64>, Vector3<f64>);
 
 /// Returns the axis-aligned bounding box of a shape in the frame of its carrier, m.

@@ -5,7 +5,7 @@
 pub struct TitleBlock {
     /// Legal owner of the drawing.
     pub owner: Option<String>,
-    /// Title of the drawing; the name of the cell stands in for a missing title.
+    /// Title of the drawing; the name of the cell replaces a missing title.
     pub title: Option<String>,
     pub number: Option<String>,
     pub revision: Option<String>,

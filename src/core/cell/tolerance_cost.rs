@@ -51,7 +51,7 @@ impl ToleranceCost {
 
     /// Returns the cost model of discrete grades; None if there is no grade.
     ///
-    /// Grades that cost at least as much as a tighter one are left out, because nobody would order them.
+    /// Grades that cost at least as much as a tighter grade are left out, because nobody would order them.
     pub fn of_grades(mut grades: Vec<ToleranceGrade>) -> Option<Self> {
         grades.sort_by(|a, b| a.scale.total_cmp(&b.scale).then(a.cost.total_cmp(&b.cost)));
         let mut kept: Vec<ToleranceGrade> = Vec::new();
@@ -64,8 +64,8 @@ impl ToleranceCost {
         Some(Self { law: CostLaw::Grades(kept), range })
     }
 
-    /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade that is not looser than
-    /// `u`, or of the tightest grade if all are looser.
+    /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade that is not
+    /// looser than `u`. If all grades are looser, it is the cost of the tightest grade.
     pub fn cost(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Reciprocal { at, power: 1.0 } => at / u,

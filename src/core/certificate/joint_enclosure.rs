@@ -1,4 +1,5 @@
-//! Joint enclosure: all joint coordinates with which the arm follows a target through its box, in one branch.
+//! Joint enclosure: all joint coordinates with which the arm follows a target through the target box, in one
+//! branch.
 
 use super::posed_chain::{PosedChain, Rows, times};
 use super::target_box::{BoxAxis, TargetBox};
@@ -8,13 +9,13 @@ use crate::robot::{Chain, Frames};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Joint coordinates with which the arm follows a target through its box.
+/// Bounds of the joint coordinates with which the arm follows a target through the target box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointEnclosure {
     /// Half widths of the D-H coordinates about the nominal posture, rad or m; 0 for joints that do not move.
     pub half: JointVector,
-    /// First derivative of the D-H coordinates with respect to each [`BoxAxis`] of the target box, times the half
-    /// width of the target box along this axis, rad or m.
+    /// First-order change of the D-H coordinates over half the width of the target box along each
+    /// [`BoxAxis`], rad or m.
     pub first: [JointVector; BoxAxis::COUNT],
     /// Upper bounds of the deviation of the D-H coordinates from their linear expansion, rad or m.
     pub bend: JointVector,
@@ -22,17 +23,17 @@ pub struct JointEnclosure {
     pub tool_turn: f64,
 }
 
-/// Reason why a posture has no joint box.
+/// Reason why a posture has no joint enclosure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NoEnclosure {
-    /// The posture is too near to a singular one for a target box of this size.
+    /// The posture is too near to a singular posture for a target box of this size.
     NearlySingular,
     /// A joint may exceed its limit by up to `by` (rad or m).
     JointLimit { joint: usize, by: f64 },
 }
 
 impl JointEnclosure {
-    /// Box of joints that do not move.
+    /// Enclosure of joints that do not move.
     pub const NONE: Self = Self {
         half: [0.0; MAX_JOINTS],
         first: [[0.0; MAX_JOINTS]; BoxAxis::COUNT],
@@ -40,13 +41,14 @@ impl JointEnclosure {
         tool_turn: 0.0,
     };
 
-    /// Returns the joint box of a posture with the actuator coordinates `joints` and the frames `frames`.
+    /// Returns the joint enclosure of a posture with the actuator coordinates `joints` and the frames
+    /// `frames`.
     ///
     /// The result holds for every nominal posture whose D-H coordinates are within `beyond` (rad or m) of the
-    /// given one; `beyond` is 0 for a single posture.
+    /// given posture. For a single posture, `beyond` is 0.
     ///
     /// # Errors
-    /// Returns the reason if there is no joint box, or if it exceeds the joint limits.
+    /// Returns the reason if there is no joint enclosure, or if it exceeds the joint limits.
     pub fn new(
         chain: &Chain,
         task: &ToolTask,
@@ -67,13 +69,13 @@ impl JointEnclosure {
                 return Err(NoEnclosure::NearlySingular);
             }
         }
-        // The linear part alone refuses most postures next to a limit.
+        // The linear part alone suffices to refuse most postures near a limit.
         let linear = Self::of_coordinates(&posed, &first, &[0.0; MAX_ROWS], target);
         linear.check_limits(chain, joints)?;
         let mut around = [0.0; MAX_ROWS];
         let mut sum = 0.0;
         for (around, &joint) in around.iter_mut().zip(&task.active[..n]) {
-            // A sum of angles changes by at most the sum of their changes.
+            // A sum of angles changes by at most the sum of the changes of the angles.
             sum += beyond[joint];
             *around = sum;
         }
@@ -90,7 +92,7 @@ impl JointEnclosure {
             let moved = actuators(chain, theta);
             half.iter_mut().zip(moved).for_each(|(half, by)| *half += by.abs());
         }
-        // The signs of the deviations are not known, so all of them add up.
+        // The signs of the deviations are not known, so the absolute values add up.
         let mut bend = self.bend;
         for i in 0..chain.axes() {
             bend[i] += (0..i).map(|j| chain.coupling[i][j].abs() * bend[j]).sum::<f64>();
@@ -99,8 +101,8 @@ impl JointEnclosure {
         half
     }
 
-    /// Checks that all joints keep their limits; `joints` are the nominal actuator coordinates. A joint that can turn
-    /// all the way round has no limit, and a passive joint is not checked.
+    /// Checks that all joints keep their limits; `joints` are the nominal actuator coordinates. A joint that
+    /// can rotate by a full revolution has no limit, and a passive joint is not checked.
     fn check_limits(&self, chain: &Chain, joints: &JointVector) -> Result<(), NoEnclosure> {
         let half = self.actuators(chain);
         for (joint, link) in chain.links.iter().enumerate() {
@@ -114,10 +116,10 @@ impl JointEnclosure {
         Ok(())
     }
 
-    /// Returns an upper bound of the change of the geometric Jacobian in the box: the Frobenius norm of the change,
-    /// with lengths divided by `reach` (m).
+    /// Returns an upper bound of the change of the geometric Jacobian in the enclosure. The change is
+    /// measured by its Frobenius norm, with lengths divided by `reach` (m).
     ///
-    /// The columns are those of the actuators.
+    /// The columns of the Jacobian belong to the actuators.
     pub fn jacobian_change(&self, chain: &Chain, task: &ToolTask, frames: &Frames, reach: f64) -> f64 {
         let posed = PosedChain::new(chain, task, frames);
         let total: f64 = self.half.iter().sum();
@@ -150,8 +152,8 @@ impl JointEnclosure {
 
     /// Returns an upper bound of the displacement of the points in a ball that moves with a frame, m.
     ///
-    /// The ball has its centre at `centre` (base frame, m), and the joints from `first` to before `frame` move
-    /// it. The frames are those of the nominal posture.
+    /// The ball has its centre at `centre` (base frame, m), and the joints from `first` to before `frame`
+    /// move it. `frames` are the frames of the nominal posture.
     pub fn displacement(
         &self,
         chain: &Chain,
@@ -194,8 +196,8 @@ impl JointEnclosure {
         let bend = theta(bend, f64::abs);
         let half: JointVector =
             std::array::from_fn(|j| first.iter().map(|steps| steps[j].abs()).sum::<f64>() + bend[j]);
-        // A tool whose orientation is not controlled as a whole can only rotate about the vertical with the
-        // first joint, or, with a numeric solver, with every joint.
+        // If the orientation of the tool is not controlled as a whole, the tool can only rotate about the
+        // vertical with the first joint. With a numeric solver, the tool can rotate with every joint.
         let tool_turn = match (posed.task.keeps_orientation, posed.task.rotation[0].0) {
             (true, _) if posed.task.radial => target.heading + target.yaw,
             (true, _) => 0.0,

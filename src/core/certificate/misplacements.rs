@@ -45,8 +45,8 @@ impl Misplacements {
         self.floor = z;
     }
 
-    /// Returns the bound of a piece of equipment or, with the index after all equipment, of the fence; None
-    /// stands for the floor.
+    /// Returns the bound of a piece of equipment, m. The index after all equipment stands for the fence, and
+    /// None for the floor.
     pub fn of(&self, equipment: Option<usize>) -> f64 {
         equipment.map_or(self.floor, |k| self.equipment[k])
     }

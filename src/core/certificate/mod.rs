@@ -1,16 +1,16 @@
 //! Certificate: proof that an operation works at every misplacement inside the placement tolerances.
 //!
 //! A misplaced robot base or piece of equipment displaces the TCP target as seen from the base
-//! ([`TargetBox`]). The arm follows the target in the same branch ([`JointEnclosure`]). For all joint coordinates in
-//! this box, the certificate shows that
+//! ([`TargetBox`]). The arm follows the target in the same branch ([`JointEnclosure`]). For all joint
+//! coordinates in this enclosure, the certificate shows that
 //!
 //! - the target stays within reach, and the joints keep their limits and margins;
 //! - the posture keeps its distance from singular postures;
 //! - every solid keeps its clearance: no solid moves farther than its distance allows ([`Misplacements`]);
-//! - the value of the operation is at most a certain bound ([`ValueBound`]).
+//! - the value of the operation is at most a known bound ([`ValueBound`]).
 //!
-//! All steps are bounds that cover the whole box, not samples. If a bound is too wide, the certificate is
-//! refused, although the posture may be usable.
+//! All steps use bounds that cover the whole target box, not samples. If a bound is too wide, the certificate
+//! is refused, although the posture may be usable.
 //!
 //! | file | content |
 //! |---|---|
@@ -40,15 +40,16 @@ use crate::units::{deg_from_rad, mm_from_m};
 /// Reason why an operation is not certified at its spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotCertified {
-    /// No square system describes how the arm follows the target, so no bound of its joints is known.
+    /// No square system describes how the arm follows the target, so no bound of the joint coordinates is
+    /// known.
     NoTask,
-    /// The posture is too near to a singular one for a target box of this size.
+    /// The posture is too near to a singular posture for a target box of this size.
     NearlySingular,
     /// A joint may exceed its limit, margin included, by up to `by` (rad or m).
     JointLimit { joint: usize, by: f64 },
     /// The distance from singular postures may fall to `measure`, which is below the margin.
     Singular { measure: f64 },
-    /// Two solids may come nearer than the clearance.
+    /// Two solids may come nearer to each other than the clearance.
     Clearance(Hit),
     /// The straight approach or retract, or the move from the operation to the next one, may be blocked.
     Path(Hindrance),

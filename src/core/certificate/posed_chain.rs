@@ -1,17 +1,18 @@
-//! Chain at its nominal posture, and the test that it follows a target through its box in one branch.
+//! Chain at its nominal posture, and the test that the arm follows a target through the target box in one
+//! branch.
 //!
-//! Let J be the Jacobian of the tool task at the nominal posture, and `J + D` the one at another posture. Along a
-//! straight path of the target at the velocity v, the joint rates are `q' = (J + D)^-1 v`. To first order they are
-//! `a = J^-1 v`, and their deviation `e'` from this is
+//! Let J be the Jacobian of the tool task at the nominal posture, and `J + D` the Jacobian at another
+//! posture. Along a straight path of the target at the velocity v, the joint rates are `q' = (J + D)^-1 v`.
+//! To first order, the rates are `a = J^-1 v`. Their deviation `e'` from `a` is
 //!
 //! ```text
 //! e' = -J^-1 D (a + e').
 //! ```
 //!
-//! Assume that every component of the deviation is at most r. This assumption bounds D, and therefore the right side.
-//! If this bound is at most r, the path exists and keeps the assumption. This is Krawczyk's test (R. Krawczyk,
-//! "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken", Computing 4, 1969) for a path. J + D is
-//! regular along it, so the arm stays in its branch.
+//! Assume that every component of the deviation is at most r. This assumption bounds D, and therefore the
+//! right side. If the bound of the right side is at most r, the path exists and keeps the assumption. This is
+//! Krawczyk's test (R. Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken",
+//! Computing 4, 1969) for a path. J + D is regular along the path, so the arm stays in its branch.
 //!
 //! D is bounded by its first derivatives at the nominal posture and by a bound of its second derivatives. Every
 //! derivative of a column is a product of unit axes and one lever arm.
@@ -24,9 +25,10 @@ use nalgebra::{Matrix6, Vector3};
 
 /// Factor by which the half widths grow from one trial to the next.
 const GROWTH: f64 = 1.02;
-/// Least half width that is tried, rad or m. It keeps rounding errors inside the box.
+/// Least half width that is tried, rad or m. This value keeps rounding errors inside the enclosure.
 const LEAST_HALF: f64 = 1e-9;
-/// Sine of the angle below which axes count as parallel: far above rounding, far below any tolerance.
+/// Sine of the angle below which axes count as parallel: far above rounding errors, and far below any
+/// tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
 /// Largest number of trials to find half widths that pass the test.
 const TRIALS: usize = 20;
@@ -37,7 +39,7 @@ pub type Rows = [f64; MAX_ROWS];
 /// Square matrix: a list of rows or of columns, as its use states.
 pub type Square = [Rows; MAX_ROWS];
 
-/// Chain at its nominal posture, as the joint box needs it.
+/// Chain at its nominal posture, prepared for a joint enclosure.
 ///
 /// The coordinates y are displacements of the active joints. For successive revolute joints with parallel axes,
 /// they are sums of the angles from the first of these joints on. Such a sum rotates one link and shifts the
@@ -50,7 +52,8 @@ pub struct PosedChain<'a> {
     pub moved: [Vector3<f64>; MAX_JOINTS],
     /// Matrix S of `theta = S y`, where theta are the displacements of the active joints.
     pub to_theta: Square,
-    /// Rigid pieces of the arm: piece k leads from active joint k to the next one, and the last to the TCP.
+    /// Rigid pieces of the arm: piece k leads from active joint k to the next active joint, and the last
+    /// piece leads to the TCP.
     pub pieces: [Piece; MAX_ROWS],
 }
 
@@ -159,7 +162,7 @@ impl<'a> PosedChain<'a> {
         sums
     }
 
-    /// Returns the motion of the target per unit of one axis of its box.
+    /// Returns the motion of the target per unit of one axis of the target box.
     pub fn rate(&self, axis: BoxAxis) -> Rows {
         let mut rate = [0.0; MAX_ROWS];
         match axis {

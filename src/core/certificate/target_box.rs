@@ -32,7 +32,8 @@ pub struct TargetBox {
 }
 
 impl TargetBox {
-    /// Returns the box of a target on a piece of equipment; `target` is its nominal position in the world, m.
+    /// Returns the box of a target on a piece of equipment; `target` is the nominal position of the target in
+    /// the world, m.
     ///
     /// The position of the target depends on the placements of the equipment, of all equipment that carries it,
     /// and of the robot base. Each placement is expanded to first order; the bound of the second-order terms is
@@ -75,8 +76,10 @@ impl TargetBox {
         second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
     }
 
-    /// Returns this box for an attitude that is measured from the direction of the target as seen from the base
-    /// axis; `target` is the nominal position in the base frame, m.
+    /// Returns this box for an attitude that is measured from the direction of the target as seen from the
+    /// base axis.
+    ///
+    /// `target` is the nominal position of the target in the base frame, m.
     ///
     /// The heading is not limited if the box reaches the base axis.
     #[must_use]

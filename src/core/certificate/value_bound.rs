@@ -1,16 +1,17 @@
 //! Upper bound of the value of an operation while the arm follows its target through a target box.
 //!
 //! To first order, the error is a sum of effects: the size of each error source times the displacement that a
-//! unit of this source causes. Let f be such an effect as a function of the position in the target box. Linear
-//! interpolation between the corners of the box deviates from f by at most the sum over all axes t of
-//! `h_t^2 / 2 max |d2f/dt2|`, where h_t is the half width. Second derivatives of an effect are products of unit
+//! unit of this source causes. Let f be such an effect as a function of the position in the target box, and
+//! h_t the half width along axis t. Linear interpolation between the corners deviates from f by at most the
+//! sum of `h_t^2 / 2 max |d2f/dt2|` over all axes t. Second derivatives of an effect are products of unit
 //! axes and one lever arm, so the lever arms bound them.
 //!
-//! The size of a signed sample, the worst case, the RMS and the mean are convex functions of the effects. Their
-//! largest value is therefore at most the largest value at the corners, plus the value of the deviations. A
-//! percentile of a normal error is not convex. But it grows with the covariance S (T. W. Anderson, "The integral
-//! of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math. Soc. 6, 1955): if
-//! `S <= (1 + e) S_0` holds for every position, the percentile is at most `sqrt(1 + e)` times the one at S_0.
+//! The size of a signed sample, the worst case, the RMS and the mean are convex functions of the effects.
+//! Their largest value is therefore at most the largest value at the corners, plus the value of the
+//! deviations. A percentile of a normal error is not convex. But it grows with the covariance S (T. W.
+//! Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math.
+//! Soc. 6, 1955): if `S <= (1 + e) S_0` holds for every position, the percentile is at most `sqrt(1 + e)`
+//! times the percentile at S_0.
 
 use super::joint_enclosure::JointEnclosure;
 use super::target_box::{BoxAxis, TargetBox};
@@ -57,7 +58,7 @@ impl NoValueBound {
             Self::Rotation => "its sense has rotations",
             Self::ToolAxes => "its sense is in axes of the tool",
             Self::Share => "its value is a share of failures",
-            Self::NotNormal => "its parameters are not normally distributed",
+            Self::NotNormal => "not all of its parameters are normally distributed",
             Self::ManyRows => "its sense has more than three rows",
             Self::Elastic => "its elastic errors change with the posture",
             Self::Mean => "its errors vary about measured means",
@@ -68,13 +69,14 @@ impl NoValueBound {
 /// Upper bounds of the value of one operation, prepared once per cell.
 #[derive(Debug, Clone)]
 pub struct ValueBound {
-    /// Small motions that the error sources cause in the chain.
+    /// Small motions that the error sources cause in the chain or at the equipment.
     motions: Vec<SourceMotion>,
     /// Largest factor by which the rows of the sense enlarge a displacement.
     gain: f64,
     /// Whether the value stays the same if error and sense rotate relative to each other about the vertical.
     is_isotropic: bool,
-    /// Total of the translations among the errors, m, and of the rotations, rad; 0 for the linear model.
+    /// Total of the translations among the errors, m, and of the rotations, rad. Both are 0 for the linear
+    /// model and the statistical reading.
     totals: (f64, f64),
     /// Distance from the TCP to the point whose error counts, m.
     point: f64,
@@ -93,7 +95,7 @@ struct SourceMotion {
     size: f64,
 }
 
-/// Posture of an operation with the boxes of its target and its joints.
+/// Posture of an operation with its target box and its joint enclosure.
 pub struct BoxedPosture<'a> {
     pub context: &'a WorkContext,
     pub posture: &'a Posture,
@@ -187,7 +189,7 @@ impl ValueBound {
         })
     }
 
-    /// Returns an upper bound of the value of the operation over the boxes of a posture, m.
+    /// Returns an upper bound of the value of the operation over the target box of a posture, m.
     pub fn most(
         &self,
         evaluator: &ErrorEvaluator,
@@ -234,8 +236,8 @@ impl ValueBound {
             let seen = whitening * there * whitening.transpose();
             growth = growth.max(seen.symmetric_eigenvalues().max());
         });
-        // For the interpolated effects A and their deviation R, the largest singular value of W (A + R) is at most
-        // the sum of those of W A and W R.
+        // Let A be the interpolated effects, and R their deviation. The largest singular value of W (A + R)
+        // is at most the sum of those of W A and of W R.
         let spread = growth.sqrt() + whitening.norm() * self.gain * rest;
         spread * value + mean + self.gain * self.mean(boxed, lever)
     }
@@ -292,7 +294,7 @@ impl ValueBound {
             };
             let mut sum = 0.0;
             for steps in first.iter().take(BoxAxis::COUNT) {
-                // Pairs of joints whose last one is joint j.
+                // Pairs of joints of which joint j is the last.
                 let mut before = 0.0;
                 for (j, step) in steps[..n].iter().enumerate() {
                     let with: f64 = before + step.abs();
@@ -313,8 +315,9 @@ impl ValueBound {
             of_source = (motion.source, if motion.source == of_source.0 { of_source.1 + by } else { by });
             squares += 2.0 * of_source.1 * by - by * by;
         }
-        // Independent effects add up as squares. Correlated ones, and those of a sample or a corner, may add up
-        // as they are. Nonlinear terms multiply an effect by at most the total of the rotations.
+        // Independent effects add up as squares. Correlated effects, and the effects of a sample or a corner,
+        // may add up without cancelling. Nonlinear terms multiply an effect by at most the total of the
+        // rotations.
         if add_up { sum * (1.0 + self.totals.1) } else { squares.sqrt() }
     }
 }

@@ -9,7 +9,7 @@ use parry3d::math as pm;
 use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{Ball, Shape as ParryShape, SharedShape, TriMesh, TriMeshFlags};
 
-/// One solid as a shape of parry3d. It is convex unless it is a triangle mesh.
+/// One solid as a shape of parry3d. The shape is convex unless it is a triangle mesh.
 pub(super) struct CollisionBody {
     pub(super) shape: SharedShape,
     /// Pose of the shape in the frame that carries it.
@@ -25,7 +25,7 @@ pub(super) struct CollisionBody {
     /// Solid before the rounding that enlarges it, and the radius (m) of the rounding; None without rounding.
     ///
     /// A check against a ball uses this solid and enlarges the ball by the radius, which is exact. For the
-    /// rounded solid parry3d errs by up to 4e-5 m.
+    /// rounded solid, parry3d errs by up to 4e-5 m.
     pub(super) unswollen: Option<(SharedShape, f64)>,
     /// Bounding box in the frame of the shape.
     pub(super) bounds: Aabb,
@@ -104,8 +104,7 @@ pub(super) fn link_bodies(shape: &Shape, parts: &[Hull], by: f64) -> Vec<Collisi
     parts.iter().map(body).collect()
 }
 
-/// Returns a box, sphere, capsule or cylinder enlarged by `by` (m) on all sides; other shapes stay as they
-/// are.
+/// Returns a box, sphere, capsule or cylinder enlarged by `by` (m) on all sides; other shapes are unchanged.
 ///
 /// The enlarged solid is exact, because parry3d has rounded boxes and cylinders.
 fn swollen(shape: &Shape, by: f64) -> CollisionBody {
@@ -202,13 +201,14 @@ fn capsule(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64) -> CollisionBody {
 /// Returns the pose of the frame whose y axis points from `a` to `b` and whose origin is midway between them.
 fn along_y(a: &Vector3<f64>, b: &Vector3<f64>) -> Pose {
     let turn = nalgebra::Rotation3::rotation_between(&Vector3::y(), &(b - a));
-    // Opposite directions have no unique rotation between them; half a turn about x is one.
+    // The rotation between opposite directions is not unique; a rotation by 180 degrees about x is one
+    // possibility.
     let turn = turn
         .unwrap_or_else(|| nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     Pose { rotation: turn.into_inner(), translation: (a + b) / 2.0 }
 }
 
-/// Returns a triangle mesh. A closed mesh gets an orientation, which tells inner from outer points.
+/// Returns a triangle mesh. A closed mesh gets an orientation, which distinguishes inner from outer points.
 ///
 /// A mesh that parry3d refuses is replaced by a box, which contains the mesh and is centred at the origin.
 /// Empty meshes do not occur here, because the reader refuses them.
@@ -220,17 +220,17 @@ fn mesh(vertices: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> Shar
     built.map_or_else(|_| SharedShape::cuboid(reach.x, reach.y, reach.z), SharedShape::new)
 }
 
-/// Converts a vector of nalgebra to one of parry3d.
+/// Converts a vector of nalgebra to a vector of parry3d.
 pub(super) fn vector(v: &Vector3<f64>) -> pm::Vector {
     pm::Vector::new(v.x, v.y, v.z)
 }
 
-/// Converts a vector of parry3d to one of nalgebra.
+/// Converts a vector of parry3d to a vector of nalgebra.
 pub(super) fn plain(v: pm::Vector) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
 }
 
-/// Converts a pose to one of parry3d.
+/// Converts a pose to a pose of parry3d.
 pub(super) fn parry_pose(pose: &Pose) -> pm::Pose {
     let column =
         |i: usize| pm::Vector::new(pose.rotation[(0, i)], pose.rotation[(1, i)], pose.rotation[(2, i)]);

@@ -11,8 +11,8 @@ use parry3d::shape::TriMesh;
 
 /// Distance from contact, m, within which parry3d decides instead of the closed forms.
 ///
-/// It exceeds the errors of parry3d: 4e-5 m for a hull and a ball, 1.2e-5 m for capsules. The rounding errors
-/// of the closed forms are far smaller.
+/// This distance exceeds the errors of parry3d: 4e-5 m for a hull and a ball, 1.2e-5 m for capsules. The
+/// rounding errors of the closed forms are far smaller.
 pub(super) const CONTACT_MARGIN: f64 = 1e-4;
 
 /// Verdict of the closed forms on two solids.
@@ -22,7 +22,7 @@ pub(super) enum ContactVerdict {
     Apart,
     /// The solids overlap deeper than [`CONTACT_MARGIN`].
     Touching,
-    /// The closed forms cannot tell.
+    /// The closed forms cannot decide.
     Unclear,
 }
 
@@ -60,7 +60,7 @@ impl BoundingCapsule {
             Shape::Capsule { a, b, radius } => new(a, b, *radius, true),
             other => {
                 // The segment runs along the longest side of the bounding box. The radius is half the
-                // diagonal of the face across that side.
+                // diagonal of the face perpendicular to that side.
                 let (low, high) = extent(other);
                 let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
                 let mut along = Vector3::zeros();
@@ -88,7 +88,7 @@ impl BoundingCapsule {
 
     /// Returns the verdict, given the squared distance (m^2) of the capsule's segment from another shape.
     ///
-    /// `both_solid` says whether the capsule and the other shape are the solids themselves, not only bounds
+    /// `both_solid` states whether the capsule and the other shape are the solids themselves, not only bounds
     /// of them. A small distance between mere bounds does not mean contact.
     fn verdict(&self, squared: f64, both_solid: bool) -> ContactVerdict {
         if squared > (self.radius + CONTACT_MARGIN).powi(2) {
@@ -114,7 +114,7 @@ impl BoundingCapsule {
         self.verdict(segment_to_box_squared(&a, &along, &other.half), self.is_solid && other.is_solid)
     }
 
-    /// Returns the distance of the capsule from a box in the same frame, m; negative if its segment is too near.
+    /// Returns the distance of the capsule from a box in the same frame, m; negative if they overlap.
     pub(super) fn gap_to_box(&self, other: &BoundingBox) -> f64 {
         let (a, along) = (self.a - other.centre, self.b - self.a);
         segment_to_box_squared(&a, &along, &other.half).sqrt() - self.radius
@@ -220,7 +220,8 @@ fn segment_to_box_squared(a: &Vector3<f64>, along: &Vector3<f64>, half: &Vector3
     outside(low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1)).norm_squared()
 }
 
-/// Returns the squared distance between the segment ab and a triangle, m^2; 0 if the segment pierces it.
+/// Returns the squared distance between the segment ab and a triangle, m^2; 0 if the segment pierces the
+/// triangle.
 fn segment_to_triangle_squared(a: &Vector3<f64>, b: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> f64 {
     let [p, q, r] = corners;
     let edges = [(p, q), (q, r), (r, p)];

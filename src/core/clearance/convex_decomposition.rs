@@ -11,10 +11,11 @@ use parry3d::math as pm;
 use parry3d::query::PointQuery;
 use parry3d::shape::{ConvexPolyhedron, RoundShape, SharedShape};
 
-/// Largest number of parts of a mesh. It is limited because each part is checked against every solid.
+/// Largest number of parts of a mesh. This number is limited because each part is checked against every
+/// solid.
 const MAX_PARTS: usize = 16;
 
-/// Limit that the volume saved by a cut must exceed, as a share of the volume of the mesh's hull.
+/// Least volume that a cut must save, as a share of the volume of the mesh's hull.
 const MIN_GAIN: f64 = 0.01;
 
 /// Largest number of points from which the volume of a hull is estimated.
@@ -42,8 +43,8 @@ pub(super) struct Hull {
 impl Hull {
     /// Returns the hull enlarged by `by` (m), and how it was enlarged.
     ///
-    /// The second value is the shape before its rounding and the radius (m) of the rounding. It is None if
-    /// the returned shape has no rounding.
+    /// The second value is the shape before its rounding and the radius (m) of the rounding. The second value
+    /// is None if the returned shape has no rounding.
     pub(super) fn swollen(&self, by: f64) -> (SharedShape, Option<(SharedShape, f64)>) {
         let by = by + self.slack;
         match &self.solid {
@@ -81,7 +82,7 @@ pub(super) fn hulls(
 
 /// Returns a closed mesh as one convex solid, or None if it is not convex or has too many vertices.
 ///
-/// The solid equals the mesh, and a check of it is much faster than a check of the triangles.
+/// The solid equals the mesh, and checking the solid is much faster than checking the triangles.
 pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<SharedShape> {
     /// Number of vertices above which a check of the convex solid costs more than a check of the triangles.
     const MAX_VERTICES: usize = 200;
@@ -100,16 +101,16 @@ pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
 
 /// Returns, for every triangle, the index of the part to which it belongs.
 ///
-/// The function repeatedly makes the cut that reduces the total volume of the hulls most. It tries nine cuts
-/// of each part: along each axis, after one, two and three quarters of the triangles.
+/// The function repeatedly makes the cut that reduces the total volume of the hulls most. The function tries
+/// nine cuts of each part: along each axis, after one, two and three quarters of the triangles.
 fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let centre = |t: u32| triangles[t as usize].iter().map(|&i| vertices[i as usize]).sum::<Vector3<f64>>();
     let volume = |part: &[u32]| {
         let step = (3 * part.len()).div_ceil(MAX_POINTS).max(1);
         let corners = part.iter().flat_map(|&t| triangles[t as usize]).step_by(step);
         let points: Vec<_> = corners.map(|i| vector(&vertices[i as usize])).collect();
-        // The hull of a long thin set may fail or turn inside out; then the volume of the bounding box is
-        // used.
+        // The hull of a long thin set may fail or turn inside out. In that case, the volume of the bounding
+        // box is used.
         let most = box_volume(&points);
         let hull = polyhedron(&points).map(|solid| volume_of(&solid));
         hull.filter(|v| (0.0..=most).contains(v)).unwrap_or(most)

@@ -4,9 +4,9 @@
 //! measured between the solids before their rounding, and from the segments of capsules. The radii are then
 //! subtracted.
 //!
-//! parry3d gives the nearest points of two solids. Between two convex solids lies an empty slab,
-//! bounded by two planes perpendicular to the line through these points. The returned distance is the width
-//! of this slab, which never exceeds the true distance. For a mesh, the returned distance is that between the
+//! parry3d gives the nearest points of two solids. Between two convex solids lies an empty slab, bounded by
+//! two planes perpendicular to the line through these points. The returned distance is the width of this
+//! slab, which never exceeds the true distance. For a mesh, the returned distance is the distance between the
 //! nearest points.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
@@ -21,7 +21,7 @@ use parry3d::math as pm;
 use parry3d::query::{ClosestPoints, DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{Cuboid, Shape, SharedShape};
 
-/// Largest amount, m, by which a computed distance may exceed the true one.
+/// Largest amount, m, by which a computed distance may exceed the true distance.
 pub const ACCURACY: f64 = 1e-6;
 
 /// Limit of the sum of the clearance and the displacement of the robot solid, m.
@@ -34,7 +34,7 @@ const BOUNDS_ONLY_DISTANCE: f64 = 0.1;
 pub struct Nearness {
     /// Least distance, m: 0 at contact, and at most the argument `max` of the query.
     pub distance: f64,
-    /// Nearest two solids; None if no pair is nearer than the argument `max` of the query.
+    /// The two nearest solids; None if no pair is nearer than the argument `max` of the query.
     pub pair: Option<Hit>,
 }
 
@@ -56,7 +56,7 @@ impl Scene {
 
     /// Returns the least distance of the robot from its surroundings during an operation, at most `max` (m).
     ///
-    /// Two kinds of pairs are left out, because their distance tells nothing about the layout:
+    /// Two kinds of pairs are left out, because their distance gives no information about the layout:
     ///
     /// - a solid after the last joint and the equipment of the operation: the standoff sets the distance;
     /// - the floor and a solid that only the first joint moves.
@@ -124,10 +124,11 @@ impl Scene {
         self.gap(placed, frames, pair, wanted) >= wanted
     }
 
-    /// Returns a lower bound of the distance between the solids of a pair, m, and whether it is the distance.
+    /// Returns a lower bound of the distance between the solids of a pair, m, and whether the bound equals
+    /// the distance.
     ///
-    /// Closed forms give the distance of the bounding capsules from boxes, from each other and from the floor. They
-    /// cost far less than [`Self::gap`].
+    /// Closed forms give the distance of the bounding capsules from boxes, from each other and from the
+    /// floor. The closed forms cost far less than [`Self::gap`].
     fn capsule_gap(&self, placed: &PlacedSolids, frames: &LinkFrames, pair: Pair) -> (f64, bool) {
         let link = &self.links[pair.link];
         let frame = link.carrier(frames);
@@ -272,7 +273,8 @@ fn gap_of_cores((a, ra): Core<'_>, relative: &pm::Pose, (b, rb): Core<'_>, max: 
 /// Returns the width of the empty slab between two convex solids, measured along a direction from `a` to `b`.
 ///
 /// The planes of the slab are perpendicular to the direction. The width is a lower bound of the distance, and
-/// negative if no such plane separates the solids. It is None if a solid is a mesh, or if the direction is 0.
+/// negative if no such plane separates the solids. The result is None if a solid is a mesh, or if the
+/// direction is 0.
 fn certified(a: &dyn Shape, relative: &pm::Pose, b: &dyn Shape, direction: &pm::Vector) -> Option<f64> {
     let (a, b, n) = (a.as_support_map()?, b.as_support_map()?, direction.try_normalize()?);
     let far = a.local_support_point(n).dot(n);

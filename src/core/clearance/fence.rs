@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// Thickness of a wall, m. The wall stands outside the line of the fence.
 const WALL_THICKNESS: f64 = 0.01;
 
-/// Returns the walls of the fence in the world frame; none for a fence without a height.
+/// Returns the walls of the fence in the world frame; empty for a fence without a height.
 pub(super) fn walls(cell: &Cell) -> Vec<EquipmentSolid> {
     let Some(Fence { corners, height: Some(height) }) = &cell.fence else { return Vec::new() };
     let n = corners.len();
@@ -16,7 +16,7 @@ pub(super) fn walls(cell: &Cell) -> Vec<EquipmentSolid> {
         let (a, b) = (corners[k], corners[(k + 1) % n]);
         let (x, y) = (b.0 - a.0, b.1 - a.1);
         let (length, yaw) = (x.hypot(y), y.atan2(x));
-        // The corners run anticlockwise, so that outside is to the right.
+        // The corners run anticlockwise, so the outside is on the right.
         let out = (y / length * WALL_THICKNESS / 2.0, -x / length * WALL_THICKNESS / 2.0);
         let middle = ((a.0 + b.0) / 2.0 + out.0, (a.1 + b.1) / 2.0 + out.1);
         let centre = Vector3::new(middle.0, middle.1, cell.floor + height / 2.0);
@@ -45,7 +45,7 @@ pub(super) fn locate(corners: &[(f64, f64)], (x, y): (f64, f64)) -> (bool, f64) 
     (inside, nearest)
 }
 
-/// Returns whether the polygon is convex: every corner turns to the left.
+/// Returns whether the polygon is convex: the boundary turns left at every corner.
 pub(super) fn is_convex(corners: &[(f64, f64)]) -> bool {
     let n = corners.len();
     (0..n).all(|k| {

@@ -1,7 +1,7 @@
 //! Floor plan: overlaps of equipment with other equipment, the robot base, keep-out boxes, floor and fence.
 //!
 //! Two objects do not overlap if the vertical distance between their solids is at least the clearance. So a
-//! lamp may hang over a table. The check in plan comes first, because it is cheap and usually decides.
+//! lamp may hang over a table. The check in plan comes first, because it is cheap and usually decisive.
 
 use super::fence;
 use super::floor_heights::{HeightRange, Heights, base_bottom, base_top, rise};
@@ -14,7 +14,7 @@ use crate::geometry::PlanePoint;
 
 /// Shortest way to separate two floor spaces in plan: move `a` along `direction` (unit) by `depth` (m).
 ///
-/// `depth` is negative if the floor spaces are apart already. `b` is None for the robot base, a keep-out box
+/// `depth` is negative if the floor spaces are already apart. `b` is None for the robot base, a keep-out box
 /// or an edge of the fence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Separation {
@@ -61,7 +61,7 @@ impl FencePolygon {
     /// The result is the largest of the following lengths, to each of which the clearance is added:
     ///
     /// - for each corner of the floor space that lies outside the fence, its distance from the fence;
-    /// - for each edge of the fence, the depth by which it enters the floor space.
+    /// - for each edge of the fence, the depth by which the edge enters the floor space.
     fn passed_by(&self, stand: &PlacedRectangle, clearance: f64) -> f64 {
         let outside = stand.corners().map(|corner| match fence::locate(&self.corners, corner) {
             (true, _) => 0.0,
@@ -91,7 +91,8 @@ struct EquipmentFootprint {
     footprint: Rectangle,
     role: Role,
     heights: Heights,
-    /// Placement in the cell file, and the floor space there. An obstacle always stands there.
+    /// Placement in the cell file, and the floor space at this placement. An obstacle always has this
+    /// placement.
     drawn: (Placement, PlacedRectangle),
 }
 
@@ -104,8 +105,9 @@ impl EquipmentFootprint {
 
 /// Floor spaces of a cell, prepared once for all layouts.
 ///
-/// [`Self::with_tolerances`] gives a plan in which floor spaces also keep the distance by which misplacements may
-/// bring them nearer together. A layout without an overlap in this plan has none at any misplacement.
+/// [`Self::with_tolerances`] gives a plan in which floor spaces also keep the distance by which misplacements
+/// may bring them closer together. A layout without an overlap in this plan has no overlap at any
+/// misplacement.
 pub struct FloorPlan {
     equipment: Vec<EquipmentFootprint>,
     /// For each piece of equipment, the index of the equipment on which it stands, if any.
@@ -113,13 +115,13 @@ pub struct FloorPlan {
     base: Rectangle,
     /// Height of the highest point of the robot base above the origin of its frame, m.
     base_top: f64,
-    /// Height of the lowest point of a hung base above the origin of its frame, m; None if the base, or its pedestal,
-    /// stands on the floor.
+    /// Height of the lowest point of a hung base above the origin of its frame, m. None means that the base,
+    /// or its pedestal, stands on the floor.
     base_bottom: Option<f64>,
     /// Keep-out boxes with their heights in the world.
     pub(super) keep_out: Vec<(PlacedRectangle, HeightRange)>,
     clearance: f64,
-    /// Extra distance that each piece of equipment keeps.
+    /// Extra distance that each piece of equipment keeps because of misplacements.
     room: Vec<Room>,
     base_room: Room,
     floor: f64,
@@ -238,7 +240,7 @@ impl FloorPlan {
 
     /// Writes all overlaps of a layout to `found`. An overlap of two obstacles is allowed and left out.
     ///
-    /// Each piece of equipment is checked against the later ones in the cell, the robot base, the keep-out
+    /// Each piece of equipment is checked against the later pieces in the cell, the robot base, the keep-out
     /// boxes, the floor and the fence. The robot base is checked against the fence. Obstacles may reach
     /// beyond the fence.
     pub fn overlaps(&self, layout: &Layout, found: &mut Vec<Overlap>) {
@@ -327,8 +329,8 @@ impl Room {
         }
     }
 
-    /// Returns this room plus the room of a body with a placement tolerance; `far` is the distance of the farthest
-    /// point from the origin of the body, m.
+    /// Returns this room plus the room of a body with a placement tolerance. `far` is the distance of the
+    /// farthest point from the origin of the body, m.
     fn plus(self, tolerance: &PlacementTolerance, far: f64) -> Self {
         let [x, y, z, yaw] = tolerance.0;
         Self { plan: self.plan + x.hypot(y) + far * yaw, height: self.height + z }

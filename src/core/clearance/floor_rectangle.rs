@@ -75,9 +75,9 @@ fn overlap_along(u: PlanePoint, a: &PlacedRectangle, b: &PlacedRectangle, cleara
 
 /// Returns the least overlap over the separating axes, directed from `b` to `a`.
 ///
-/// A negative depth means that the rectangles keep the clearance. If `a` moves by `depth` along
-/// `direction`, at least the clearance is left between them. The distance then exceeds the clearance a little
-/// if the nearest points are two corners.
+/// A negative depth means that the rectangles keep the clearance. If `a` moves by `depth` along `direction`,
+/// at least the clearance is left between them. The distance then exceeds the clearance slightly if the
+/// nearest points are two corners.
 pub(super) fn least_overlap(a: &PlacedRectangle, b: &PlacedRectangle, clearance: f64) -> AxisDepth {
     let shallower = |best: AxisDepth, next: AxisDepth| if next.depth < best.depth { next } else { best };
     let all = axes(a, b).into_iter().map(|u| overlap_along(u, a, b, clearance));

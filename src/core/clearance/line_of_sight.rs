@@ -10,8 +10,8 @@ use parry3d::query::Ray;
 use parry3d::shape::{Cuboid, Shape};
 
 impl Scene {
-    /// Returns the solid of equipment, fence or robot base that contains a point of the world (m), or the floor
-    /// if the point is below it.
+    /// Returns the solid of equipment, fence or robot base that contains a point (world frame, m). For a
+    /// point below the floor, the result is the floor.
     pub fn solid_at(&self, placed: &PlacedSolids, point: &Vector3<f64>) -> Option<SolidRef> {
         if !self.enabled {
             return None;
@@ -28,10 +28,12 @@ impl Scene {
         })
     }
 
-    /// Returns the first solid between a reflector on the tool and an instrument; None if it is visible.
+    /// Returns the first solid between a reflector on the tool and an instrument; None if the reflector is
+    /// visible.
     ///
-    /// Both points are in the world, m. `frames` are the link frames in the robot base frame; the robot holds
-    /// no part. The solids of the flange and the tool that contain the reflector carry it and hide nothing.
+    /// Both points are in the world frame, m. `frames` are the link frames in the robot base frame; the robot
+    /// holds no part. The solids of the flange and the tool that contain the reflector carry it and hide
+    /// nothing.
     pub fn hides(
         &self,
         placed: &PlacedSolids,

@@ -19,17 +19,18 @@ pub trait SolidMotion {
     /// Returns the bound for a piece of equipment.
     fn of_equipment(&self, equipment: Option<usize>) -> f64;
 
-    /// Returns the bound for the distance of a robot solid from a piece of equipment, if it is less than the sum of
-    /// the bounds for both.
+    /// Returns the bound for the relative motion of a robot solid and a piece of equipment. Returns None if
+    /// no bound below the sum of the bounds for both is known.
     fn between(&self, link: usize, equipment: usize) -> Option<f64>;
 
-    /// Returns the bound for the distance of two robot solids.
+    /// Returns the bound for the relative motion of two robot solids.
     fn between_links(&self, link: usize, other: usize) -> f64;
 }
 
 impl Scene {
-    /// Returns the first pair of solids that may come nearer than the clearance while every solid moves by at most
-    /// its bound in `motion`. The result is None if all pairs certainly keep their clearance.
+    /// Returns the first pair of solids that may come nearer to each other than the clearance. The check
+    /// assumes that every solid moves by at most its bound in `motion`. The result is None if all pairs
+    /// certainly keep their clearance.
     ///
     /// `frames` are the nominal link frames in the robot base frame, and `operation` selects the held parts.
     pub fn first_unsafe(

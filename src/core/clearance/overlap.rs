@@ -17,8 +17,9 @@ pub enum Party {
 
 /// Overlap of two floor spaces, or a distance between them that is below the clearance.
 ///
-/// A move in plan by `depth` (m) separates them, clearance included. If `b` is the fence, `depth` is the
-/// distance by which `a` reaches beyond it, clearance included. If `b` is the floor, the move is upwards.
+/// A move in plan by `depth` (m) separates the two objects, clearance included. If `b` is the fence, `depth`
+/// is the distance by which `a` reaches beyond the fence, clearance included. If `b` is the floor, the move
+/// is upwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
     pub a: Party,
@@ -61,7 +62,8 @@ impl Overlap {
         let how = if self.rise > aside { "in height" } else { "along a side" };
         let (near, clearance) = (mm_from_m(self.rise.max(aside)), mm_from_m(self.clearance));
         // With one decimal, the distance and the clearance could look equal.
-        let near = if clearance - near < 0.05 { "just below".into() } else { format!("{near:.1} mm of") };
+        let near =
+            if clearance - near < 0.05 { "just below".into() } else { format!("{near:.1} mm instead of") };
         format!("{a} is nearer to {b} than the clearance: {near} {clearance:.1} mm {how}")
     }
 }

@@ -9,12 +9,12 @@ use super::scene::Scene;
 /// Parts that the robot holds during a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Load {
-    /// Index of each operation whose parts are held. The flag tells whether these parts may touch the
+    /// Index of each operation whose parts are held. The flag states whether these parts may touch the
     /// equipment of that operation.
     held: [Option<(usize, bool)>; 2],
 }
 
-/// Two solids that may collide. The robot moves at least one of them.
+/// Two solids that may collide. The robot moves at least one of the two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
     /// First solid of the pair, as an index into [`Scene::bounding_spheres`].
@@ -28,19 +28,19 @@ pub(super) enum Against {
     Floor,
     /// Index of a solid among the placed solids of a layout.
     Placed(usize),
-    /// Index of another solid of the robot, which is nearer to the base than the first.
+    /// Index of another solid of the robot, which is nearer to the base than the first solid.
     Own(usize),
 }
 
 impl Load {
-    /// Returns the load during an operation; with None the robot holds nothing.
+    /// Returns the load during an operation; the robot holds nothing if `operation` is None.
     pub fn of(operation: Option<usize>) -> Self {
         Self { held: [operation.map(|o| (o, true)), None] }
     }
 
     /// Returns the load on the way between two operations: the parts of both operations.
     ///
-    /// Each operation comes with a flag that says whether its part still rests on the surface.
+    /// Each operation comes with a flag that states whether its part still rests on the surface.
     pub fn between(from: (usize, bool), to: (usize, bool)) -> Self {
         Self { held: [Some(from), Some(to)] }
     }
@@ -74,7 +74,7 @@ impl Scene {
         placed.base_hit
     }
 
-    /// Returns every pair that can collide while the arm moves; none if collisions are not checked.
+    /// Returns every pair that can collide while the arm moves; empty if collisions are not checked.
     pub fn pairs(&self, placed: &PlacedSolids, load: Load) -> Vec<Pair> {
         if !self.enabled {
             return Vec::new();

@@ -43,7 +43,8 @@ pub(super) struct PlacedSolid {
     /// The box is [`CONTACT_MARGIN`] larger than the bounding box of the solid, on every side.
     pub(super) low: Vector3<f64>,
     pub(super) high: Vector3<f64>,
-    /// Bounding box in the frame of the solid. The box of a leg depends on the layout, as its length does.
+    /// Bounding box in the frame of the solid. The box of a leg depends on the layout, as the length of the
+    /// leg does.
     pub(super) bounds: BoundingBox,
 }
 

@@ -11,13 +11,14 @@ use parry3d::bounding_volume::BoundingVolume;
 
 /// Distance, m, below which two solids count as touching.
 ///
-/// It exceeds the rounding errors of parry3d, so no contact is missed.
+/// This distance exceeds the rounding errors of parry3d, so no contact is missed.
 const TOUCHING: f64 = 1e-7;
 
 /// One solid that a frame of the robot carries.
 pub(super) struct RobotSolid {
     pub(super) id: SolidRef,
-    /// Index of the frame that carries the solid: 0 is the robot base, k the frame after row k of the chain.
+    /// Index of the frame that carries the solid: 0 is the robot base, and k is the frame after row k of the
+    /// chain.
     pub(super) frame: usize,
     /// Index of the operation during which the robot holds the solid; None if the robot always carries it.
     pub(super) operation: Option<usize>,
@@ -27,8 +28,8 @@ pub(super) struct RobotSolid {
     pub(super) bodies: Vec<CollisionBody>,
     /// Solid enlarged by [`TOUCHING`] alone, for distances and for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,
-    /// Closed mesh of a solid with several convex parts. It serves to test whether another solid lies wholly
-    /// inside the mesh.
+    /// Closed mesh of a solid with several convex parts. The mesh serves to test whether another solid lies
+    /// wholly inside the mesh.
     pub(super) shell: Option<CollisionBody>,
     /// Bounding capsule of the solid without the clearance, in the carrier frame.
     pub(super) core: BoundingCapsule,
@@ -60,8 +61,9 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
 
 /// Returns the pedestal of the highest base; None if the base stands on the floor.
 ///
-/// It also represents the pedestal of every lower base, because nothing collides below the floor. Its sides keep the
-/// clearance to the arm. The floor plan checks it against equipment.
+/// This pedestal also represents the pedestal of every lower base, because nothing collides below the floor.
+/// The sides of the pedestal keep the clearance to the arm. The floor plan checks the pedestal against
+/// equipment.
 fn pedestal(cell: &Cell, remember: &mut Remember<'_>) -> Option<RobotSolid> {
     let (section, height) = cell.highest_pedestal()?;
     let (centre, size) = (section.centre, section.size);
@@ -100,7 +102,7 @@ fn link(carried: &CarriedSolid<'_>, clearance: f64, remember: &mut Remember<'_>)
     let bare = bodies(TOUCHING);
     let slack = bare.iter().map(|b| b.unswollen.as_ref().map_or(TOUCHING, |(_, by)| *by));
     let core = BoundingCapsule::new(&solid.shape, mount, slack.fold(TOUCHING, f64::max));
-    // A part without a hull becomes a ball, which the capsule may not contain.
+    // A part without a hull becomes a ball, which the capsule does not necessarily contain.
     let is_held = core.is_solid || bare.iter().all(|b| b.shape.as_ball().is_none());
     RobotSolid {
         id,
@@ -123,13 +125,14 @@ impl RobotSolid {
 
     /// Returns the pose, in the robot base frame, of the frame that carries the solid.
     ///
-    /// A solid of the base is carried by the base frame, so its pose is the identity. Frame 0 of the chain
-    /// may differ from the base frame.
+    /// A solid of the base is carried by the base frame, so the returned pose is the identity. Frame 0 of the
+    /// chain may differ from the base frame.
     pub(super) fn carrier<'f>(&self, frames: &'f [Pose; MAX_JOINTS + 1]) -> &'f Pose {
         if self.frame == 0 { &Pose::IDENTITY } else { &frames[self.frame] }
     }
 
-    /// Returns whether the robot carries the solid during an operation; with None the robot holds nothing.
+    /// Returns whether the robot carries the solid during an operation; the robot holds nothing if
+    /// `operation` is None.
     pub(super) fn is_there(&self, operation: Option<usize>) -> bool {
         self.operation.is_none() || self.operation == operation
     }

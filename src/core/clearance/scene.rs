@@ -26,7 +26,7 @@ pub struct Scene {
     pub(super) links: Vec<RobotSolid>,
     /// Bounding spheres of the robot solids, in the order of `links`.
     pub(super) bounding_spheres: Vec<BoundingSphere>,
-    /// Pairs of robot solids; each states whether a contact is allowed, and why.
+    /// Pairs of robot solids; each pair states whether a contact is allowed, and why.
     self_collision_pairs: Vec<SelfCollisionPair>,
     /// Pairs of robot solids that must not touch, as indices into `links`.
     pub(super) checked: Vec<(usize, usize)>,
@@ -80,7 +80,7 @@ impl Scene {
         &self.self_collision_pairs
     }
 
-    /// Poses the equipment of a layout and checks the robot base against it.
+    /// Poses the equipment of a layout and checks the robot base against equipment and fence.
     pub fn place(&self, layout: &Layout, placed: &mut PlacedSolids) {
         placed.bodies.clear();
         let base = layout.base.pose();
@@ -98,7 +98,7 @@ impl Scene {
                 placed.bodies.extend(solids.at(e, at, self.floor));
             }
         }
-        // Floor spaces check the pedestal against equipment.
+        // The floor plan checks the pedestal against equipment.
         let base = self.links.iter().filter(|l| l.frame == 0 && !l.is_pedestal());
         let poses = LinkPoses { frames: &[Pose::IDENTITY; MAX_JOINTS + 1], base: placed.base.as_ref() };
         let mut hits = base.filter_map(|l| self.first_hit(l, &poses.capsule(l), poses, &placed.bodies));
@@ -107,8 +107,8 @@ impl Scene {
 
     /// Returns the first contact of the robot with equipment, fence, floor or itself, if there is one.
     ///
-    /// `frames` are the link frames in the robot base frame. `operation` selects the held parts to check;
-    /// with None the robot holds nothing.
+    /// `frames` are the link frames in the robot base frame. `operation` selects the held parts to check; the
+    /// robot holds nothing if `operation` is None.
     pub fn hit(&self, placed: &PlacedSolids, frames: &LinkFrames, operation: Option<usize>) -> Option<Hit> {
         if !self.enabled || placed.base_hit.is_some() {
             return placed.base_hit;
@@ -216,7 +216,7 @@ impl Scene {
         bodies: &[PlacedSolid],
     ) -> Option<(Hit, Option<usize>)> {
         let (low, high) = capsule.bounds();
-        // The base stands on the floor, which is no collision.
+        // The base may stand on the floor, so its contact with the floor is not a collision.
         if link.frame > 0 && low.z <= self.floor && link.lowest(capsule, &poses.carrier(link)) <= self.floor {
             return Some((Hit { solid: link.id, other: SolidRef::Floor }, None));
         }

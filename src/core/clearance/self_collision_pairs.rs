@@ -1,4 +1,4 @@
-//! Self-collision: the pairs of robot solids that are checked, and those that may touch.
+//! Self-collision: the pairs of robot solids that are checked, and the pairs that may touch.
 
 use super::contact::SolidRef;
 use super::robot_solids::RobotSolid;
@@ -8,7 +8,8 @@ use crate::robot::Chain;
 
 /// Number of sampled postures.
 ///
-/// If two solids touch in all of them, the program assumes that they overlap in the model of the robot.
+/// If two solids touch in all sampled postures, the program assumes that they overlap in the model of the
+/// robot.
 const SAMPLES: usize = 400;
 
 /// Reason why two solids of the robot may touch each other.

@@ -1,13 +1,14 @@
 //! Correction of a programme: the joint coordinates with which a robot with errors lands on a target.
 //!
-//! Let T(q) be the nominal pose of the TCP at the joint coordinates q, and E(q) its error by the nonlinear model. The
-//! correction solves `E(q) T(q) = T*` for a target T*. The pose command is then the nominal pose T(q): with this
-//! command, a controller without calibration lands on T*.
+//! Let T(q) be the nominal pose of the TCP at the joint coordinates q, and E(q) the error of this pose by the
+//! nonlinear model. The correction solves `E(q) T(q) = T*` for a target T*. The pose command is then the
+//! nominal pose T(q): with this command, a controller without calibration lands on T*.
 //!
-//! Newton's method uses the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors differs from
-//! it by the size of the errors, about 0.001. So each step reduces the remaining error by that factor, or by less
-//! near a singular posture. Position has priority over orientation: an arm with fewer than six joints attains the
-//! position with the nearest possible orientation (least squares in the null space of the position).
+//! Newton's method uses the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors
+//! differs from this Jacobian by the relative size of the errors, about 0.001. So each step multiplies the
+//! remaining error by about this factor, or by a larger factor near a singular posture. Position has priority
+//! over orientation. An arm with fewer than six joints attains the position with the nearest possible
+//! orientation, by least squares in the null space of the position.
 
 mod step;
 
@@ -29,7 +30,7 @@ const CONVERGED: f64 = 1e-11;
 /// Distance from the target, m, that a converged correction may leave.
 const ON_TARGET: f64 = 1e-9;
 
-/// Joint coordinates that bring the TCP to a target in spite of its errors.
+/// Joint coordinates that bring the TCP to a target in spite of the errors of the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
     /// Actuator coordinates, rad or m.
@@ -41,15 +42,15 @@ pub struct Correction {
     pub steps: usize,
     /// Whether the method has converged with the TCP at the target.
     pub converged: bool,
-    /// Index of the joint that is farthest outside its limits; None if all are within.
+    /// Index of the joint that is farthest outside its limits; None if all joints are within their limits.
     pub beyond: Option<usize>,
 }
 
 /// Returns the corrected joint coordinates for a target (base frame).
 ///
 /// `start` holds joint coordinates near the solution, such as those of the nominal robot at the target.
-/// `error` returns the error of the TCP at link frames, base frame. Joints with equal limits are passive and
-/// do not move.
+/// `error` returns the error of the TCP for given link frames, base frame. Joints with equal limits are
+/// passive and do not move.
 pub fn corrected(
     chain: &Chain,
     start: &JointVector,
@@ -87,6 +88,8 @@ fn rest_of(target: &Pose, tcp: &Pose, error: &Displacement) -> Displacement {
 }
 
 /// Returns the joint that is farthest outside its limits, as a share of its travel.
+///
+/// Returns None if all joints are within their limits.
 fn beyond_limits(chain: &Chain, joints: &JointVector) -> Option<usize> {
     let excess = |i: usize| {
         let (low, high) = chain.links[i].limits;

@@ -9,8 +9,8 @@ const LOST: f64 = 1e-9;
 /// Returns the changes of the joints (rad or m) that cause the displacement `wanted` of the TCP to first
 /// order.
 ///
-/// `columns` holds the motion of the TCP per unit of each joint. If not all of the displacement is possible,
-/// the position has priority over the rotation. Of several solutions, the shortest is returned.
+/// `columns` holds the motion of the TCP per unit of each joint. If the whole displacement is not possible,
+/// the position has priority over the rotation. Among several solutions, the function returns the shortest.
 pub fn step(columns: &[Displacement], wanted: &Displacement) -> Vec<f64> {
     let n = columns.len();
     let position = DMatrix::from_fn(3, n, |i, j| columns[j].position[i]);
@@ -21,7 +21,7 @@ pub fn step(columns: &[Displacement], wanted: &Displacement) -> Vec<f64> {
     let free = DMatrix::identity(n, n) - &inverse * &position;
     let left = turn - &rotation * &first;
     let second = inverted(&(&rotation * &free)) * left;
-    // The product with `free` removes what rounding has left along the position.
+    // The product with `free` removes the part that would move the position because of rounding.
     (first + &free * second).iter().copied().collect()
 }
 

@@ -11,8 +11,8 @@ const NO_LENGTH: f64 = 1e-9;
 
 /// Returns the least time, s, of a straight line of the TCP through these joint vectors, from rest to rest.
 ///
-/// The arm does not stop at the joint vectors between the ends. `speed` is the greatest speed of the TCP, m/s; it may be
-/// infinite.
+/// The arm does not stop at the joint vectors between the ends. `speed` is the greatest speed of the TCP,
+/// m/s, which may be infinite.
 pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, speed: f64) -> f64 {
     let Some(first) = knots.first() else { return 0.0 };
     let position = |q: &JointVector| chain.forward(&chain.posture(q)).translation;
@@ -24,7 +24,8 @@ pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, spee
             at.push(length);
             values.push(*knot);
         } else if k + 1 == knots.len() {
-            // The line ends where its last vector says, even if the two last ones are one point.
+            // The line ends exactly at its last joint vector, even if the last two joint vectors are at the
+            // same point.
             values.pop();
             values.push(*knot);
         }
@@ -38,9 +39,9 @@ pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, spee
 
 /// Returns the least time, s, of a path of straight moves and straight lines of the TCP.
 ///
-/// `corners` holds the indices of the joint vectors at which the arm stops, including both ends of the path. Between
-/// two corners, two joint vectors are a straight move in joint coordinates. More vectors are a straight line of the
-/// TCP.
+/// `corners` holds the indices of the joint vectors at which the arm stops, including both ends of the path.
+/// Between two corners, two joint vectors denote a straight move in joint coordinates. More joint vectors
+/// denote a straight line of the TCP.
 pub fn path_of_legs_time(chain: &Chain, path: &[JointVector], corners: &[usize], bounds: &RateBounds) -> f64 {
     let leg = |ends: &[usize]| match path.get(ends[0]..=ends[1]) {
         Some([from, to]) => limited_move_time(from, to, bounds, f64::INFINITY),

@@ -1,9 +1,11 @@
-//! Cycle time: the least time of the motions of a layout under speeds and accelerations of the joints.
+//! Cycle time: the least time of the motions of a layout under the speed and acceleration limits of the
+//! joints.
 //!
-//! Every motion has a trapezoidal speed profile or the time-optimal one. A straight move in joint coordinates has a
-//! trapezoidal profile with synchronised joints ([`straight_move_time`]). A straight line of the TCP, such as an
-//! approach, is parameterised time-optimally ([`line_time`]). The robot stops at every corner between a line and a
-//! move, because the direction of motion jumps there. Blending is not modelled. Torques and jerk are not limited.
+//! Every motion has a trapezoidal speed profile or the time-optimal profile. A straight move in joint
+//! coordinates has a trapezoidal profile with synchronised joints ([`straight_move_time`]). A straight line
+//! of the TCP, such as an approach, is parameterised time-optimally ([`line_time`]). The robot stops at every
+//! corner between a line and a move, because the direction of motion changes abruptly there. Blending is not
+//! modelled. Torques and jerk are not limited.
 
 mod line_time;
 mod path_timing;

@@ -6,13 +6,12 @@
 //! q_j'^2 x <= v_j^2,        |q_j' u + q_j'' x| <= a_j,
 //! ```
 //!
-//! and along a step h of s, x grows by 2 h u (J. E. Bobrow, S. Dubowsky, J. S. Gibson, "Time-optimal control of robotic
-//! manipulators along specified paths", IJRR 4(3), 1985). At every sample, a backward pass computes the greatest x
-//! from which the end can be reached at rest.
-//! A forward pass then accelerates as much as these bounds allow (reachability
-//! analysis: H. Pham, Q.-C. Pham, "A new approach to time-optimal path parameterization based on reachability
-//! analysis", IEEE Transactions on Robotics 34(3), 2018). Each bound is a linear program in two variables, solved
-//! exactly over pairs of its constraints.
+//! and along a step h of s, x grows by 2 h u (J. E. Bobrow, S. Dubowsky, J. S. Gibson, "Time-optimal control
+//! of robotic manipulators along specified paths", IJRR 4(3), 1985). At every sample, a backward pass
+//! computes the greatest x from which the end can be reached at rest. A forward pass then accelerates as much
+//! as these bounds allow (reachability analysis: H. Pham, Q.-C. Pham, "A new approach to time-optimal path
+//! parameterization based on reachability analysis", IEEE Transactions on Robotics 34(3), 2018). Each bound
+//! is a linear program in two variables, which is solved exactly by considering pairs of its constraints.
 
 use super::rate_bounds::RateBounds;
 use super::spline::JointSpline;
@@ -32,7 +31,8 @@ struct Band {
 struct SampleLimits {
     bands: [Band; MAX_JOINTS],
     count: usize,
-    /// Greatest x because of speeds, and of joints whose first derivative is 0.
+    /// Greatest x that the speed limits permit, and the acceleration limits of joints whose first derivative
+    /// is 0.
     most: f64,
 }
 
@@ -63,7 +63,7 @@ impl SampleLimits {
     fn controllable(&self, step: f64, next: f64) -> f64 {
         let own = 1.0 / (2.0 * step);
         let mut most = self.most;
-        // Each pair of a lower and an upper bound of u holds for x = 0, and up to the value of `rise * x = room`.
+        // Each pair of a lower and an upper bound of u is consistent from x = 0 up to `x = room / rise`.
         let mut limit = |rise: f64, room: f64| {
             if rise > 0.0 {
                 most = most.min(room / rise);
@@ -89,8 +89,9 @@ impl SampleLimits {
 /// Returns the least time, s, along a path from rest to rest. `at` holds the lengths of the path at the joint vectors,
 /// m, and `speed` is the greatest speed along the path, m/s.
 ///
-/// Between the joint vectors the path is a cubic spline. The limits hold at 128 steps of the path, so the time exceeds
-/// the least one by up to 1 %, most if the ramps at the ends are shorter than a step.
+/// Between the joint vectors the path is a cubic spline. The limits hold at 128 steps of the path, so the
+/// time exceeds the least time by up to 1 %. The excess is largest if the ramps at the ends are shorter than
+/// a step.
 pub(super) fn path_time(at: Vec<f64>, values: Vec<JointVector>, bounds: &RateBounds, speed: f64) -> f64 {
     let spline = JointSpline::new(at, values);
     let step = spline.end() / STEPS as f64;

@@ -4,8 +4,8 @@ use crate::cell::{JointVector, MAX_JOINTS, Robot};
 
 /// Time from rest to full speed, s, that a joint is assumed to need if the robot file states no acceleration.
 ///
-/// Programs of collaborative arms need about this time: 60 degrees per s at 80 degrees per s^2 take 0.75 s. Fast
-/// industrial arms need 0.2 to 0.4 s.
+/// Programs of collaborative arms need a little more time: reaching 60 degrees per s at 80 degrees per s^2
+/// takes 0.75 s. Fast industrial arms need less time: 0.2 to 0.4 s.
 pub const ASSUMED_FULL_SPEED_AFTER: f64 = 0.5;
 
 /// Greatest speed and acceleration of every joint; both are infinite for a joint without an actuator.

@@ -7,7 +7,7 @@ use crate::cell::{Cell, JointVector};
 use crate::motion::{Guard, OperationPosture, Transfer, nearest_turns};
 use crate::robot::Chain;
 
-/// What the robot does in one part of a cycle.
+/// Activity of the robot in one part of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CyclePhase {
     /// Straight approach to the spot of an operation.
@@ -26,18 +26,18 @@ pub enum CyclePhase {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleStep {
     pub phase: CyclePhase,
-    /// Index of the operation; of the operation before the move, if the step is one.
+    /// Index of the operation. For a move between operations, this is the operation before the move.
     pub operation: usize,
-    /// Index of the operation after the move; None if the step is no move between operations.
+    /// Index of the operation after the move; None if the step is not a move between operations.
     pub next: Option<usize>,
     /// Time, s.
     pub time: f64,
 }
 
-/// Least time of a layout for its operations, one after the other.
+/// Least time in which the robot completes the operations of a layout, one after the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleTime {
-    /// Steps in their order.
+    /// Steps in the order in which they happen.
     pub steps: Vec<CycleStep>,
     /// Whether the robot returns to the first operation, so that the total is the time of a cycle.
     pub is_cycle: bool,
@@ -57,27 +57,28 @@ impl CycleTime {
 pub struct MotionSequence<'a> {
     pub cell: &'a Cell,
     pub chain: &'a Chain,
-    /// Motion rules of the cell; None if it has none.
+    /// Motion rules of the cell; None if the cell has no such rules.
     pub guard: Option<&'a Guard>,
     /// Postures at the spots, in the order in which the robot takes them.
     pub stops: &'a [OperationPosture],
-    /// Moves from each stop to the next, and in a cycle also from the last to the first; empty if the cell asks for
-    /// none.
+    /// Moves from each stop to the next, and in a cycle also from the last stop to the first. Empty if the
+    /// cell demands no checked moves.
     pub transfers: &'a [Transfer],
 }
 
 impl MotionSequence<'_> {
-    /// Computes the least time of the motion under the speeds and accelerations of the joints.
+    /// Computes the least time of the motion under the speed and acceleration limits of the joints.
     ///
-    /// Every straight line and every straight move begins and ends at rest, because the direction of the motion jumps
-    /// there. Without checked moves, the robot moves directly from the end of each retract to the next approach.
+    /// Every straight line and every straight move begins and ends at rest, because the direction of the
+    /// motion changes abruptly there. Without checked moves, the robot moves directly from the end of each
+    /// retract to the next approach.
     ///
     /// Returns None if the arm cannot follow an approach or a retract.
     pub fn time(&self, bounds: &RateBounds) -> Option<CycleTime> {
         let Self { cell, chain, stops, transfers, .. } = *self;
         let mut steps = Vec::with_capacity(4 * stops.len());
         let is_cycle = transfers.len() == stops.len() && stops.len() > 1;
-        // Postures at the spots, with the whole turns with which the robot arrives there.
+        // Postures at the spots, with the whole revolutions with which the robot arrives there.
         let mut joints: Vec<JointVector> = Vec::with_capacity(stops.len());
         for (k, stop) in stops.iter().enumerate() {
             let arrival = match (k.checked_sub(1), joints.last()) {
@@ -122,8 +123,8 @@ impl MotionSequence<'_> {
 
     /// Returns the joint vectors of the line back from a spot along the tool axis.
     ///
-    /// Whole turns may bring `joints` too near to a limit for the line. The line then begins at the posture of the stop
-    /// itself, which was checked; the time is equal.
+    /// Whole revolutions may bring `joints` too near to a limit for the line. The line then begins at the
+    /// posture of the stop itself, which was checked; the time is equal.
     fn back(&self, joints: &JointVector, stop: &OperationPosture, length: f64) -> Option<Vec<JointVector>> {
         match self.guard {
             Some(guard) => guard.back(joints, length).or_else(|_| guard.back(&stop.joints, length)).ok(),

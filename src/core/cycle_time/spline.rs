@@ -4,8 +4,9 @@ use crate::cell::{JointVector, MAX_JOINTS};
 
 /// Cubic spline through joint vectors, twice continuously differentiable, with not-a-knot ends.
 ///
-/// The third derivative is continuous at the second and at the last but one vector, so that no derivative at the ends
-/// must be known (C. de Boor, A Practical Guide to Splines, 1978). Three vectors give a parabola, and two a line.
+/// The third derivative is continuous at the second and at the second-to-last vector. So no derivative at the
+/// ends need be known (C. de Boor, A Practical Guide to Splines, 1978). Three vectors give a parabola, and
+/// two a line.
 pub(super) struct JointSpline {
     /// Parameter of every joint vector, increasing.
     at: Vec<f64>,
@@ -15,7 +16,8 @@ pub(super) struct JointSpline {
 }
 
 impl JointSpline {
-    /// Returns the spline through `values` at the increasing parameters `at`. There must be at least two of each.
+    /// Returns the spline through `values` at the increasing parameters `at`. Both lists must have at least
+    /// two entries.
     pub fn new(at: Vec<f64>, values: Vec<JointVector>) -> Self {
         let second = second_derivatives(&at, &values);
         Self { at, values, second }

@@ -5,8 +5,8 @@ use crate::cell::JointVector;
 
 /// Returns the least time, s, of a motion over a distance from rest to rest.
 ///
-/// The speed has a trapezoidal profile, or a triangular one if the distance is too short for the full speed. With the
-/// distance d, the greatest speed v and the greatest acceleration a,
+/// The speed has a trapezoidal profile, or a triangular profile if the distance is too short for the full
+/// speed. With the distance d, the greatest speed v and the greatest acceleration a,
 ///
 /// ```text
 /// t = d / v + v / a    if d >= v^2 / a,
@@ -24,9 +24,10 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 
 /// Returns the least time, s, of a straight move in joint coordinates from rest to rest.
 ///
-/// The joints are synchronised: every joint completes the same share of its travel at every instant, so that the arm
-/// stays on the straight line that is checked for collision. The share has a trapezoidal speed profile. Its greatest
-/// speed is the least v / |d| over all joints, and its greatest acceleration the least a / |d|.
+/// The joints are synchronised: every joint completes the same share of its travel at every instant. So the
+/// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile.
+/// The greatest speed of the share is the least v / |d| over all joints. The greatest acceleration of the
+/// share is the least a / |d|.
 pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds) -> f64 {
     limited_move_time(from, to, bounds, f64::INFINITY)
 }

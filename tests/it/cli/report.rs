@@ -392,9 +392,10 @@ fn a_comparison_page_names_the_better_layout() {
 #[test]
 fn layouts_of_another_question_make_no_page() {
     let shop = shop();
-    for (other, said) in
-        [("cells/hitachi_cell.toml", "grid 10 by 8"), ("cells/scara_cell.toml", "is read signed")]
-    {
+    for (other, said) in [
+        ("cells/hitachi_cell.toml", "grid 10 by 8"),
+        ("cells/scara_cell.toml", "the reading of one is signed"),
+    ] {
         let ran = shop.run(&["compare", "cells/small.toml", other, "-o", "two.html"]);
         assert_eq!(ran.code, Some(2), "{}", ran.err);
         assert!(ran.err.contains("cannot be compared") && ran.err.contains(said), "{}", ran.err);

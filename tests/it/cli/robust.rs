@@ -106,7 +106,7 @@ fn a_search_names_the_tolerance_that_leaves_no_layout() {
     let ran = shop.run(&["search", "cells/wide.toml", "--budget", "600", "--out", "found"]);
     assert_eq!(ran.code, Some(1), "{}", ran.out);
     let line =
-        ran.out.lines().find(|l| l.contains("with less placement tolerance: x_mm of worktable at most "));
+        ran.out.lines().find(|l| l.contains("with smaller placement tolerances: x_mm of worktable at most "));
     let line = line.unwrap_or_else(|| panic!("{}", ran.out));
     assert!(line.ends_with("instead of 300"), "{line}");
     let reasons = shop.document("found/search.json")["reasons"].to_string();

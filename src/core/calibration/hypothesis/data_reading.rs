@@ -16,7 +16,8 @@ pub struct DataReading {
     pub unit: f64,
     /// Map from the joint columns to actuator coordinates.
     pub joints: JointMap,
-    /// Whether the frame of the positions is left-handed: two columns are swapped, or one has the wrong sign.
+    /// Whether the frame of the positions is left-handed: two columns are swapped, or one column has the
+    /// wrong sign.
     pub mirrored: bool,
     /// Root mean square distance of measured from nominal positions, m, without the worst tenth of the rows;
     /// base and reflector are fitted.
@@ -27,7 +28,7 @@ pub struct DataReading {
     pub base: Pose,
 }
 
-/// Units of length of measured data with their names.
+/// Units of length of measured data: the name and the length in m of each unit.
 pub const LENGTH_UNITS: [(&str, f64); 3] = [("mm", MILLIMETRE), ("m", 1.0), ("inch", INCH)];
 
 /// Share of the reach of the arm above which a distance shows that a hypothesis is wrong.
@@ -45,12 +46,12 @@ impl DataReading {
         MeasuredPosition { joints, position, sigma, ..raw.numbers }
     }
 
-    /// Returns whether the nominal arm explains the data, `reach` in m.
+    /// Returns whether the nominal arm explains the data; `reach` is the reach of the arm, m.
     pub fn is_plausible(&self, reach: f64) -> bool {
         self.rms < IMPLAUSIBLE * reach
     }
 
-    /// Returns whether columns, signs and zeros are as in the file.
+    /// Returns whether columns, signs and zeros are as in the file, and the positions are not mirrored.
     pub fn is_plain(&self) -> bool {
         self.joints == JointMap::PLAIN && !self.mirrored
     }

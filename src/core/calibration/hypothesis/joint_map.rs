@@ -69,7 +69,7 @@ impl JointMap {
         flips + 2 * offsets + 2 * self.couplings.iter().flatten().count() + moved
     }
 
-    /// Returns the map with other signs: bit i of `bits` flips the sign of joint i.
+    /// Returns the map with other signs: bit i of `bits` flips the sign and the offset of joint i.
     pub fn flipped(mut self, bits: u32) -> Self {
         for (i, sign) in self.signs.iter_mut().enumerate().filter(|(i, _)| bits >> i & 1 == 1) {
             *sign = -*sign;
@@ -101,9 +101,10 @@ impl JointMap {
         all
     }
 
-    /// Returns the plain map with one or two of the inner revolute joints turned by a multiple of 90 degrees.
+    /// Returns the plain map with an offset of 90, -90 or 180 degrees at one or two of the inner revolute
+    /// joints.
     ///
-    /// Turns of the first and the last joint are equivalent to other poses of base and reflector.
+    /// Offsets of the first and the last joint are equivalent to other poses of base and reflector.
     pub fn turns(chain: &Chain) -> Vec<Self> {
         let inner = 1..chain.axes().saturating_sub(1);
         let inner: Vec<usize> = inner.filter(|&i| chain.links[i].kind == JointKind::Revolute).collect();
@@ -128,8 +129,8 @@ impl JointMap {
 
     /// Returns the plain map with every set of couplings that is tried.
     ///
-    /// Joint 3 may be measured from the horizontal instead of link 2, and the joints of a wrist, or the last joint of
-    /// a palletizer, may drive each other.
+    /// Joint 3 may be measured from the horizontal instead of from link 2. The joints of a wrist may drive
+    /// each other. The last joint of a palletizer may be driven by the joints before it.
     pub fn couplings(axes: usize) -> Vec<Self> {
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         if axes >= 3 {

@@ -13,7 +13,7 @@ const UNKNOWNS: usize = 15;
 /// Largest number of rows with which joint maps are scored.
 const ROWS: usize = 26;
 
-/// Joint coordinate from which a number cannot be in rad: more than three turns.
+/// Joint coordinate above which a number cannot be in rad, because it would exceed three revolutions.
 const SURELY_DEGREES: f64 = 20.0;
 
 /// Number of joint maps from which a search for combinations begins.
@@ -66,7 +66,7 @@ impl<'c> LinearScore<'c> {
             scored.extend(flipped.iter().map(|map| (self.residual(map, degrees), degrees, *map)));
         }
         keep_best(&mut scored, count);
-        // Combinations of two assumptions, from the best single ones.
+        // Combinations add a further assumption to the best maps so far.
         let starts: Vec<_> = scored.iter().take(STARTS).copied().collect();
         let single = (0..axes).map(|i| JointMap::PLAIN.flipped(1 << i));
         let atoms: Vec<JointMap> = maps.into_iter().skip(1).chain(single).collect();
@@ -78,9 +78,10 @@ impl<'c> LinearScore<'c> {
         scored.into_iter().map(|(_, degrees, map)| (degrees, map)).collect()
     }
 
-    /// Returns the root mean square residual of `A p + b - R f = t`, m, with free A, b and f.
+    /// Returns the root mean square residual of `A p + b - R f = t`, m, in which A, b and f are free.
     ///
-    /// Here R and t are rotation and translation of the mechanical interface, and p is the measured position.
+    /// Here R and t are the rotation and the translation of the mechanical interface, and p is the measured
+    /// position.
     fn residual(&self, map: &JointMap, degrees: bool) -> f64 {
         let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::identity() * RIDGE;
         let mut right = SVector::<f64, UNKNOWNS>::zeros();
@@ -96,7 +97,7 @@ impl<'c> LinearScore<'c> {
                 squares += t * t;
                 for (i, a) in row.clone() {
                     right[i] += a * t;
-                    // The factorisation reads the lower triangle.
+                    // The factorisation reads only the lower triangle.
                     row.clone().filter(|(j, _)| *j <= i).for_each(|(j, b)| normal[(i, j)] += a * b);
                 }
             }

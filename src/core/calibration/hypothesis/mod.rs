@@ -1,8 +1,8 @@
 //! Hypotheses about measured data, compared by how well they fit the nominal robot.
 //!
-//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the joints, and
-//! whether the position is mirrored. The plain reading is kept unless another one fits clearly better. The convention
-//! of the orientations is found after the reading of the positions.
+//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the
+//! joints, and whether the position is mirrored. The plain reading is kept unless another reading fits
+//! clearly better. The convention of the orientations is found after the reading of the positions.
 
 mod data_reading;
 mod joint_map;
@@ -28,19 +28,19 @@ use linear_score::LinearScore;
 /// Largest number of rows with which the hypotheses are compared.
 const ROWS: usize = 80;
 
-/// Share of the reach of the arm up to which the plain reading is kept without a search for others.
+/// Share of the reach of the arm up to which the plain reading is kept without trying other hypotheses.
 const GOOD: f64 = 1e-3;
 
-/// Ratio by which another hypothesis must reduce the distance of the plain reading.
+/// Factor by which another hypothesis must reduce the distance of the plain reading.
 const CLEARLY: f64 = 3.0;
 
-/// Ratio of distances up to which the simpler one of two hypotheses is taken.
+/// Ratio of distances up to which the simpler one of two hypotheses is chosen.
 const AS_GOOD: f64 = 1.05;
 
-/// Least number of rows with which hypotheses other than units are compared.
+/// Least number of rows with which hypotheses about anything but the units are compared.
 const LEAST_ROWS: usize = 8;
 
-/// Number of rows of which one, the worst, is left out.
+/// Reciprocal of the share of rows that are left out because they fit worst.
 const WORST: usize = 10;
 
 /// Number of hypotheses whose linear score is followed by a fit of base and reflectors.
@@ -67,15 +67,15 @@ pub fn explain(chain: &Chain, raw: &[RawMeasurement], reach: f64) -> Option<Data
     other.map(|other| DataReading { plain_rms, ..other }).or(plain)
 }
 
-/// Returns the simplest of the readings that fit about as well as the best one.
+/// Returns the simplest of the readings that fit about as well as the best reading.
 fn simplest(all: Vec<DataReading>) -> Option<DataReading> {
     let least = all.iter().map(|reading| reading.rms).min_by(f64::total_cmp)?;
     let good = all.into_iter().filter(|reading| reading.rms <= AS_GOOD * least);
     good.min_by(|a, b| a.complexity().cmp(&b.complexity()).then(a.rms.total_cmp(&b.rms)))
 }
 
-/// Fits base and reflectors for joint maps in degrees (true) or rad, in all units of length that suit the
-/// size of the arm.
+/// Fits base and reflectors for joint maps, in all units of length that suit the size of the arm. The flag of
+/// a map is true if angles are in degrees.
 fn fitted(
     chain: &Chain,
     raw: &[RawMeasurement],
@@ -111,7 +111,7 @@ fn judged(chain: &Chain, raw: &[RawMeasurement], reading: &DataReading) -> Optio
     let measured = raw.iter().map(|m| reading.applied(chain, m));
     let mut pairs: Vec<_> = measured.map(|m| (Deformed::new(chain, &m.joints, &[], &[]), m)).collect();
     let mut answer = None;
-    // A first fit finds the worst rows, and a second one does without them.
+    // A first fit finds the worst rows, and a second fit leaves them out.
     for kept in [raw.len(), raw.len() - raw.len() / WORST] {
         pairs.truncate(kept);
         let (poses, measured): (Vec<_>, Vec<_>) = pairs.iter().cloned().unzip();

@@ -72,8 +72,8 @@ pub fn explain_rotations(
 
 /// Returns the root mean square angle, rad, of `measured = B nominal F` with the best constant B and F.
 ///
-/// Relative rotations have `M_1' M_i = F' (N_1' N_i) F`, so F turns the axes of the measured rotations onto those of
-/// the nominal rotations.
+/// Relative rotations have `M_1' M_i = F' (N_1' N_i) F`, so F rotates the axes of the measured rotations onto
+/// the axes of the nominal rotations.
 fn distance(nominal: &[Matrix3<f64>], measured: &[Matrix3<f64>]) -> Option<f64> {
     let axes = |of: &[Matrix3<f64>]| -> Vec<Vector3<f64>> {
         of.windows(2).map(|pair| doubled_axis(&(pair[0].transpose() * pair[1]))).collect()
