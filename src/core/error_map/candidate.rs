@@ -8,12 +8,12 @@ use std::cmp::Ordering;
 ///
 /// [`Ord`] ranks the best candidate as the greatest, so a [`std::collections::BinaryHeap`] returns it first.
 ///
-/// A candidate is better if its value is less. If values are equal, the lower node index is better, then the
-/// lower branch index.
+/// A candidate is better if its value is smaller. If values are equal, the lower node index is better, then
+/// the lower branch index.
 #[derive(Clone, Copy)]
 pub struct PostureCandidate {
     pub spot: Spot,
-    /// TCP target, base frame, m.
+    /// Target position of the TCP, in the base frame, m.
     pub target: Vector3<f64>,
     pub contact: ArmContact,
     pub certainty: Certainty,
@@ -21,7 +21,7 @@ pub struct PostureCandidate {
 
 /// Kind of the value of a candidate: a cheap lower bound, a sharper lower bound, or the value itself.
 ///
-/// Among equal values, a bound comes first, because the value may be anything above it.
+/// Among equal values, the least certain one comes first, because its true value is not known yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Certainty {
     Value,

@@ -1,4 +1,4 @@
-//! Demand on the postures of a layout: they must be certified.
+//! Demand that the postures of a layout are certified.
 
 use crate::cell::Cell;
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};

@@ -56,7 +56,7 @@ pub trait PostureVisitor {
 pub struct VisitedNode {
     /// Index of the node.
     pub node: usize,
-    /// TCP target, base frame, m.
+    /// Target position of the TCP, in the base frame, m.
     pub target: Vector3<f64>,
     /// Measure of how far the node is from having a usable posture; None if it has one.
     pub missed: Option<Gap>,
