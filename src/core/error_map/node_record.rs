@@ -97,7 +97,7 @@ impl Status {
                     }
                 };
                 format!(
-                    "joint {name} needs {needs:.2} {unit}, its limit is {} {unit}{less}",
+                    "joint {name} needs {needs:.2} {unit}, but its limit is {} {unit}{less}",
                     rounded(limit, 6)
                 )
             }
@@ -107,7 +107,7 @@ impl Status {
                 format!("the attitude is missed by {:.2} deg{}", deg_from_rad(*by), at.unwrap_or_default())
             }
             Status::NotConverged { position, angle } => format!(
-                "no posture was found, but one may exist: the nearest is off by {:.3} mm and {:.3} deg",
+                "no posture was found, but one may exist: the best attempt is off by {:.3} mm and {:.3} deg",
                 mm_from_m(*position),
                 deg_from_rad(*angle)
             ),

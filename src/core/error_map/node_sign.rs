@@ -76,8 +76,8 @@ impl NodeSign {
             Self::NotConverged => "not converged",
             Self::Collision => "in collision",
             Self::Singular => "nearly singular",
-            Self::ApproachBlocked => "without a free approach",
-            Self::RetractBlocked => "without a free retract",
+            Self::ApproachBlocked => "with a blocked approach",
+            Self::RetractBlocked => "with a blocked retract",
             Self::Unjudged => "of unknown error",
         }
     }

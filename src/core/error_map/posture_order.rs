@@ -79,9 +79,9 @@ impl Mapper {
         } else if self.arm.inverse.cost() == Cost::Numeric {
             Some("the inverse kinematics of the arm is numeric")
         } else if !self.arm.inverse.has_spin_families(attitudes) {
-            Some("the last joint does not rotate the tool alone")
+            Some("the postures at a target differ in more than the last joint")
         } else if !self.setups[operation].evaluator.has_spin_bound() {
-            Some("its reading or sense has no bound over spins")
+            Some("the reading or the sense has no bound over spins")
         } else {
             None
         }

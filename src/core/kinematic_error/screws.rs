@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 /// One value per joint; the unused tail is zero.
 pub type JointValues = [f64; MAX_JOINTS];
 
-/// Joint axes and end points of a chain at the reference posture, base frame.
+/// Joint axes and end points of a chain at the reference posture, in the base frame.
 #[derive(Debug, Clone)]
 pub struct Screws {
     pub kinds: Vec<JointKind>,
@@ -41,7 +41,7 @@ pub struct PosedScrews {
 }
 
 impl Screws {
-    /// Returns the nominal chain with `frames` as reference posture.
+    /// Returns the nominal chain. The reference posture is that of `frames`.
     ///
     /// `point` is the point whose error counts, in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
@@ -97,8 +97,9 @@ impl Screws {
         with
     }
 
-    /// Returns the sizes of the small motions by which another chain with the same joints differs from this one: one
-    /// before every axis, and one before the end point. Angles (rad) come first, then translations (m).
+    /// Returns the sizes of the small motions by which another chain with the same joints differs from this
+    /// one. There is one motion before every axis, and one before the end point. Angles (rad) come first,
+    /// then translations (m).
     ///
     /// Errors that cancel each other, such as large offsets along parallel axes, do not count.
     pub fn motions_to(&self, other: &Screws) -> ([f64; MAX_JOINTS + 1], [f64; MAX_JOINTS + 1]) {

@@ -9,11 +9,11 @@ use crate::error_map::{Demand, HeldPosture, MapperWorkspace, OperationMap, Outco
 /// Certificate of one operation at its spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperationCertificate {
-    /// Upper bound of the value of the operation over all misplacements, m; None if no bound is known.
+    /// Upper bound of the value (m) of the operation over all misplacements; None if no bound is known.
     pub most: Option<f64>,
 }
 
-/// Certificate of a layout, or the reasons why there is none.
+/// Certificate of a layout, or the reasons why there is no certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutCertificate {
     /// Floor spaces that may overlap or come nearer than the clearance.
@@ -32,7 +32,7 @@ impl LayoutCertificate {
 impl Workcell {
     /// Certifies a layout, given its maps.
     ///
-    /// All operations lack a certificate if the layout does not belong to the cell.
+    /// If the layout does not belong to the cell, no operation has a certificate.
     pub fn certificate(&self, layout: &Layout, maps: &[OperationMap]) -> LayoutCertificate {
         if self.cell.misfit(layout).is_some() {
             return LayoutCertificate { overlaps: Vec::new(), operations: vec![None; maps.len()] };

@@ -7,10 +7,10 @@
 //! Only gains are accepted, so the refined spot is never worse than the best node. If the layout must work at
 //! every misplacement inside the placement tolerances, only certified spots are accepted.
 //!
-//! The branch of the posture stays the same during a search. At the end point every branch is judged, as at a
-//! node. If another branch is better there, a search with that branch follows. Only one operation is refined
-//! at a time, and all others stay at their best nodes. For an operation that places a part, the part is
-//! therefore picked at the best node of the pick, not at its refined spot.
+//! The branch of the posture stays the same during a search. At the end point every branch is judged, as at
+//! a node. If another branch is better there, a search with that branch follows. Only one operation is
+//! refined at a time, and all other operations keep their best nodes. For an operation that places a part,
+//! the part is therefore picked at the best node of the pick, not at its refined spot.
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
@@ -18,7 +18,7 @@ use crate::certificate::Misplacements;
 use crate::error_map::{HeldPosture, MapperWorkspace, OperationMap, PointSpot, Probe, Status};
 use nalgebra::Vector3;
 
-/// Greatest number of nodes from which searches start.
+/// Greatest number of nodes from which the searches of one operation start.
 const MAX_STARTS: usize = 4;
 /// Least distance between two start nodes along x or along y, in divisions of the grid.
 const START_SPACING: usize = 3;
@@ -34,8 +34,8 @@ const LEAST_GAIN: f64 = 1e-9;
 const MAX_POSTURES: usize = 4;
 /// Number of polls without a gain after which the distance is halved.
 ///
-/// The worst-case error has narrow curved valleys with a kink along them. There, one poll often finds no
-/// gain.
+/// The worst-case error has narrow curved valleys with a kink along them. In such a valley, one poll often
+/// finds no gain.
 const MAX_FAILURES: usize = 3;
 /// Greatest number of polls of one search; a few hundred are usual.
 const MAX_POLLS: usize = 1000;
@@ -47,7 +47,7 @@ pub struct Refined {
     pub at: (f64, f64),
     /// Coordinates x and y of the best node in the frame of the equipment, m.
     pub node_at: (f64, f64),
-    /// TCP at the refined spot, world frame, m.
+    /// Position of the TCP at the refined spot, in the world frame, m.
     pub position: Vector3<f64>,
     pub branch: u64,
     pub joints: JointVector,
@@ -153,8 +153,8 @@ fn starts(map: &OperationMap) -> Vec<usize> {
 
 /// Runs one compass search on the points at which the posture of `from` can be held and is certified.
 ///
-/// A certificate is expensive, so only points that improve the value are certified. Points nearer than `apart` (m) to
-/// a touched point do not count.
+/// A certificate is expensive, so only points that improve the value are certified. Points nearer than
+/// `apart` (m) to a point touched to teach the frame do not count.
 fn descend(from: PointSpot, area: &Rectangle, mut step: f64, probe: &mut Probe<'_>, apart: f64) -> PointSpot {
     let inside = |v: f64, centre: f64, size: f64| v.clamp(centre - size / 2.0, centre + size / 2.0);
     let (mut best, mut failures) = (from, 0);

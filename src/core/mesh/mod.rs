@@ -1,4 +1,5 @@
-//! Triangle meshes of equipment and links: readers of mesh files, a writer of STL, and a check whether a mesh bounds a solid.
+//! Triangle meshes of equipment and links: readers of mesh files, a writer of STL files, and a check of
+//! whether a mesh bounds a solid.
 
 mod obj;
 mod solidity;

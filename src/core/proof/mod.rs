@@ -107,14 +107,16 @@ impl WhyNot {
     /// Returns the reason in words, as a clause about the operation.
     pub fn in_words(self) -> &'static str {
         match self {
-            Self::Infeasible => "no posture within the joint limits has its height and attitude",
+            Self::Infeasible => {
+                "no posture within the joint limits has the height and attitude of the operation"
+            }
             Self::Relative => "its error is relative to the pick of the part",
             Self::Registered => "a registration removes part of its error",
             Self::EquipmentErrors => "the signed errors of the equipment may cancel those of the robot",
             Self::ToolAxes => "its sense is in axes of the tool",
             Self::SurfaceAxes => "its sense is in axes of a surface that can rotate",
             Self::WorldAxes => "its sense is in axes of the world, and the robot base can rotate",
-            Self::Rotation => "its sense has rotations, which this model and reading do not bound",
+            Self::Rotation => "its sense includes rotations, which have no bound in this model and reading",
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",
@@ -218,11 +220,11 @@ impl Proof {
             })
             .collect();
         let mut relaxed =
-            "each operation alone at its best spot in any layout; collisions and overlaps are ignored"
+            "each operation alone at its best spot in any layout, and ignores collisions and overlaps"
                 .to_string();
         let percentiles = [Quantity::P95, Quantity::P99].contains(&workcell.cell.quantity);
         if workcell.cell.reading == Reading::Statistical && percentiles {
-            relaxed += "; assumes that squares of percentiles are convex in the covariance, which is tested but not proven";
+            relaxed += "; it assumes that squares of percentiles are convex in the covariance, which is tested but not proven";
         }
         match self.covers {
             Covers::Everything => relaxed,

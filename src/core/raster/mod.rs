@@ -99,13 +99,13 @@ impl Shot {
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
         if !(64..=MAX_SIDE).contains(&self.width) || !(64..=MAX_SIDE).contains(&self.height) {
             return Err(format!(
-                "a picture has 64 to {MAX_SIDE} px a side, not {} by {}",
+                "the width and the height of a picture must be 64 to {MAX_SIDE} px, not {} by {}",
                 self.width, self.height
             ));
         }
         if self.take >= drawing.lenses.len() {
             return Err(format!(
-                "there are {} combinations of model and reading, none numbered {}",
+                "there are {} combinations of model and reading, but none has the number {}",
                 drawing.lenses.len(),
                 self.take
             ));
@@ -256,6 +256,6 @@ fn encoded(sheet: &PixelImage) -> Result<Vec<u8>, String> {
         writer.write_image_data(&data)?;
         writer.finish()
     };
-    write(encoder).map_err(|e| format!("cannot make PNG: {e}"))?;
+    write(encoder).map_err(|e| format!("cannot encode the picture as PNG: {e}"))?;
     Ok(out)
 }
