@@ -137,8 +137,8 @@ fn open_and_hollow_meshes_are_reported() {
     for (what, mesh, closed, said) in [
         ("solid", solid.clone(), true, ""),
         ("open", open, false, "is not a closed surface"),
-        ("hollow", hollow.clone(), true, "has a hollow inside"),
-        ("hollow, outside in", turned(hollow), true, "has a hollow inside"),
+        ("hollow", hollow.clone(), true, "encloses a cavity"),
+        ("hollow, outside in", turned(hollow), true, "encloses a cavity"),
         ("a solid in a solid", both(solid.clone(), inner), true, ""),
         ("one of two turned", both(solid, beside), true, ""),
     ] {

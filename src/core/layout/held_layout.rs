@@ -175,8 +175,8 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment. Returns None if an
-    /// operation cannot keep its spot in the layout as found.
+    /// Returns the values of the operations that do not depend on a piece of equipment. Returns None if the
+    /// layout as found is infeasible.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;

@@ -1,4 +1,4 @@
-//! Repeatability: the scatter of one robot that repeats a pose, from random errors of its joints.
+//! Repeatability: the scatter of one robot that repeats a pose, computed from random errors of its joints.
 
 use super::arm_series::PoseAccuracyTest;
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Robot};
@@ -38,8 +38,8 @@ pub fn joint_scatter(
 /// Returns the repeatability RP (m) of ISO 9283, as the mean over the five poses, for normal errors of the
 /// joint coordinates with the given standard deviations (rad or m).
 ///
-/// `RP = l + 3 S`, where l and S are mean and standard deviation of the distance from the barycentre. The
-/// distances follow from the Jacobian.
+/// `RP = l + 3 S`, where l and S are the mean and the standard deviation of the distance from the
+/// barycentre. The distances follow from the Jacobian.
 pub fn repeatability(chain: &Chain, test: &PoseAccuracyTest<'_>, deviations: &JointVector) -> f64 {
     let count = REPETITIONS as f64;
     let of_pose = |columns: [Displacement; MAX_JOINTS]| {
