@@ -1,4 +1,4 @@
-//! 3-D pictures without a browser: PNG by a software rasteriser, SVG with hidden lines removed.
+//! 3-D pictures without a browser: PNG by a software rasteriser, and SVG with hidden lines removed.
 //!
 //! A [`Drawing`] becomes a scene of bodies, lines and labels in the world frame, and a camera is fitted to
 //! the scene. PNG and SVG show the same scene. Equal drawings give equal bytes, because no font file,
@@ -91,7 +91,8 @@ const MAX_SIDE: usize = 6000;
 const SAMPLES: usize = 3;
 
 impl Shot {
-    /// Checks the size of the picture, and that the drawing contains the operation and the errors to show.
+    /// Checks the size of the picture, and checks that the drawing contains the operation and the errors to
+    /// show.
     ///
     /// # Errors
     /// Returns a message if the size is out of range. The function also returns a message if the drawing
@@ -116,7 +117,7 @@ impl Shot {
         }
     }
 
-    /// Returns the height of capital letters in this picture, px; other sizes are multiples of this height.
+    /// Returns the height of capital letters in this picture, px. Other sizes are multiples of this height.
     fn capital(&self) -> f64 {
         ((self.width as f64).min(1.6 * self.height as f64) / 125.0).clamp(7.0, 22.0)
     }
@@ -223,7 +224,7 @@ fn paint(canvas: &mut DepthBuffer<[u8; 3]>, body: &SceneBody, camera: &Camera, l
     }
 }
 
-/// Paints the triangles of transparent bodies; farther triangles are painted first.
+/// Paints the triangles of transparent bodies. Farther triangles are painted first.
 fn paint_clear(canvas: &mut DepthBuffer<[u8; 3]>, bodies: &[&SceneBody], camera: &Camera) {
     let mut faces = Vec::new();
     for body in bodies {
