@@ -39,7 +39,7 @@ impl ErrorView {
         match (self.reading, self.quantity) {
             (Reading::Signed, _) => "signed sample",
             (Reading::WorstCase, _) => "worst case",
-            // A yield belongs to one sense and its limit; other senses show the 95th percentile.
+            // A yield belongs to one sense and its limit. Other senses show the 95th percentile.
             (Reading::Statistical, Quantity::Yield) => Quantity::P95.name(),
             (Reading::Statistical, quantity) => quantity.name(),
         }

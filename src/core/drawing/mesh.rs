@@ -88,7 +88,7 @@ impl Mesh {
         i
     }
 
-    /// Returns the mesh in another frame; `pose` is the pose of the present frame in the new frame.
+    /// Returns the mesh in another frame. `pose` is the pose of the present frame in the new frame.
     pub fn seen_from(&self, pose: &Pose) -> Self {
         Self {
             positions: self.positions.iter().map(|p| pose.transform(p)).collect(),

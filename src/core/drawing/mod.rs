@@ -47,8 +47,8 @@ pub struct Drawing<'a> {
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
-    /// Region in which the frame origin of each piece may stand, at the height of the frame; empty if no regions were
-    /// computed.
+    /// Region in which the frame origin of each piece may lie, at the height of the frame. The list is
+    /// empty if no regions were computed.
     pub regions: Vec<DrawnRegion>,
     /// Working envelope of each operation; empty if [`Detail::envelopes`] is false.
     pub envelopes: Vec<Rings>,

@@ -11,10 +11,10 @@ const SPEED: f64 = 0.8;
 const REST: f64 = 0.6;
 /// Time between two frames of the animation, s.
 const TICK: f64 = 0.05;
-/// Longest duration of a straight move in joint coordinates, s; longer moves are shown faster.
+/// Longest duration of a straight move in joint coordinates, s. Longer moves are shown faster.
 const MAX_DURATION: f64 = 6.0;
 
-/// Stop of the animation: a posture in which the robot stands still for a moment.
+/// Stop of the animation: a posture in which the robot rests for a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovementStop {
     /// Operation at whose spot the robot stops; None at home.
@@ -149,7 +149,8 @@ impl MovementBuilder<'_> {
     fn show(&mut self, time: f64, joints: &JointVector, holding: Option<usize>) {
         let frames = self.chain.frames(&self.chain.posture(joints));
         let links = frames.links[..=self.chain.axes()].iter().enumerate();
-        // Frame 0 of the chain may stand on a mount; solids of link 0 are drawn in the base frame.
+        // Frame 0 of the chain may differ from the base frame by a mount. Solids of link 0 are drawn in the
+        // base frame.
         let mut world: Vec<Pose> =
             links.map(|(k, link)| if k == 0 { self.base } else { self.base * *link }).collect();
         world.push(self.base * frames.tcp);

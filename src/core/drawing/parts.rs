@@ -37,7 +37,7 @@ impl PartKind {
 /// Carrier of a part: the world, or the link frame with which the part moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PartCarrier {
-    /// Part that stands still, with its pose in the world frame.
+    /// Part that does not move, with its pose in the world frame.
     World(Pose),
     /// Part that moves with a link frame: 0 is the robot base, k the frame after link k.
     Link(usize),
@@ -189,8 +189,8 @@ fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Dra
     equipment.solids.iter().map(part).collect()
 }
 
-/// Returns the walls of the fence as boxes, each as the pose of its centre in the world frame and its edge
-/// lengths, m.
+/// Returns the walls of the fence as boxes. Each box is the pose of its centre in the world frame and its
+/// edge lengths, m.
 ///
 /// A wall is 10 mm thick. If the fence has no height, its walls are also 10 mm high.
 pub fn fence_walls(cell: &Cell) -> Vec<(Pose, Vector3<f64>)> {

@@ -35,7 +35,7 @@ pub enum ArmContact {
     Unknown,
     /// A solid before the last joint has a contact.
     BeforeLastJoint,
-    /// The solids before the last joint have no contact; the contacts of the other solids are not known.
+    /// The solids before the last joint have no contact. The contacts of the other solids are not known.
     OnlyBehindLastJoint,
 }
 

@@ -120,7 +120,7 @@ impl OperationQuery<'_> {
             .map_or(Ok(()), |measure| Err(NotCertified::Singular { measure }))
     }
 
-    /// Returns bounds on the motion of all solids while the joint coordinates stay inside a box.
+    /// Returns bounds on the motion of all solids if the joint coordinates lie inside a box.
     fn motion<'m>(
         &'m self,
         frames: &'m Frames,
@@ -163,8 +163,8 @@ impl OperationQuery<'_> {
         self.certify_path(&knots, &deviations, load, demand, Some(&between))
     }
 
-    /// Returns the largest deviation of the D-H coordinates at each knot of a path, rad or m, if the path
-    /// follows the misplaced target. Via postures do not follow the target.
+    /// Returns the largest deviation of the D-H coordinates (rad or m) at each knot of a path that follows
+    /// the misplaced target. Via postures do not follow the target.
     ///
     /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation halfway to the
     /// neighbouring knots. Along any other move, the deviation is interpolated linearly.

@@ -88,7 +88,7 @@ impl PlacedLayout<'_> {
             .map_or_else(|why| why, |free| self.value_of_all(operation, &free))
     }
 
-    /// Combines the values of all nodes; the spot is the worst node, or the first of several equally bad
+    /// Combines the values of all nodes. The spot is the worst node, or the first of several equally bad
     /// nodes.
     fn value_of_all(&self, operation: usize, free: &[Spot]) -> Outcome {
         let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
@@ -104,7 +104,7 @@ impl PlacedLayout<'_> {
     /// touches to teach the frame are left out.
     ///
     /// # Errors
-    /// Returns the outcome if some node has no usable spot.
+    /// Returns the outcome if any node has no usable spot.
     pub fn every_free(
         &self,
         operation: usize,

@@ -28,8 +28,8 @@ impl OperationQuery<'_> {
     /// Computes the value of the operation ([`Spot::value`]) in a held posture. Collisions and motion rules
     /// are not checked.
     ///
-    /// `held` may come from a slightly different layout. The point keeps its coordinates in the frame of the
-    /// equipment, and the joint coordinates are computed anew by the rules of [`HeldPosture`].
+    /// `held` may come from a slightly different layout. The point keeps its coordinates in the frame of
+    /// the equipment. The joint coordinates are computed anew by the rules of [`HeldPosture`].
     ///
     /// # Errors
     /// Returns the status of the point if no posture within the joint limits continues the held one.

@@ -142,8 +142,8 @@ impl NodeRecord {
 
 /// Posture reported for a node, with its errors in the world frame.
 ///
-/// In the signed reading the errors are those of the signed sample. In the other readings they are the errors
-/// at the corner of the tolerance box that is worst in the sense of the operation.
+/// In the signed reading, the errors are those of the signed sample. In the other readings, they are the
+/// errors at the corner of the tolerance box that is worst in the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
     pub branch: u64,

@@ -90,8 +90,8 @@ impl OperationSetup {
         }
     }
 
-    /// Returns the kind of value that a search computes after a rough bound: a sharper bound, or the value if a bound
-    /// would cost as much.
+    /// Returns the kind of value that a search computes after a rough bound. It is a sharper bound, or the
+    /// value if a bound would cost as much.
     pub fn after_rough_bound(&self) -> Certainty {
         match self.is_priced || self.evaluator.has_sharp_worst_bound() {
             true => Certainty::Bound,

@@ -38,7 +38,7 @@ impl PostureOrder {
         }
     }
 
-    /// Returns the reason why every posture is judged; None if bounds leave out some postures.
+    /// Returns the reason why every posture is judged; None if bounds exclude postures.
     pub fn reason(&self) -> Option<&'static str> {
         match self {
             Self::EveryPosture(why) => Some(why),

@@ -1,9 +1,9 @@
 //! Search for the least-error spot by spin families.
 //!
-//! A tool that may spin freely gives each solution of the inverse kinematics a dozen postures that differ
-//! in the last joint alone. Each such family has a lower bound of its values, and its members are judged
-//! only if this bound does not exceed the best value found. The solids before the last joint are checked
-//! for contact once per family. The spot is bit-identical to the spot found by judging every posture.
+//! If a tool may spin freely, each solution of the inverse kinematics has a dozen postures that differ in
+//! the last joint alone. Each such family has a lower bound of its values. The members are judged only if
+//! this bound does not exceed the best value found. The solids before the last joint are checked for
+//! contact once per family. The spot is bit-identical to the spot found by judging every posture.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::family_queue::{FamilyQueue, SpinFamily};

@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 /// Effect of one unit of a small motion on the TCP: its displacement `g` and its rotation `w`.
 ///
-/// The displacement is in m per unit. The rotation is the unit vector along the axis of the motion; it is
-/// zero for a translation.
+/// The displacement is in m per unit. The rotation is the unit vector along the axis of the motion, or zero
+/// for a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionTerm {
     pub g: Vector3<f64>,
@@ -52,7 +52,7 @@ impl MotionTerm {
     /// Returns the effect of motion `k` of the joint frames. `joints` holds the pose of each joint frame in
     /// the D-H frame that precedes its row.
     ///
-    /// This function is separate because [`Self::of`] must stay small enough to be inlined.
+    /// This function is separate because [`Self::of`] must remain small enough to be inlined.
     #[inline(never)]
     fn of_joint(frames: &Frames, joints: &[Pose], k: usize) -> Self {
         let (joint, component) = (k / PER_FRAME, k % PER_FRAME);
@@ -110,8 +110,8 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
 
 /// Returns the error by the second-order model.
 ///
-/// The displacement by each small motion is rotated by the sum of all rotations nearer to the base, plus
-/// half of the motion's own rotation. The rotation vectors are composed to second order.
+/// The displacement by each small motion is rotated by the sum of all rotations nearer to the base. Half of
+/// the motion's own rotation is added. The rotation vectors are composed to second order.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
@@ -248,7 +248,7 @@ impl Expansion {
     /// The order also counts the motions of all joint frames.
     pub fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
-        // Rank of the first motion of joint frame i; the motions of its D-H row follow.
+        // This is the rank of the first motion of joint frame i. The motions of its D-H row follow.
         let joint = |i: usize| PER_FRAME + (PER_FRAME + PER_LINK) * i;
         let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][(k - first) % PER_FRAME];
         match k {

@@ -8,9 +8,9 @@
 //! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett, Driels
 //! and Mooring 1987). The links alone have 4 n parameters in each of the following two sets:
 //!
-//! - four parameters per link: the errors dq of the joint coordinate, dr of the axial offset, dl of the
-//!   length and dalpha of the twist. If two neighbouring axes are parallel, their errors dr are the same
-//!   translation. If the axes are nearly parallel, the two translations differ only by the small angle
+//! - four parameters per link. They are the errors dq of the joint coordinate, dr of the axial offset, dl
+//!   of the length and dalpha of the twist. If two neighbouring axes are parallel, their errors dr are the
+//!   same translation. If the axes are nearly parallel, the two translations differ only by the small angle
 //!   between the axes;
 //! - five parameters (Hayati 1983): where axes are parallel, dbeta replaces dr. The error dbeta is the
 //!   rotation about the y axis after the link, which the other four parameters cannot produce.

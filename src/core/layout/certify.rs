@@ -87,8 +87,8 @@ impl Workcell {
     }
 }
 
-/// Returns whether neither party of an overlap is the floor. A misplacement never moves equipment into the floor,
-/// because equipment that stands lower than drawn stands on a lower floor.
+/// Returns whether neither party of an overlap is the floor. A misplacement never moves equipment into the
+/// floor. Equipment that is lower than drawn is assumed to stand on a lower floor.
 pub fn is_between_solids(overlap: &Overlap) -> bool {
     ![overlap.a, overlap.b].contains(&Party::Floor)
 }

@@ -32,7 +32,8 @@ pub struct Evaluation {
     /// case.
     pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
-    /// Floor spaces that may overlap or come nearer than the clearance at some misplacement.
+    /// Floor spaces that may overlap, or come nearer than the clearance, at a misplacement inside the
+    /// placement tolerances.
     pub near: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
@@ -141,7 +142,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
 struct Operations {
     outcomes: Vec<Outcome>,
     spots: Vec<Option<Spot>>,
-    /// Values of the operations; an operation without a value is left out.
+    /// Values of the operations. An operation without a value is left out.
     values: Vec<f64>,
     /// Value that must keep the limit of the operation, for each entry of `values`.
     most: Vec<f64>,

@@ -96,8 +96,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the data from which the errors of one posture in a map are computed: the context of the
-    /// operation and the link frames.
+    /// Returns the data from which the errors of one posture in a map are computed. They are the context of
+    /// the operation and the link frames.
     ///
     /// # Errors
     /// Returns the reason if the errors cannot be computed in this layout.

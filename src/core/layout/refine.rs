@@ -3,14 +3,14 @@
 //! Eight directions are polled at one distance, and the step with the largest gain is taken. After several
 //! successive polls without a gain, the distance is halved. The distance starts at half the spacing of the
 //! nodes and ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions
-//! rotate by the golden angle from poll to poll, so that they meet an edge of the usable area at many angles.
-//! Only gains are accepted, so the refined spot is never worse than the best node. If the layout must work at
-//! every misplacement inside the placement tolerances, only certified spots are accepted.
+//! rotate by the golden angle from poll to poll. They therefore meet an edge of the usable area at many
+//! angles. Only gains are accepted, so the refined spot is never worse than the best node. If the layout
+//! must work at every misplacement inside the placement tolerances, only certified spots are accepted.
 //!
-//! The branch of the posture stays the same during a search. At the end point every branch is judged, as at
-//! a node. If another branch is better there, a search with that branch follows. Only one operation is
-//! refined at a time, and all other operations keep their best nodes. For an operation that places a part,
-//! the part is therefore picked at the best node of the pick, not at its refined spot.
+//! The branch of the posture does not change during a search. At the end point every branch is judged, as
+//! at a node. If another branch is better there, a search with that branch follows. Only one operation is
+//! refined at a time, and all other operations keep their best nodes. An operation that places a part
+//! therefore assumes that the part was picked at the best node of the pick, not at the refined spot.
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
@@ -28,7 +28,7 @@ const DIRECTIONS: usize = 8;
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// Least polling distance of a search, m.
 const LEAST_STEP: f64 = 1e-6;
-/// Least gain that counts, as a share of the value; smaller gains are rounding errors.
+/// Least gain that counts, as a share of the value. Smaller gains are rounding errors.
 const LEAST_GAIN: f64 = 1e-9;
 /// Greatest number of postures tried one after the other from one start node.
 const MAX_POSTURES: usize = 4;
@@ -37,7 +37,7 @@ const MAX_POSTURES: usize = 4;
 /// The worst-case error has narrow curved valleys with a kink along them. In such a valley, one poll often
 /// finds no gain.
 const MAX_FAILURES: usize = 3;
-/// Greatest number of polls of one search; a few hundred are usual.
+/// Greatest number of polls of one search. A few hundred are usual.
 const MAX_POLLS: usize = 1000;
 
 /// Spot of an operation, refined between the nodes.
@@ -53,8 +53,8 @@ pub struct Refined {
     pub joints: JointVector,
     /// Value of the operation at the refined spot.
     pub value: f64,
-    /// Upper bound of the value over all misplacements inside the placement tolerances; None if the layout need
-    /// not withstand misplacements, or if no bound is known.
+    /// Upper bound of the value over all misplacements inside the placement tolerances. It is None if the
+    /// layout need not withstand misplacements, or if no bound is known.
     pub most: Option<f64>,
     /// Value of the best node, never less than `value`.
     pub node_value: f64,

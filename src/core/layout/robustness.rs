@@ -1,6 +1,6 @@
 //! Tolerance analysis of a layout: the effect of misplaced equipment on every operation.
 //!
-//! The point on the surface and the branch of the posture stay the same. Several bodies move inside their
+//! The point on the surface and the branch of the posture do not change. Several bodies move inside their
 //! placement tolerances: the robot base, the equipment on which the point lies, and the equipment that
 //! carries it. If the operation is relative to a pick, the equipment of the pick and its carriers also
 //! move. The controller is assumed to know where the bodies are. Placement errors that the controller does
@@ -14,11 +14,11 @@
 //!   posture cannot be used there, or if floor spaces overlap. The corners of the box of every other body
 //!   are also checked, because this body may get in the way.
 //! - Gradient: it is computed by central differences.
-//! - Largest allowed misplacement: three separate sizes, namely a multiple of the tolerance box, a
-//!   displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces
+//! - Largest allowed misplacement: there are three separate sizes. They are a multiple of the tolerance
+//!   box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces
 //!   overlap, the posture is usable and the value is within its limit. A multiple of the box is checked at
 //!   the corners and the middles of all edges and faces. A displacement is checked in 16 directions, and a
-//!   yaw in both directions. Each size grows by the factor [`STRIDE`] until a check fails; bisection
+//!   yaw in both directions. Each size grows by the factor [`STRIDE`] until a check fails. Bisection
 //!   follows. A failure that occurs only between two checked sizes is missed.
 
 use super::certify::is_between_solids;
@@ -79,7 +79,7 @@ pub enum MisplacementEnd {
     Limit(Corner),
 }
 
-/// Largest misplacement at which the posture stays usable and the value within its limit.
+/// Largest misplacement at which the posture is usable and the value is within its limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest {
     /// Size of the misplacement: a multiple of the tolerance box, a distance in m, or an angle in rad.
@@ -103,8 +103,8 @@ pub struct Robustness {
     pub worst: Option<Corner>,
     /// Corners of the placement tolerances at which floor spaces overlap or the posture cannot be used.
     pub lost: Vec<Lost>,
-    /// Derivative of the value with respect to each listed coordinate, per m or rad; None if the arm cannot
-    /// reach one of the two points of the central difference.
+    /// Derivative of the value with respect to each listed coordinate, per m or rad. It is None if the arm
+    /// cannot reach one of the two points of the central difference.
     ///
     /// Joint limits are ignored. The list has an entry for x, y, z and yaw of the equipment, and for every
     /// other coordinate in `tolerance`.
@@ -118,8 +118,8 @@ pub struct Robustness {
 }
 
 impl Robustness {
-    /// Returns whether the posture stays usable and the value within its limit at every checked misplacement
-    /// inside the tolerances.
+    /// Returns whether the posture is usable and the value is within its limit at every checked
+    /// misplacement inside the tolerances.
     pub fn holds(&self) -> bool {
         let scale = self.scale.as_ref().is_none_or(|scale| scale.most >= 1.0);
         // Without tolerances, `shift` shows whether the layout as drawn is allowed.

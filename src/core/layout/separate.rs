@@ -7,11 +7,11 @@
 //! minimize |d|^2   such that   n_ab . (d_a - d_b) >= depth_ab,   min <= x + d <= max,
 //! ```
 //!
-//! Here x holds the free coordinates, d their shifts, and min and max their ranges. The shift of body a in
-//! plan is d_a. The separating axis of bodies a and b is n_ab, and their overlap along it is depth_ab. The
-//! crate `clarabel` solves the program in a few tens of microseconds. In the new layout, other axes may
-//! separate the bodies better, so the program is solved a few times. Heights and yaws do not change. Bodies
-//! that are apart in height need no separation in plan.
+//! Here x holds the free coordinates, d holds their shifts, and min and max are the ends of their ranges.
+//! The shift of body a in plan is d_a. The separating axis of bodies a and b is n_ab, and their overlap
+//! along it is depth_ab. The crate `clarabel` solves the program in a few tens of microseconds. In the new
+//! layout, other axes may separate the bodies better, so the program is solved a few times. Heights and
+//! yaws do not change. Bodies that are apart in height need no separation in plan.
 
 use super::workcell::Workcell;
 use crate::cell::{Cell, Coordinate, Layout, Slot};

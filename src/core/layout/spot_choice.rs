@@ -212,10 +212,10 @@ impl<'a> Corners<'a> {
 
     /// Computes the worst of the value as drawn and the values at the corners of the placement tolerances.
     ///
-    /// The points and postures in `held` stay the same.
+    /// The points and postures in `held` do not change.
     ///
     /// # Errors
-    /// Returns the loss if a posture cannot be used at some corner.
+    /// Returns the loss if a posture cannot be used at one of the corners.
     fn worst(&self, drawn: f64, held: &[HeldPosture], memory: &mut MapperWorkspace) -> Result<f64, Loss> {
         let SpotQuery { workcell, operation, spots, .. } = *self.query;
         let over = workcell.cell.operations[operation].over;

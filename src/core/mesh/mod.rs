@@ -1,4 +1,4 @@
-//! Triangle meshes of equipment and links: readers of mesh files, a writer of STL files, and a check of
+//! Triangle meshes of equipment and links. The module reads mesh files, writes STL files, and checks
 //! whether a mesh bounds a solid.
 
 mod obj;

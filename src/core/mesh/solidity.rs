@@ -114,7 +114,8 @@ fn is_closed(triangles: &Triangles) -> bool {
     balance.values().all(|&(forth, back)| forth == 1 && back == 1)
 }
 
-/// Returns the volume inside a closed surface; negative if its normals point inwards.
+/// Returns the volume inside a closed surface. The volume is negative if the normals of the surface point
+/// inwards.
 fn signed_volume(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> f64 {
     let v = |i: u32| &vertices[i as usize];
     triangles.iter().map(|&[a, b, c]| v(a).dot(&v(b).cross(v(c))) / 6.0).sum()

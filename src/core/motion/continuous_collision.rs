@@ -1,12 +1,12 @@
 //! Continuous collision checking of a path of straight moves in joint coordinates.
 //!
 //! The distance of every pair of solids is computed in the middle of an interval of the path. The interval
-//! is collision-free if every distance exceeds the required clearance by more than the pair can approach
-//! within half the interval. Otherwise the interval is halved (F. Schwarzer, M. Saha, J.-C. Latombe,
-//! "Adaptive dynamic collision checking for single and multiple articulated robots in complex
-//! environments", IEEE Transactions on Robotics 21, 2005). The first intervals span several moves, so that
-//! most pairs are checked once for the whole path. Only the joints between two solids of the robot change
-//! the distance between these solids.
+//! is collision-free if every distance exceeds the required clearance by a sufficient margin. The margin is
+//! the amount by which the pair can approach within half the interval. Otherwise the interval is halved (F.
+//! Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and multiple
+//! articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005). The first
+//! intervals span several moves, so that most pairs are checked once for the whole path. Only the joints
+//! between two solids of the robot change the distance between these solids.
 
 use super::motion_bounds::MotionBounds;
 use crate::cell::{JointVector, MAX_JOINTS};
@@ -106,8 +106,8 @@ impl<'w> PathQuery<'w> {
 
     /// Returns the first contact between two knots; None if the moves between them are collision-free.
     ///
-    /// Pairs that stay apart on all these moves are not checked again on some of them. The function moves the other
-    /// pairs to the front of `pairs`.
+    /// Pairs that remain apart on all these moves are not checked again on single moves. The function moves
+    /// the other pairs to the front of `pairs`.
     fn first_hit_between(&self, first: usize, last: usize, pairs: &mut [NumberedPair]) -> Option<PathHit> {
         let knots = &self.knots[first..=last];
         if last - first == 1 {
@@ -178,7 +178,7 @@ impl<'w> PathQuery<'w> {
     /// Returns the first contact in one interval of the move from the knot `first`; None if the interval is
     /// collision-free.
     ///
-    /// The ends of the interval are shares of the move: 0 is its start, and 1 is its end. Pairs that stay
+    /// The ends of the interval are shares of the move: 0 is its start, and 1 is its end. Pairs that remain
     /// apart in an interval are not checked again in the halves of that interval. The function moves the
     /// other pairs to the front of `pairs`.
     fn first_hit_in(

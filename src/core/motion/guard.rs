@@ -15,7 +15,7 @@ pub struct Guard {
     pub(super) chain: Chain,
     /// Characteristic length of the arm, m.
     pub(super) reach: f64,
-    /// Least allowed [`singularity`] measure; 0 allows every posture.
+    /// Least allowed [`singularity`] measure. The value 0 allows every posture.
     singularity: f64,
     /// Lengths of approach and retract of every operation, m.
     pub(super) lengths: Vec<(f64, f64)>,

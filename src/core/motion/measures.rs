@@ -22,7 +22,7 @@ pub struct Measures {
     pub limits: f64,
     /// Joint that is nearest to a limit.
     pub joint: usize,
-    /// Manipulability measure; see [`singularity`].
+    /// Manipulability measure that [`singularity`] returns.
     pub singularity: f64,
 }
 

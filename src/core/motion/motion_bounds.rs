@@ -7,8 +7,8 @@
 //! ```
 //!
 //! and by at most |dr_i| if joint i is prismatic. Here dtheta_i and dr_i are the changes of the D-H
-//! coordinates of joint i, and l and r are the length and the offset of a D-H row. The lever arm of the
-//! last row ends at the centre of the solid's bounding sphere (F. Schwarzer, M. Saha, J.-C. Latombe, IEEE
+//! coordinates of joint i. The length and the offset of a D-H row are l and r. The lever arm of the last
+//! row ends at the centre of the solid's bounding sphere (F. Schwarzer, M. Saha, J.-C. Latombe, IEEE
 //! Transactions on Robotics 21, 2005).
 //!
 //! Around one posture of a straight move, a Taylor expansion gives a closer bound. The velocity at that
@@ -90,8 +90,8 @@ impl<'c> MotionBounds<'c> {
     /// Returns an upper bound of the displacement of the points in a sphere relative to frame `first`, m.
     /// The bound holds on either side of one posture of a straight move.
     ///
-    /// `frames` are the link frames of the posture, `half` is the share of the move on either side, and `whole` is the
-    /// [`Self::displacement`] of the whole move.
+    /// `frames` are the link frames of the posture, and `half` is the share of the move on either side.
+    /// `whole` is the [`Self::displacement`] of the whole move.
     pub fn displacement_around(
         &self,
         frames: &[Pose; MAX_JOINTS + 1],

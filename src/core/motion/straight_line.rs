@@ -35,16 +35,16 @@ const LIMIT_TOLERANCE: f64 = 1e-6;
 pub enum Stopped {
     /// The joint `joint` exceeds its limit after the length `after` of the line, m.
     Limit { joint: usize, after: f64 },
-    /// The arm cannot follow the line beyond the length `after`, m, because the line is out of reach there
-    /// or the arm is singular.
+    /// The arm cannot follow the line beyond the length `after`, m. The line is out of reach there, or the
+    /// arm is singular.
     Lost { after: f64 },
 }
 
 /// Returns joint vectors, beginning with `from`, that move the TCP along the vector `way` (base frame, m).
 ///
-/// The attitude is constant. Each vector is computed from the vector before it, so that the branch stays the
-/// same. All vectors and the straight moves between them keep the joint limits. `reach` is a characteristic
-/// length of the arm, m.
+/// The attitude is constant. Each vector is computed from the vector before it, so that the branch does not
+/// change. All vectors and the straight moves between them keep the joint limits. `reach` is a
+/// characteristic length of the arm, m.
 ///
 /// # Errors
 /// Returns the length of the line that the arm can follow, and the reason why the line ends there.
@@ -111,8 +111,8 @@ fn extrapolated(knots: &[JointVector]) -> JointVector {
 /// Solves for the joint coordinates at the pose `to` by Newton's method, starting from `guess`, near the posture `from`.
 /// Each step is the least-norm solution of the linearized equations.
 ///
-/// Returns None if the method does not converge. It also returns None if a joint coordinate changes by 1 rad
-/// or 1 m or more, since the solution then belongs to another branch.
+/// Returns None if the method does not converge. It also returns None if a joint coordinate changes by 1
+/// rad or 1 m or more. The solution then belongs to another branch.
 fn follow(
     chain: &Chain,
     from: &JointVector,

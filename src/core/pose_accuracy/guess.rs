@@ -38,8 +38,8 @@ pub struct ErrorGuess {
 /// Returns the tolerances `spreads`, scaled until the predicted accuracy is `ap` (m). Without `ap`, the
 /// tolerances are not scaled.
 ///
-/// If a repeatability `rp` (m) is given, the random errors of the joints are added to the tolerances of the
-/// joint coordinates by root sum square. Such a tolerance is normally distributed.
+/// The random errors of the joints with the repeatability `rp` (m), if given, are added to the tolerances
+/// of the joint coordinates. The sum is a root sum square. Such a tolerance is normally distributed.
 ///
 /// # Errors
 /// Returns the reason if no scale gives this accuracy.

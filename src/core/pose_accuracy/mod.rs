@@ -1,11 +1,11 @@
 //! Pose accuracy and repeatability as in ISO 9283, predicted from the tolerances of a robot.
 //!
-//! The standard measures five poses P1 to P5 in a diagonal plane of the largest cube in the most used part
-//! of the working space: the centre of the cube, and four points at 10 % of the diagonal from its corners.
-//! The pose accuracy AP of one robot at one pose is the distance of the barycentre of the attained
-//! positions from the command position. Random errors move each attained position, but not the barycentre.
-//! AP therefore contains the constant errors of the robot alone, and the repeatability RP contains the
-//! random errors:
+//! The standard measures five poses P1 to P5 in a diagonal plane of a cube. It is the largest cube in the
+//! most used part of the working space. The poses are the centre of the cube, and four points at 10 % of
+//! the diagonal from its corners. The pose accuracy AP of one robot at one pose is the distance of the
+//! barycentre of the attained positions from the command position. Random errors move each attained
+//! position, but not the barycentre. AP therefore contains the constant errors of the robot alone, and the
+//! repeatability RP contains the random errors:
 //!
 //! ```text
 //! AP_p = |e_p - M_p|                 e_p = position error at pose p, M = rigid motion of the fitted base frame

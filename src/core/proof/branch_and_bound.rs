@@ -21,8 +21,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
-/// Number of boxes examined per round. It is large enough to occupy all threads, and so small that the
-/// bounds of the boxes are close to the least bound.
+/// Number of boxes examined per round. It is large enough to occupy all threads. It is small enough for the
+/// bounds of the boxes to be close to the least bound.
 const BOXES_PER_ROUND: usize = 64;
 /// Number of boxes per round in which the search seeks a posture that keeps all constraints.
 const WITNESSES_PER_ROUND: usize = 8;
@@ -94,8 +94,8 @@ impl Eq for JointBox {}
 /// them.
 ///
 /// The search ends when the relative gap between the bound and the least value found is at most `gap`, or
-/// after `boxes` boxes. `known` is a value that some posture is known to have. The result does not depend
-/// on the number of threads.
+/// after `boxes` boxes. `known` is the value of a known posture, or infinity. The result does not depend on
+/// the number of threads.
 pub(super) fn least(
     task: &Task<'_>,
     known: f64,

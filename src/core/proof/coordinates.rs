@@ -23,7 +23,7 @@ const PARALLEL_SINE: f64 = 1e-12;
 /// prismatic coordinate.
 const LIMIT_TOLERANCE: f64 = 2e-6;
 
-/// Matrix with one row and one column per joint; unused rows and columns are zero.
+/// Matrix with one row and one column per joint. Unused rows and columns are zero.
 pub(super) type JointMatrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
 
 /// Coordinates `y` of the boxes of the search, and their relation to joint displacements and actuators.
@@ -95,7 +95,7 @@ impl Coordinates {
 
     /// Sets the actuator limits as inequalities in the coordinates `y`, and a box that holds all allowed `y`.
     ///
-    /// The actuator coordinates are `q = q_0 + G y` with `G = C^-1 D`, where C is the joint coupling, D is
+    /// The actuator coordinates are `q = q_0 + G y` with `G = C^-1 D`. Here C is the joint coupling, D is
     /// `to_theta`, and `q_0` is the middle of the limits.
     fn set_limits(&mut self, chain: &Chain, held: &[bool; MAX_JOINTS]) {
         let mut half = [0.0; MAX_JOINTS];

@@ -2,8 +2,8 @@
 //!
 //! A small rotation about an axis `w` through a point o moves the point p by `g = w x (p - o)` per radian.
 //! For a translation, `g` is the axis and `w` is 0. The weighted sum over all motions k is `phi = sum eta_k
-//! . g_k + zeta_k . w_k`, where the weights `eta_k` and `zeta_k` are vectors. The derivatives of `phi`
-//! follow from two sums over the motions of each link: `F = sum eta g^T + zeta w^T` and `P = sum eta w^T`.
+//! . g_k + zeta_k . w_k`. The weights `eta_k` and `zeta_k` are vectors. The derivatives of `phi` follow
+//! from two sums over the motions of each link: `F = sum eta g^T + zeta w^T` and `P = sum eta w^T`.
 
 use super::coordinates::JointMatrix;
 use super::taylor_model::{ChainGeometry, Taylor, radius};
@@ -51,8 +51,8 @@ pub(super) struct WeightedMotions<'a> {
 /// Expands the weighted sum of effects over a box with the half widths `radii` about a posture, as a Taylor
 /// model.
 ///
-/// The sum is `phi = sum eta_k . g_k + zeta_k . w_k` over the motions k, with the weights (eta, zeta) and the
-/// effects (g, w).
+/// The sum over the motions k is `phi = sum eta_k . g_k + zeta_k . w_k`. Its weights are (eta, zeta), and
+/// its effects are (g, w).
 ///
 /// `rates` are the derivatives of the point whose error counts, with respect to the joint displacements.
 pub(super) fn expand(

@@ -9,8 +9,8 @@ use std::f64::consts::FRAC_PI_2;
 /// far below all sizes that matter.
 const SLACK: f64 = 1e-6;
 
-/// Region that contains the TCP position and the tool elevation of one operation in every layout. Azimuth and
-/// spin are free.
+/// Region that contains the TCP position and the tool elevation of one operation in every layout. Azimuth
+/// and spin are not limited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperationRegion {
     pub operation: usize,
@@ -145,8 +145,8 @@ struct EquipmentRange {
     x: (f64, f64),
     y: (f64, f64),
     z: (f64, f64),
-    /// Upper bound of the distance in plan, m, between the origins of the equipment and of its lowest
-    /// carrier; 0 without a carrier.
+    /// Upper bound of the distance in plan, m, between the origins of the equipment and its lowest carrier.
+    /// It is 0 without a carrier.
     aside: f64,
 }
 

@@ -6,8 +6,8 @@ use nalgebra::DMatrix;
 /// Eigenvalue of a correlation matrix below which the eigenvalue is only a rounding error.
 const ROUNDING: f64 = 1e-12;
 
-/// Returns independent normal factors of the correlated sources that are not elastic, each as a list of (index of a
-/// source, value at one standard deviation).
+/// Returns independent normal factors of the correlated sources that are not elastic. A factor is a list of
+/// pairs (index of a source, value at one standard deviation).
 ///
 /// The factors describe the part of these sources that is independent of the elastic sources: the
 /// conditional covariance `C_rr - C_re C_ee^+ C_er`. Without elastic sources, the factors are

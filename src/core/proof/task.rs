@@ -151,9 +151,9 @@ impl<'a> Task<'a> {
     ///
     /// The value of the operation is computed with the error model of the cell.
     ///
-    /// Let the error at a corner of the tolerance box be L + E + O. L is the linear term, E is the sum of
-    /// the terms of even order, and O is the sum of the odd terms from third order on. The opposite corner
-    /// has the error -L + E - O. The worst case is therefore at least `|L| - |O|`.
+    /// Let the error at a corner of the tolerance box be L + E + O. Here L is the linear term, and E is the
+    /// sum of the terms of even order. O is the sum of the odd terms from third order on. The opposite
+    /// corner has the error -L + E - O. The worst case is therefore at least `|L| - |O|`.
     ///
     /// In the second-order model, the error of a signed sample lacks all terms of the nonlinear model from
     /// third order on. Let `a_k` be the angle of motion k, and `b_k` the largest displacement that it

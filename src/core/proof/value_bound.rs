@@ -13,13 +13,13 @@
 //! ```
 //!
 //! Elastic errors have no weight, because their size changes with the posture. The other errors alone give
-//! a lower bound, because the distance of a farthest corner and the spread of a centred distribution only
-//! grow with further independent sources. If sources are correlated, only the part of the other errors that
-//! is independent of the elastic errors counts.
+//! a lower bound. Further independent sources only increase the distance of a farthest corner and the
+//! spread of a centred distribution. If sources are correlated, only the part of the other errors that is
+//! independent of the elastic errors counts.
 //!
 //! Means of measured errors are also ignored, and the bound remains valid. The farthest corner about a mean
-//! is at least as far as the farthest corner about 0, because one of two opposite corners lies on the side
-//! of the mean. A mean also enlarges each statistic.
+//! is at least as far as the farthest corner about 0. The reason is that one of two opposite corners lies
+//! on the side of the mean. A mean also enlarges each statistic.
 //!
 //! For the mean of |e|, this bound is the tangent of a convex function of the effects. Percentiles have a
 //! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the
@@ -40,8 +40,8 @@ use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 /// Largest number of rows (weighted components) of a sense for which mean, percentiles and worst case can
 /// have a bound.
 ///
-/// For a sense with more rows, only three values can have a bound: the RMS, the error of the signed sample,
-/// and the worst case in the linear model.
+/// For a sense with more rows, only three values can have a bound. They are the RMS, the error of the
+/// signed sample, and the worst case in the linear model.
 const MAX_ROWS_OF_PERCENTILE: usize = 3;
 /// Step of a numeric derivative with respect to an eigenvalue of the covariance, as a share of the trace.
 const DERIVATIVE_STEP: f64 = 1e-3;

@@ -1,5 +1,5 @@
-//! Floor: a plate with grid lines. It is darkened below solids that stand on the floor or are close above
-//! it.
+//! Floor: a plate with grid lines. The plate is darkened below solids that rest on the floor or are close
+//! above it.
 
 use super::camera::ScreenPoint;
 use super::canvas::DepthBuffer;
@@ -10,7 +10,8 @@ use nalgebra::{Point2, Vector3};
 
 /// Number of tiles of the floor along each side.
 const FIELDS: usize = 160;
-/// Height above the floor, m, at which a solid darkens the floor half as much as a solid that stands on it.
+/// Height above the floor, m, at which a solid darkens the floor half as much as a solid that rests on the
+/// floor.
 const HALF_SHADE_HEIGHT: f64 = 0.35;
 /// Distance between neighbouring grid lines, m.
 const GRID: f64 = 0.5;

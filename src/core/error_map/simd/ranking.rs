@@ -19,7 +19,7 @@ use pulp::{Arch, Simd, WithSimd};
 /// Relative and absolute margin by which a bound is lowered.
 ///
 /// The relative margin is this share of the bound. The absolute margin (m) is this number times the sum of
-/// the lengths of the sense's directions. Rounding errors are typically 1e-14 m; next to a singular posture
+/// the lengths of the sense's directions. Rounding errors are typically 1e-14 m. Near a singular posture,
 /// they are 1e-10 m.
 const BOUND_MARGIN: f64 = 1e-9;
 
@@ -44,10 +44,10 @@ pub struct Ranker {
 
 /// One direction of the sense, prepared for one layout.
 ///
-/// The error in this direction is `built . p - (wanted . target - offset)`, where `p` is the position of
-/// the TCP, computed by [`PerturbedChain::tip`]. Here `wanted` is the direction in the base frame, and
-/// `built` is the direction in the frame of `p`. The scalar `offset` is the component of the origin of that
-/// frame along the direction, m.
+/// The error in this direction is `built . p - (wanted . target - offset)`. Here `p` is the position of the
+/// TCP, computed by [`PerturbedChain::tip`]. Here `wanted` is the direction in the base frame, and `built`
+/// is the direction in the frame of `p`. The scalar `offset` is the component of the origin of that frame
+/// along the direction, m.
 #[derive(Debug, Clone, Copy)]
 struct RankingRow {
     built: Vector3<f64>,
