@@ -1,8 +1,8 @@
 //! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
-//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. So one factor, the
-//! [`exaggeration`], enlarges all arrows of a drawing under one model and reading. Arrows of different
-//! operations can therefore be compared.
+//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. Therefore one
+//! factor, the [`exaggeration`], enlarges all arrows of a drawing under one model and reading. Arrows of
+//! different operations can therefore be compared.
 
 use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};
@@ -132,7 +132,7 @@ impl Field {
     ///
     /// The means along the two grid axes are computed separately, and the smaller one is returned.
     ///
-    /// Listed points have no grid: each point is a neighbour of the next one in the list.
+    /// Listed points have no grid. Each point is a neighbour of the next point in the list.
     pub fn spacing(&self) -> f64 {
         let along = self.size.0.max(1);
         let mean = |pairs: Vec<(usize, usize)>| {

@@ -64,7 +64,7 @@ pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     lenses
 }
 
-/// Node of an error map as pictures show it.
+/// Node of an error map in the form in which pictures show it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldNode {
     pub i: usize,
@@ -131,7 +131,8 @@ pub struct Field {
     pub refined: Option<Vector3<f64>>,
     /// Stride between the nodes in [`Self::nodes`] along each axis.
     ///
-    /// A stride of 1 keeps every mapped node, 2 every second node along each axis, and so on.
+    /// A stride of 1 keeps every mapped node. A stride of 2 keeps every second node along each axis, and so
+    /// on.
     pub every: usize,
     pub takes: Vec<ViewedErrors>,
 }

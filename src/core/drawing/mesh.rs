@@ -61,7 +61,7 @@ impl Mesh {
             t.iter().for_each(|&i| around[i as usize].push(f as u32));
         }
         let mut mesh = Self::default();
-        // Corners created so far from each vertex.
+        // Corners that were created from each vertex so far.
         let mut made: Vec<Vec<u32>> = vec![Vec::new(); vertices.len()];
         for (t, _, flat) in &faces {
             let corners = t.map(|i| {

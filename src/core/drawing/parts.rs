@@ -39,7 +39,8 @@ impl PartKind {
 pub enum PartCarrier {
     /// Part that does not move, with its pose in the world frame.
     World(Pose),
-    /// Part that moves with a link frame: 0 is the robot base, k the frame after link k.
+    /// Part that moves with a link frame. The index 0 denotes the robot base, and k denotes the frame after
+    /// link k.
     Link(usize),
 }
 
@@ -54,7 +55,7 @@ pub struct DrawnPart {
     pub carrier: PartCarrier,
     /// Index of the equipment that the solid belongs to; None if it does not belong to equipment.
     pub equipment: Option<usize>,
-    /// The only operation at which the part is visible; None if it is always visible.
+    /// The only operation at which the part is visible; None if the part is always visible.
     pub operation: Option<usize>,
     /// Mesh in the frame of the carrier, m.
     pub mesh: Mesh,

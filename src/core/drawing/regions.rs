@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 pub struct DrawnRegion {
     /// Name of the equipment, or `robot base`.
     pub name: String,
-    /// Closed lines, m.
+    /// Closed outlines of the region at the height of the frame, m.
     pub rings: Vec<Vec<Vector3<f64>>>,
     /// Largest distance by which the piece may be displaced in every direction in plan, m
     /// ([`Region::room`]). The field `turn` is the largest angle by which the piece may be rotated, rad.

@@ -8,8 +8,8 @@ use std::cmp::Ordering;
 ///
 /// [`Ord`] ranks the best candidate as the greatest, so a [`std::collections::BinaryHeap`] returns it first.
 ///
-/// A candidate is better if its value is smaller. If values are equal, the lower node index is better, then
-/// the lower branch index.
+/// A candidate is better if its value is smaller. If values are equal, the lower node index is better. If
+/// the nodes are also equal, the lower branch index is better.
 #[derive(Clone, Copy)]
 pub struct PostureCandidate {
     pub spot: Spot,

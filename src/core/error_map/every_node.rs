@@ -58,7 +58,7 @@ impl UnreachedNodes {
     /// Returns the mean [`Gap`] over all nodes; None if all nodes are reached.
     ///
     /// If any node is out of reach, only distances from the reach count, and violations of joint limits do
-    /// not. The mean then decreases whenever an unreached node comes nearer to the reach of the arm.
+    /// not count. The mean then decreases whenever an unreached node comes nearer to the reach of the arm.
     fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);

@@ -14,7 +14,7 @@ pub struct Extrapolation {
     pub nodes: usize,
     /// Number of usable nodes.
     pub usable: usize,
-    /// Joints that leave their range at any of these nodes, in ascending order.
+    /// Indices of the joints that leave their range at any of these nodes, in ascending order.
     pub joints: Vec<usize>,
     /// Whether the posture at the spot of the operation lies outside the measured ranges.
     pub has_spot: bool,
@@ -44,8 +44,8 @@ impl Extrapolation {
     }
 }
 
-/// Returns whether a range contains a joint coordinate. Angles that differ by a whole turn describe the
-/// same posture.
+/// Returns whether a range contains a joint coordinate. If `turns` is true, angles that differ by a whole
+/// turn count as equal.
 pub fn contains_joint((low, high): (f64, f64), q: f64, turns: bool) -> bool {
     let (low, high) = (low - ROUNDING, high + ROUNDING);
     match turns {

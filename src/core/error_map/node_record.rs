@@ -190,7 +190,7 @@ impl PostureRecord {
 /// Error map of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperationMap {
-    /// Index into [`Cell::operations`].
+    /// Mapped operation, as an index into [`Cell::operations`].
     pub operation: usize,
     /// Senses in which every node is reported: those of the seed paper and the operation's own sense.
     pub senses: Vec<Sense>,

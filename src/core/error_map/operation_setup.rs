@@ -27,7 +27,7 @@ pub struct OperationSetup {
     pub teach: TeachPoints,
 }
 
-/// The three points that the robot touches to teach the frame of the surface.
+/// Three points that the robot touches to teach the frame of the surface.
 pub enum TeachPoints {
     /// The frame is not taught.
     None,

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// The errors of a taught frame are computed from the error sources of `evaluator`.
 ///
 /// # Errors
-/// Returns an error if the robot cannot touch three points that span the frame.
+/// Returns [`Unjudged::NotTaught`] if the robot cannot touch three points that span the frame.
 pub fn work_frame(
     placed: &PlacedLayout<'_>,
     evaluator: &ErrorEvaluator,
@@ -33,8 +33,8 @@ pub fn work_frame(
 
 /// Finds the postures in which the robot touches three points to teach the frame.
 ///
-/// If the points are nodes, the robot may be unable to touch them, or they may lie nearly in one line. In
-/// both cases, the function chooses three touchable nodes that form a wide triangle.
+/// If the points are nodes, the robot may be unable to touch them, or the points may lie nearly in one
+/// line. In both cases, the function chooses three touchable nodes that form a wide triangle.
 fn touching_postures(
     placed: &PlacedLayout<'_>,
     surface: &PlacedSurface<'_>,

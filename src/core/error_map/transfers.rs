@@ -9,16 +9,16 @@ use crate::cycle_time::{CycleTime, MotionSequence, RateBounds};
 use crate::motion::{Blocked, OperationPosture, Transfer};
 
 impl PlacedLayout<'_> {
-    /// Plans the moves between the spots of the operations.
+    /// Plans the transfers between the spots of the operations.
     ///
-    /// An operation that happens at all of its listed points adds the moves between these points.
+    /// An operation that happens at all of its listed points adds the transfers between these points.
     ///
-    /// If the layout must withstand misplacements, every move is certified.
+    /// If the layout must withstand misplacements, every transfer is certified.
     ///
-    /// No moves are returned if the cell has no transfer rules, or if an operation has no spot.
+    /// No transfers are returned if the cell has no transfer rules, or if an operation has no spot.
     ///
     /// # Errors
-    /// Returns the first move that is blocked.
+    /// Returns the first transfer that is blocked.
     pub fn transfers(&self, spots: &[Option<Spot>]) -> Result<Vec<Transfer>, Blocked> {
         let Some(guard) = self.mapper.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
@@ -41,8 +41,8 @@ impl PlacedLayout<'_> {
         Some(stops?.concat())
     }
 
-    /// Computes the least time of the motions and operations at these spots. `transfers` are the moves
-    /// between the spots.
+    /// Computes the least time of the motions and operations at these spots. `transfers` holds the
+    /// transfers between the spots.
     ///
     /// Returns None if an operation has no spot, or if the arm cannot follow an approach or a retract.
     pub fn cycle_time(

@@ -16,7 +16,7 @@ pub struct OperationCertificate {
 /// Certificate of a layout, or the reasons why there is no certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutCertificate {
-    /// Floor spaces that may overlap or come nearer than the clearance.
+    /// Pairs of floor spaces that may overlap or come nearer than the clearance.
     pub overlaps: Vec<Overlap>,
     /// Certificate of each operation; None if the operation has no spot.
     pub operations: Vec<Option<Result<OperationCertificate, NotCertified>>>,

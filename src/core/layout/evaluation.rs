@@ -22,7 +22,7 @@ const JOINT_LIMIT_PENALTY: f64 = 1.0;
 const UNJUDGED_PENALTY: f64 = 0.75;
 const COLLISION_PENALTY: f64 = 0.5;
 const REFUSED_PENALTY: f64 = 0.4;
-/// Penalty of a blocked move between operations, m.
+/// Penalty of a blocked transfer between operations, m.
 const BLOCKED_PENALTY: f64 = 0.25;
 
 /// Evaluation of a layout: the cost, and the reasons if the layout is infeasible.
@@ -32,8 +32,8 @@ pub struct Evaluation {
     /// case.
     pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
-    /// Floor spaces that may overlap, or come nearer than the clearance, at a misplacement inside the
-    /// placement tolerances.
+    /// Pairs of floor spaces that may overlap, or come nearer than the clearance, at a misplacement inside
+    /// the placement tolerances.
     pub near: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
@@ -51,8 +51,8 @@ pub struct Evaluation {
     /// Cost, which is finite for every layout. The cost equals the objective if the layout is feasible and
     /// keeps every limit.
     ///
-    /// The cost is more than 100 times [`Workcell::weight`] if a limit is missed. For an infeasible layout it
-    /// is at least 1000 times this weight, and grows with the distance from feasibility.
+    /// The cost is more than 100 times [`Workcell::weight`] if a limit is missed. For an infeasible layout,
+    /// the cost is at least 1000 times this weight, and grows with the distance from feasibility.
     pub cost: f64,
 }
 
@@ -102,7 +102,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
         return Evaluation::of_misfit(workcell, misfit);
     }
     let Workspace { overlaps: found, solids, spots: memory, misplacements } = workspace;
-    // A layout without overlaps at any misplacement has none as drawn.
+    // A layout without overlaps at any misplacement has no overlaps as drawn.
     let mut near = Vec::new();
     if workcell.certifies() {
         workcell.wide.overlaps(layout, found);

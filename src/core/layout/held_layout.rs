@@ -33,7 +33,7 @@ pub enum Ending {
     Corner(usize),
     /// An operation at every node has a node that cannot be used.
     EveryNode(usize),
-    /// A move between two operations is blocked.
+    /// A transfer between two operations is blocked.
     Transfer(Blocked),
 }
 

@@ -22,7 +22,7 @@ pub struct MeasurablePoses {
     pub joints: Vec<JointVector>,
     /// Number of postures that touch something, or come nearer than the clearance of the cell.
     pub colliding: usize,
-    /// Number of postures without collision at which the reflector is hidden or faces away.
+    /// Number of collision-free postures at which the reflector is hidden or faces away.
     pub hidden: usize,
 }
 

@@ -24,8 +24,8 @@ pub enum BoxPoints {
 ///
 /// There are two groups: the boxes of the bodies on which one operation depends, and all other boxes.
 ///
-/// An operation depends on the robot base, on its equipment and on the equipment that carries it. An
-/// operation relative to a pick also depends on the equipment of the pick and its carriers.
+/// An operation depends on the robot base, on its own equipment, and on the equipment that carries this
+/// equipment. An operation relative to a pick also depends on the equipment of the pick and its carriers.
 pub struct ToleranceBoxes {
     /// One tolerance box for each body on which the operation depends.
     pub own: Vec<Moves>,

@@ -7,7 +7,7 @@
 //! angles. Only gains are accepted, so the refined spot is never worse than the best node. If the layout
 //! must work at every misplacement inside the placement tolerances, only certified spots are accepted.
 //!
-//! The branch of the posture does not change during a search. At the end point every branch is judged, as
+//! The branch of the posture does not change during a search. At the end point, every branch is judged, as
 //! at a node. If another branch is better there, a search with that branch follows. Only one operation is
 //! refined at a time, and all other operations keep their best nodes. An operation that places a part
 //! therefore assumes that the part was picked at the best node of the pick, not at the refined spot.

@@ -2,18 +2,18 @@
 //!
 //! The point on the surface and the branch of the posture do not change. Several bodies move inside their
 //! placement tolerances: the robot base, the equipment on which the point lies, and the equipment that
-//! carries it. If the operation is relative to a pick, the equipment of the pick and its carriers also
-//! move. The controller is assumed to know where the bodies are. Placement errors that the controller does
-//! not know are given as `errors` of the equipment. Whatever the registration, a misplacement therefore
-//! acts only through the posture. For a taught frame, the postures in which the robot touches the taught
-//! points also change.
+//! carries this equipment. If the operation is relative to a pick, the equipment of the pick and its
+//! carriers also move. The controller is assumed to know where the bodies are. Placement errors that the
+//! controller does not know are given as `errors` of the equipment. Whatever the registration, a
+//! misplacement therefore acts only through the posture. For a taught frame, the postures in which the
+//! robot touches the taught points also change.
 //!
 //! - Worst corner: all corners of the box of tolerances are checked if it has at most 8 dimensions. For a
 //!   larger box, the corners of the box of each body are checked, with the other bodies as drawn. The
 //!   corner of the whole box that is worst to first order is also checked. A corner is called lost if the
 //!   posture cannot be used there, or if floor spaces overlap. The corners of the box of every other body
 //!   are also checked, because this body may get in the way.
-//! - Gradient: it is computed by central differences.
+//! - Gradient: the derivatives are computed by central differences.
 //! - Largest allowed misplacement: there are three separate sizes. They are a multiple of the tolerance
 //!   box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces
 //!   overlap, the posture is usable and the value is within its limit. A multiple of the box is checked at
@@ -29,7 +29,7 @@ use crate::error_map::{HeldPosture, MapperWorkspace, OperationMap, Probe, Spot, 
 use crate::units::rad_from_deg;
 use rayon::prelude::*;
 
-/// Half the distance between the two points of a central difference, m and rad.
+/// Half the distance between the two points of a central difference, m or rad.
 const DIFFERENCE_STEP: f64 = 1e-4;
 /// Largest checked multiple of the box of placement tolerances.
 const MAX_SCALE: f64 = 100.0;

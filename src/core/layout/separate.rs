@@ -37,7 +37,7 @@ const LEAST_SHIFT: f64 = 1e-7;
 struct FreeCoordinate {
     /// Index of the equipment.
     equipment: usize,
-    /// The axis: 0 for x, 1 for y.
+    /// Axis of the coordinate: 0 for x, 1 for y.
     axis: usize,
     min: f64,
     max: f64,
@@ -106,7 +106,7 @@ fn least_shift(
     let n = free.len();
     let directions: Vec<_> = free.iter().map(|f| f.direction(cell, layout)).collect();
     let spare = SPARE_DISTANCE * m_from_mm(cell.search.resolution.mm);
-    // Constraints as rows of A d <= b.
+    // The constraints are rows of A d <= b.
     let (mut rows, mut columns, mut values, mut bounds) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut put = |row: usize, k: usize, value: f64| {
         rows.push(row);

@@ -42,7 +42,7 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
 /// precision.
 ///
 /// # Errors
-/// Fails if the STL writer fails, which is not expected because it writes to memory.
+/// Returns the message of the STL writer if it fails, which is not expected because it writes to memory.
 pub fn to_stl(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<u8>, String> {
     let single = |v: Vector3<f64>| stl_io::Vector::new(v.cast::<f32>().into());
     let facet = |t: &[u32; 3]| {

@@ -38,8 +38,8 @@ impl<'c> MotionBounds<'c> {
         Self { chain, travel, offsets: offsets(chain, [from, to]) }
     }
 
-    /// Returns bounds of the motion along a path from its knot `middle` to either end. They hold for both
-    /// ends.
+    /// Returns bounds of the motion along a path from its knot `middle` to either end. The bounds hold for
+    /// both ends.
     pub fn from_middle(chain: &'c Chain, knots: &[JointVector], middle: usize) -> Self {
         let sum = |part: &[JointVector]| {
             let mut sum = [0.0; MAX_JOINTS];

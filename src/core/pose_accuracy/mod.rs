@@ -1,8 +1,8 @@
 //! Pose accuracy and repeatability as in ISO 9283, predicted from the tolerances of a robot.
 //!
-//! The standard measures five poses P1 to P5 in a diagonal plane of a cube. It is the largest cube in the
-//! most used part of the working space. The poses are the centre of the cube, and four points at 10 % of
-//! the diagonal from its corners. The pose accuracy AP of one robot at one pose is the distance of the
+//! The standard measures five poses P1 to P5 in a diagonal plane of a cube. This cube is the largest one in
+//! the most used part of the working space. The poses are the centre of the cube, and four points at 10 %
+//! of the diagonal from its corners. The pose accuracy AP of one robot at one pose is the distance of the
 //! barycentre of the attained positions from the command position. Random errors move each attained
 //! position, but not the barycentre. AP therefore contains the constant errors of the robot alone, and the
 //! repeatability RP contains the random errors:

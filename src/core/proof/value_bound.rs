@@ -235,7 +235,8 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
         };
         match sizes[k] > 2.0 * DERIVATIVE_STEP {
             true => (at(DERIVATIVE_STEP) - at(-DERIVATIVE_STEP)) / (2.0 * DERIVATIVE_STEP),
-            // A one-sided difference of second-order accuracy, because eigenvalues must not become negative.
+            // The difference is one-sided, with second-order accuracy, because eigenvalues must not become
+            // negative.
             false => {
                 (4.0 * at(DERIVATIVE_STEP) - 3.0 * value - at(2.0 * DERIVATIVE_STEP))
                     / (2.0 * DERIVATIVE_STEP)

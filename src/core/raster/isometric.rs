@@ -26,7 +26,7 @@ const MIN_AREA: f64 = 8.0;
 /// Returns the picture as SVG, always in parallel projection.
 ///
 /// # Errors
-/// Fails for the same reasons as [`super::png`].
+/// Returns a message for the same reasons as [`super::png`].
 pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
     let shot = &Shot { perspective: false, ..shot.clone() };
     let stage = staged(drawing, shot)?;

@@ -42,7 +42,7 @@ pub struct Shot {
     /// Operation whose error map is shown alone, with the robot at the spot of that operation. If None, the
     /// error maps of all operations are shown.
     pub operation: Option<usize>,
-    /// Operation at whose spot the robot stands if `operation` is None. If both are None, the robot is at
+    /// Operation at whose spot the robot is shown if `operation` is None. If both are None, the robot is at
     /// home.
     pub context: Option<usize>,
     /// Width of the picture, px.

@@ -2,9 +2,9 @@
 //! exceeds a joint limit.
 //!
 //! The formulas and their order equal those of `reach::closed_form::planar` wherever a rounding error could
-//! grow. It could grow if the arm is nearly stretched, and for targets near the base axis. The joint limits
-//! are a little wider here. Therefore no branch that [`Inverse::visit`](crate::reach::Inverse::visit) finds
-//! is missed.
+//! grow. Rounding errors could grow if the arm is nearly stretched, and for targets near the base axis. The
+//! joint limits are a little wider here. Therefore no branch that
+//! [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
 
 use super::lanes::{CosSin, Lanes, Mask};
 use super::limits::{any_passed, is_passed};

@@ -45,9 +45,9 @@ pub struct Ranker {
 /// One direction of the sense, prepared for one layout.
 ///
 /// The error in this direction is `built . p - (wanted . target - offset)`. Here `p` is the position of the
-/// TCP, computed by [`PerturbedChain::tip`]. Here `wanted` is the direction in the base frame, and `built`
-/// is the direction in the frame of `p`. The scalar `offset` is the component of the origin of that frame
-/// along the direction, m.
+/// TCP, computed by [`PerturbedChain::tip`]. The vector `wanted` is the direction in the base frame, and
+/// `built` is the direction in the frame of `p`. The scalar `offset` is the component of the origin of that
+/// frame along the direction, m.
 #[derive(Debug, Clone, Copy)]
 struct RankingRow {
     built: Vector3<f64>,
