@@ -1,8 +1,8 @@
 //! Errors as arrows and unusable nodes as circles: the lines that every picture and CAD file shows.
 //!
-//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. So one factor, the
-//! [`exaggeration`], enlarges all arrows of a drawing under one model and reading. Arrows of different
-//! operations can therefore be compared.
+//! Coordinates are in the world frame, m. Errors are too small to be seen at true size. Therefore one
+//! factor, the [`exaggeration`], enlarges all arrows of a drawing under one model and reading. Arrows of
+//! different operations can therefore be compared.
 
 use super::round_numbers::{HALF_DIGITS, round_down};
 use super::{Drawing, Field, Mesh};
@@ -11,11 +11,11 @@ use std::f64::consts::TAU;
 
 /// Length of the longest arrow, as a multiple of the distance between nodes.
 const LONGEST_ARROW: f64 = 1.5;
-/// Length of an arrow head: the smaller of two lengths, each given as a share.
+/// Two shares that give the length of an arrow head, which is the smaller of two lengths.
 ///
-/// The first is a share of the arrow length, the second a share of the distance between nodes.
+/// The first share is multiplied by the length of the arrow, and the second by the distance between nodes.
 const HEAD_LENGTH: (f64, f64) = (0.3, 0.25);
-/// Half width of an arrow head and half width of its shaft, each as a share of the length of the head.
+/// Half width of an arrow head and half width of the shaft, each as a share of the length of the head.
 const HALF_WIDTH: (f64, f64) = (0.35, 0.12);
 /// Radius of the circle round a node as a share of the distance between nodes.
 const CIRCLE_RADIUS: f64 = 0.25;
@@ -56,7 +56,7 @@ impl Component {
         if self == Self::Resultant { "xyz" } else { self.name() }
     }
 
-    /// Returns the unit vector along this component of an error, world frame.
+    /// Returns the unit vector along this component of an error, in the world frame.
     ///
     /// Returns None for the resultant if the error is zero.
     fn direction(self, error: &Vector3<f64>) -> Option<Vector3<f64>> {
@@ -69,7 +69,7 @@ impl Component {
     }
 }
 
-/// Arrow that shows the error of a node, world frame, m.
+/// Arrow that shows the error of a node, in the world frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrow {
     /// Node at which the arrow starts, as an index into [`Field::nodes`].
@@ -84,14 +84,15 @@ pub struct Arrow {
 impl Arrow {
     /// Returns the outer ends of the four lines that start at the tip and draw the head, m.
     ///
-    /// The first two lines show the head in a view from above, the last two in a view from the side.
+    /// The first two lines show the head in a view from above. The last two show it in a view from the
+    /// side.
     pub fn barbs(&self) -> [Vector3<f64>; 4] {
         let [along, level, upright] = self.axes();
         let (neck, half) = (self.tip - along * self.head, self.head * HALF_WIDTH.0);
         [neck + level * half, neck - level * half, neck + upright * half, neck - upright * half]
     }
 
-    /// Returns three orthogonal unit vectors: the first is along the arrow, the second is horizontal.
+    /// Returns three orthogonal unit vectors. The first is along the arrow, and the second is horizontal.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let along = (self.tip - self.tail).try_normalize(0.0).unwrap_or_else(Vector3::z);
         // Every direction perpendicular to a vertical arrow is horizontal, so x is taken.
@@ -131,7 +132,7 @@ impl Field {
     ///
     /// The means along the two grid axes are computed separately, and the smaller one is returned.
     ///
-    /// Listed points have no grid: each point is a neighbour of the next one in the list.
+    /// Listed points have no grid. Each point is a neighbour of the next point in the list.
     pub fn spacing(&self) -> f64 {
         let along = self.size.0.max(1);
         let mean = |pairs: Vec<(usize, usize)>| {
@@ -162,9 +163,9 @@ impl Field {
 
     /// Returns the size of one component of the error at a node, m.
     ///
-    /// `take` selects model and reading (index into [`Field::takes`]). If `is_signed` is true, the result
-    /// is the signed component along an axis, or the length of the resultant. Otherwise the result is the
-    /// unsigned figure of the reading. Returns None for a node without a usable posture.
+    /// The index `take` into [`Field::takes`] selects the model and the reading. If `is_signed` is true,
+    /// the result is the signed component along an axis, or the length of the resultant. Otherwise the
+    /// result is the unsigned figure of the reading. Returns None for a node without a usable posture.
     pub fn size_of(&self, take: usize, component: Component, node: usize, is_signed: bool) -> Option<f64> {
         let take = &self.takes[take];
         let error = take.error[node]?;
@@ -180,9 +181,9 @@ impl Field {
 impl Drawing<'_> {
     /// Returns the factor by which arrows are longer than the errors that they show.
     ///
-    /// `take` selects model and reading (index into [`Field::takes`]). In every operation, the longest arrow
-    /// is at most 1.5 times as long as the distance between nodes. The factor is rounded down to 1, 1.5, 2,
-    /// ... 9.5 times a power of ten. If there are no errors, the factor is 1.
+    /// The index `take` into [`Field::takes`] selects the model and the reading. In every operation, the
+    /// longest arrow is at most 1.5 times as long as the distance between nodes. The factor is rounded down
+    /// to 1, 1.5, 2, ... 9.5 times a power of ten. If there are no errors, the factor is 1.
     pub fn exaggeration(&self, take: usize) -> f64 {
         let is_signed = self.lenses[take].is_signed();
         let raw = self.fields.iter().filter_map(|field| {
@@ -196,8 +197,8 @@ impl Drawing<'_> {
 
     /// Returns the errors of the usable nodes of an operation as arrows, enlarged by [`Self::exaggeration`].
     ///
-    /// `take` selects model and reading (index into [`Field::takes`]). If the reading gives errors without a
-    /// sign, each node has two arrows in opposite directions.
+    /// The index `take` into [`Field::takes`] selects the model and the reading. If the reading gives
+    /// errors without a sign, each node has two arrows in opposite directions.
     pub fn arrows(&self, field: usize, take: usize, component: Component) -> Vec<Arrow> {
         let (is_signed, enlarged) = (self.lenses[take].is_signed(), self.exaggeration(take));
         let field = &self.fields[field];

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 /// Number of horizontal sections between the lowest and the highest point of the envelope.
 const LEVELS: usize = 9;
 
-/// Closed lines of a working envelope, world, m. The last point is joined to the first.
+/// Closed lines of a working envelope, in the world frame, m. The last point is joined to the first.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rings {
     /// Outlines of the horizontal section at the height of the operation's TCP.

@@ -1,4 +1,4 @@
-//! Error maps as plain data for pictures: the nodes, with their errors under each model and reading.
+//! Error maps as plain data for pictures: the nodes and their errors under each model and reading.
 
 use super::Detail;
 use crate::assess::Assessment;
@@ -22,7 +22,7 @@ impl ErrorView {
         Self { model: cell.model, reading: cell.reading, quantity: cell.quantity }
     }
 
-    /// Returns how the errors of a cell are interpreted under this model and reading.
+    /// Returns the interpretation of the errors of a cell under this model and reading.
     pub fn interpretation(&self, cell: &Cell) -> Interpretation {
         let Self { model, reading, quantity } = *self;
         Interpretation { model, reading, quantity, ..cell.interpretation() }
@@ -34,12 +34,12 @@ impl ErrorView {
         self.reading == Reading::Signed
     }
 
-    /// Returns the name of the figure that this reading shows: signed sample, worst case, p95 ...
+    /// Returns the name of the figure that this reading shows: signed sample, worst case, p95 and others.
     pub fn reading_word(&self) -> &'static str {
         match (self.reading, self.quantity) {
             (Reading::Signed, _) => "signed sample",
             (Reading::WorstCase, _) => "worst case",
-            // A yield belongs to one sense and its limit; other senses show the 95th percentile.
+            // A yield belongs to one sense and its limit. Other senses show the 95th percentile.
             (Reading::Statistical, Quantity::Yield) => Quantity::P95.name(),
             (Reading::Statistical, quantity) => quantity.name(),
         }
@@ -64,12 +64,12 @@ pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     lenses
 }
 
-/// Node of an error map as pictures show it.
+/// Node of an error map in the form in which pictures show it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldNode {
     pub i: usize,
     pub j: usize,
-    /// Position of the TCP at the node, world frame, m.
+    /// Position of the TCP at the node, in the world frame, m.
     pub position: Vector3<f64>,
     pub sign: NodeSign,
     /// Reason why the node cannot be used; empty if the node is usable.
@@ -91,10 +91,10 @@ impl FieldNode {
 pub struct ViewedErrors {
     /// Model and reading of these errors, as an index into [`super::Drawing::lenses`].
     pub lens: usize,
-    /// Error vector of the TCP at each node, world frame, m.
+    /// Error vector of the TCP at each node, in the world frame, m.
     ///
-    /// In the signed reading this is the error of the signed sample. Otherwise it is the error at the corner
-    /// of the tolerance box that is worst in the sense of the operation.
+    /// In the signed reading, the vector is the error of the signed sample. Otherwise it is the error at
+    /// the corner of the tolerance box that is worst in the sense of the operation.
     pub error: Vec<Option<Vector3<f64>>>,
     /// Figures of the reading, m or rad: one list per sense, with one entry per node.
     pub values: Vec<Vec<Option<f64>>>,
@@ -112,24 +112,27 @@ pub struct Field {
     pub senses: Vec<Sense>,
     /// Sense of the operation, as an index into [`Self::senses`].
     pub sense: usize,
-    /// Number of nodes in [`Self::nodes`] along the first and the second axis of the grid; listed points lie
-    /// along the first axis.
+    /// Number of nodes in [`Self::nodes`] along the first and the second axis of the grid. Listed points
+    /// lie along the first axis.
     pub size: (usize, usize),
-    /// Every mapped node, or a regular selection of them: see [`Self::every`].
+    /// All mapped nodes, or a regular selection of them ([`Self::every`]).
     ///
-    /// The nodes are stored row by row; the nodes of a row follow the first axis of the grid.
+    /// The nodes are stored row by row. The nodes of a row follow the first axis of the grid.
     pub nodes: Vec<FieldNode>,
     /// Spot of the operation, as an index into [`Self::nodes`].
     ///
     /// This index is None if there is no spot, or if [`Self::nodes`] lacks the node of the spot.
     pub best: Option<usize>,
-    /// Position of the spot, world frame, m; present even if [`Self::nodes`] lacks the node of the spot.
+    /// Position of the spot, in the world frame, m. It is stated even if [`Self::nodes`] lacks the node of
+    /// the spot.
     pub spot: Option<Vector3<f64>>,
-    /// Position of the spot refined between the nodes, world frame, m; None if it was not refined.
+    /// Position of the spot refined between the nodes, in the world frame, m; None if the spot was not
+    /// refined.
     pub refined: Option<Vector3<f64>>,
     /// Stride between the nodes in [`Self::nodes`] along each axis.
     ///
-    /// A stride of 1 keeps every mapped node, 2 every second node along each axis, and so on.
+    /// A stride of 1 keeps every mapped node. A stride of 2 keeps every second node along each axis, and so
+    /// on.
     pub every: usize,
     pub takes: Vec<ViewedErrors>,
 }
@@ -142,8 +145,8 @@ impl Field {
 
     /// Returns the least and the greatest value of the usable nodes, m or rad.
     ///
-    /// `take` selects model and reading (index into [`Self::takes`]), and `sense` the sense (index into
-    /// [`Self::senses`]).
+    /// The index `take` into [`Self::takes`] selects the model and the reading. The index `sense` into
+    /// [`Self::senses`] selects the sense.
     pub fn range(&self, take: usize, sense: usize) -> Option<(f64, f64)> {
         let values = &self.takes.get(take)?.values[sense];
         let values = self.usable().filter_map(|k| values[k]).map(|v| (v, v));
@@ -151,8 +154,11 @@ impl Field {
     }
 }
 
-/// Maps a layout under the cell's model and reading, or under every model and reading if `detail` asks for
-/// it.
+/// Returns the error maps of a layout for pictures, with the model and reading of each entry of
+/// [`Field::takes`].
+///
+/// The maps are made under the model and reading of the cell. If `detail` asks for it, they are made under
+/// every model and reading.
 pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorView>, Vec<Field>), String> {
     let lenses = if detail.lenses { lenses(a.cell) } else { vec![ErrorView::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();

@@ -6,14 +6,15 @@ use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Number of sides of a round solid. The normals of neighbouring sides differ by less than 25 degrees
-/// ([`CREASE`]), so the solid is shaded without visible edges.
+/// ([`CREASE`]). The solid is therefore shaded without visible edges.
 const SIDES: usize = 32;
 
-/// Cosine of 25 degrees: the edge between two faces is drawn sharp if their normals differ by at least this
+/// Cosine of 25 degrees. The edge between two faces is drawn sharp if their normals differ by at least this
 /// angle.
 const CREASE: f64 = 0.906_307_787_036_65;
 
-/// Triangle mesh with one normal per corner, m. Corners with equal position and normal are merged.
+/// Triangle mesh with one normal per corner. Corners with equal position and normal are merged. Positions
+/// are in m.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     pub positions: Vec<Vector3<f64>>,
@@ -43,8 +44,8 @@ impl Mesh {
         Self::creased(&vertices, &triangles)
     }
 
-    /// Returns a mesh with normals for shading. An edge is smooth or sharp depending on the angle between its
-    /// faces.
+    /// Returns a mesh with normals for shading. The angle between two faces decides whether their edge is
+    /// smooth or sharp.
     ///
     /// Triangles without area are left out.
     pub fn creased(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Self {
@@ -60,7 +61,7 @@ impl Mesh {
             t.iter().for_each(|&i| around[i as usize].push(f as u32));
         }
         let mut mesh = Self::default();
-        // Corners created so far from each vertex.
+        // Corners that were created from each vertex so far.
         let mut made: Vec<Vec<u32>> = vec![Vec::new(); vertices.len()];
         for (t, _, flat) in &faces {
             let corners = t.map(|i| {
@@ -87,7 +88,7 @@ impl Mesh {
         i
     }
 
-    /// Returns the mesh in another frame; `pose` is the pose of the present frame in the new frame.
+    /// Returns the mesh in another frame. `pose` is the pose of the present frame in the new frame.
     pub fn seen_from(&self, pose: &Pose) -> Self {
         Self {
             positions: self.positions.iter().map(|p| pose.transform(p)).collect(),
@@ -115,12 +116,13 @@ fn cuboid(pose: &Pose, size: &Vector3<f64>) -> Surface {
     ((0..8).map(corner).collect(), halves.collect())
 }
 
-/// Returns a round bar from `a` to `b`. The ends are hemispheres if `round` is true, otherwise flat.
+/// Returns a round bar from `a` to `b`, m. The ends are hemispheres if `round` is true; otherwise they are
+/// flat.
 fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface {
     let axis = (b - a).try_normalize(1e-12).unwrap_or_else(Vector3::z);
     let across = axis.cross(&axis.map(|c| if c.abs() == axis.amax() { 0.0 } else { 1.0 })).normalize();
     let turned = Matrix3::from_columns(&[across, axis.cross(&across), axis]);
-    // Rings from the end at `a` to the end at `b`, each with its radius and its centre.
+    // The rings run from the end at `a` to the end at `b`. Each has a radius and a centre.
     let cap = if round { SIDES / 4 } else { 1 };
     let lift = |k: usize| if round { FRAC_PI_2 * k as f64 / cap as f64 } else { 0.0 };
     let mut rings: Vec<(f64, Vector3<f64>)> = Vec::new();
@@ -147,7 +149,7 @@ fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface 
 
 /// Returns the triangles of a bar with `rings` rings of [`SIDES`] corners.
 ///
-/// The bar begins and ends with a single point, so the corners are: first point, rings, last point.
+/// The bar begins and ends with a single point. The order of the corners is first point, rings, last point.
 fn bar_triangles(rings: usize) -> Vec<[u32; 3]> {
     let at = |ring: usize, k: usize| (1 + ring * SIDES + k % SIDES) as u32;
     let last = (1 + rings * SIDES) as u32;

@@ -1,5 +1,5 @@
-//! Layouts as plain data for pictures: solids, error maps, envelopes and motion, in the world frame, m and
-//! rad.
+//! Layouts as plain data for pictures: solids, error maps, envelopes and motion. All data are in the world
+//! frame, m and rad.
 //!
 //! A [`Drawing`] is made once from an [`Assessment`]. Every picture, page and CAD file is rendered from that
 //! drawing, so all of them show the same content.
@@ -31,10 +31,10 @@ use crate::cell::{Cell, Layout};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// Layout as pictures show it.
+/// Layout in the form in which pictures show it.
 pub struct Drawing<'a> {
     pub cell: &'a Cell,
-    /// Name that distinguishes this layout from others: start, best ...
+    /// Name that distinguishes this layout from others, for example `start` or `best`.
     pub name: String,
     pub layout: Layout,
     /// Pose of the robot base in the world.
@@ -47,8 +47,8 @@ pub struct Drawing<'a> {
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
-    /// Region in which the frame origin of each piece may stand, at the height of the frame; empty if no regions were
-    /// computed.
+    /// Region in which the frame origin of each piece may lie, at the height of the frame. The list is
+    /// empty if no regions were computed.
     pub regions: Vec<DrawnRegion>,
     /// Working envelope of each operation; empty if [`Detail::envelopes`] is false.
     pub envelopes: Vec<Rings>,
@@ -68,9 +68,9 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// Every model and reading, envelopes, and at most 4000 nodes per error map.
+    /// Detail with every model and reading, envelopes, and at most 4000 nodes per error map.
     pub const FULL: Self = Self { lenses: true, envelopes: true, nodes: 4000 };
-    /// Model and reading of the cell, envelopes, and all nodes.
+    /// Detail with the model and reading of the cell alone, envelopes, and all nodes.
     pub const PLAIN: Self = Self { lenses: false, envelopes: true, nodes: usize::MAX };
 }
 
@@ -79,7 +79,7 @@ impl<'a> Drawing<'a> {
     ///
     /// # Errors
     ///
-    /// Fails if the cell cannot be evaluated under another model or reading. The message says why.
+    /// Returns the reason if the cell cannot be evaluated under another model or reading.
     pub fn new(a: &Assessment<'a>, detail: &Detail) -> Result<Self, String> {
         let (lenses, fields) = field::fields(a, detail)?;
         let envelopes = if detail.envelopes {
@@ -124,7 +124,8 @@ impl<'a> Drawing<'a> {
         self.parts.iter().filter(seen).map(move |part| (part, self.pose_of(part, frames)))
     }
 
-    /// Returns the bounding box of all parts that are always visible, world frame, m, with the robot at home.
+    /// Returns the bounding box, in the world frame, m, of all parts that are always visible, with the
+    /// robot at home.
     pub fn extent(&self) -> (Vector3<f64>, Vector3<f64>) {
         let home = self.movement.home();
         let base = (self.base.translation, self.base.translation);

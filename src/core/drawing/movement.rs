@@ -11,10 +11,10 @@ const SPEED: f64 = 0.8;
 const REST: f64 = 0.6;
 /// Time between two frames of the animation, s.
 const TICK: f64 = 0.05;
-/// Longest duration of a straight move in joint coordinates, s; longer moves are shown faster.
+/// Longest duration of a straight move in joint coordinates, s. Longer moves are shown faster.
 const MAX_DURATION: f64 = 6.0;
 
-/// Stop of the animation: a posture in which the robot stands still for a moment.
+/// Stop of the animation: a posture in which the robot rests for a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovementStop {
     /// Operation at whose spot the robot stops; None at home.
@@ -28,12 +28,12 @@ pub struct MovementStop {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Movement {
     pub stops: Vec<MovementStop>,
-    /// Times for which the animation has a picture, s, in ascending order.
+    /// Times of the pictures of the animation, s, in ascending order.
     pub times: Vec<f64>,
-    /// Operation whose part the gripper holds, one entry per entry of [`Self::times`]; None if the gripper is
+    /// Operation whose part the gripper holds at each entry of [`Self::times`]; None if the gripper is
     /// empty.
     pub holding: Vec<Option<usize>>,
-    /// Poses of the robot base, of the frame after each joint and of the TCP, world frame.
+    /// Poses of the robot base, of the frame after each joint and of the TCP, in the world frame.
     ///
     /// There is one list of these poses per entry of [`Self::times`].
     pub frames: Vec<Vec<Pose>>,
@@ -42,8 +42,8 @@ pub struct Movement {
 }
 
 impl Movement {
-    /// Returns the motion from home via the spots of a layout and back. Spots follow the order of the
-    /// operations; operations without a spot are left out.
+    /// Returns the motion from home via the spots of a layout and back. The spots follow the order of the
+    /// operations. Operations without a spot are left out.
     pub fn new(a: &Assessment<'_>) -> Self {
         let chain = Chain::new(&a.cell.robot);
         let base = a.layout.base.pose();
@@ -76,12 +76,13 @@ impl Movement {
         Self { stops: Vec::new(), times: Vec::new(), holding: Vec::new(), frames: Vec::new(), is_checked }
     }
 
-    /// Returns the link frames and the TCP frame at home, world frame.
+    /// Returns the link frames and the TCP frame at home, in the world frame.
     pub fn home(&self) -> &[Pose] {
         self.frames.first().map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the link frames and the TCP frame at the spot of an operation; None if it has no spot.
+    /// Returns the link frames and the TCP frame at the spot of an operation; None if the operation has no
+    /// spot.
     pub fn at(&self, operation: usize) -> Option<&[Pose]> {
         let stop = self.stops.iter().find(|s| s.operation == Some(operation))?;
         let k = self.times.iter().position(|t| *t >= stop.time)?;
@@ -134,8 +135,8 @@ impl MovementBuilder<'_> {
         }
     }
 
-    /// Returns the largest travel of a joint between two postures, rad. A prismatic travel (m) is divided by
-    /// the reach and counts as rad.
+    /// Returns the largest travel of a joint between two postures, rad. A prismatic travel (m) is divided
+    /// by the reach, and the quotient counts as rad.
     fn way(&self, from: &JointVector, to: &JointVector) -> f64 {
         let links = self.chain.links.iter().zip(from.iter().zip(to));
         let gone = links.map(|(link, (a, b))| match link.kind {
@@ -148,7 +149,8 @@ impl MovementBuilder<'_> {
     fn show(&mut self, time: f64, joints: &JointVector, holding: Option<usize>) {
         let frames = self.chain.frames(&self.chain.posture(joints));
         let links = frames.links[..=self.chain.axes()].iter().enumerate();
-        // Frame 0 of the chain may stand on a mount; solids of link 0 are drawn in the base frame.
+        // Frame 0 of the chain may differ from the base frame by a mount. Solids of link 0 are drawn in the
+        // base frame.
         let mut world: Vec<Pose> =
             links.map(|(k, link)| if k == 0 { self.base } else { self.base * *link }).collect();
         world.push(self.base * frames.tcp);

@@ -1,4 +1,4 @@
-//! Glyphs of nodes: one table that all pictures use to mark unusable nodes.
+//! Glyphs that mark unusable nodes: one table for all pictures.
 //!
 //! Pictures made in Rust use the table directly. The JavaScript of the viewer and of the live page gets the
 //! table as JSON.
@@ -13,14 +13,14 @@ pub enum GlyphRing {
     Dashed,
 }
 
-/// Severity of a glyph; each kind of picture has its own colour for each severity.
+/// Severity of a glyph. Each kind of picture has its own colour for each severity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GlyphTone {
     /// No posture for the node was found, or its error cannot be computed.
     Quiet,
     /// The posture is nearly singular.
     Warning,
-    /// A collision prevents the posture, or a path to or from the node.
+    /// A collision prevents the posture, or a path to or from the node is blocked.
     Alarm,
 }
 
@@ -35,7 +35,7 @@ impl GlyphTone {
     }
 }
 
-/// Open polyline of a glyph: x to the right, y down, in units of the radius of its ring.
+/// Open polyline of a glyph, with x to the right and y down. The unit is the radius of the ring.
 pub type GlyphStroke = &'static [(f64, f64)];
 
 /// Glyph that marks an unusable node: a circle and strokes of one colour.
@@ -46,7 +46,7 @@ pub struct NodeGlyph {
     pub tone: GlyphTone,
 }
 
-/// Absolute value of x and y at the points of the ring at 45 degrees, in units of its radius.
+/// Absolute value of x and y at the points of the ring at 45 degrees. The unit is the radius of the ring.
 const C: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 const RISING: GlyphStroke = &[(-C, C), (C, -C)];
@@ -57,7 +57,7 @@ const SQUARE: GlyphStroke = &[(-C, -C), (C, -C), (C, C), (-C, C), (-C, -C)];
 const DOWN: GlyphStroke = &[(-C, -0.6 * C), (0.0, 0.7 * C), (C, -0.6 * C)];
 const UP: GlyphStroke = &[(-C, 0.6 * C), (0.0, -0.7 * C), (C, 0.6 * C)];
 
-/// Returns the glyph for the state of a node (usable, or why not).
+/// Returns the glyph for a class of nodes.
 ///
 /// Returns None for a usable node, which is drawn as a dot in the colour of its error.
 pub fn node_glyph(sign: NodeSign) -> Option<NodeGlyph> {

@@ -37,29 +37,31 @@ impl PartKind {
 /// Carrier of a part: the world, or the link frame with which the part moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PartCarrier {
-    /// Part that stands still, with its pose in the world frame.
+    /// Part that does not move, with its pose in the world frame.
     World(Pose),
-    /// Part that moves with a link frame: 0 is the robot base, k the frame after link k.
+    /// Part that moves with a link frame. The index 0 denotes the robot base, and k denotes the frame after
+    /// link k.
     Link(usize),
 }
 
-/// Solid as pictures show it.
+/// Solid in the form in which pictures show it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnPart {
     pub name: String,
-    /// Name of the object that the solid belongs to: robot, equipment, operation, ...
+    /// Name of the object that the solid belongs to, for example the robot, a piece of equipment or an
+    /// operation.
     pub owner: String,
     pub kind: PartKind,
     pub carrier: PartCarrier,
-    /// Index of the equipment that the solid belongs to; None for any other solid.
+    /// Index of the equipment that the solid belongs to; None if it does not belong to equipment.
     pub equipment: Option<usize>,
-    /// The only operation at which the part is visible; None if it is always visible.
+    /// The only operation at which the part is visible; None if the part is always visible.
     pub operation: Option<usize>,
     /// Mesh in the frame of the carrier, m.
     pub mesh: Mesh,
 }
 
-/// Radius of the bars that are drawn for a robot without solids, as a share of the reach.
+/// Radius of the bars that are drawn for a robot without solids, as a share of the reach of the robot.
 const BAR: f64 = 0.018;
 /// Thickness of a wall of the fence, and height of the wall if the fence has no height, m.
 const WALL: f64 = 0.01;
@@ -120,8 +122,10 @@ fn robot(cell: &Cell) -> Vec<DrawnPart> {
     parts
 }
 
-/// Returns the pedestal of a robot base at height `z` in the world: pose of its centre in the base frame, and full
-/// edges, m. It is None if the base stands on the floor or hangs.
+/// Returns the pedestal of a robot base at height `z` in the world as a box, m. The box is given by the
+/// pose of its centre in the base frame and by its edge lengths.
+///
+/// Returns None if the base stands on the floor or hangs.
 pub fn pedestal(cell: &Cell, z: f64) -> Option<(Pose, Vector3<f64>)> {
     let (section, height) = cell.pedestal(z)?;
     let (centre, size) = (section.centre, section.size);
@@ -155,7 +159,8 @@ fn skeleton(chain: &Chain, radius: f64) -> Vec<(usize, Shape)> {
     };
     bar(0, Vector3::zeros(), chain.mount.translation);
     for (i, link) in chain.links.iter().enumerate() {
-        // `back` undoes the twist of row i. Before its twist, the row moves along z by r, then along x by l.
+        // `back` undoes the twist of D-H row i. Before the twist, the row moves along z by r, then along x
+        // by l.
         let back = |p: Vector3<f64>| {
             let (sin, cos) = (link.sin_alpha, link.cos_alpha);
             Vector3::new(p.x, cos * p.y + sin * p.z, cos * p.z - sin * p.y)
@@ -185,9 +190,10 @@ fn stand(equipment: &Equipment, index: usize, pose: Pose, floor: f64) -> Vec<Dra
     equipment.solids.iter().map(part).collect()
 }
 
-/// Returns the walls of the fence as boxes: pose of the centre in the world and full edges, m.
+/// Returns the walls of the fence as boxes. Each box is the pose of its centre in the world frame and its
+/// edge lengths, m.
 ///
-/// A wall is 10 mm thick; if the fence has no height, it is also 10 mm high.
+/// A wall is 10 mm thick. If the fence has no height, its walls are also 10 mm high.
 pub fn fence_walls(cell: &Cell) -> Vec<(Pose, Vector3<f64>)> {
     let Some(Fence { corners, height }) = &cell.fence else { return Vec::new() };
     let height = height.unwrap_or(WALL);

@@ -1,23 +1,24 @@
-//! Regions in pictures: where each piece may stand.
+//! Regions in pictures: the places where the robot base and each piece of equipment may stand.
 
 use crate::assess::Assessment;
 use crate::region::{MovableBody, Region};
 use nalgebra::Vector3;
 
-/// Region of the frame origin of one piece, world frame.
+/// Region in which the frame origin of one piece (robot base or equipment) may lie, in the world frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnRegion {
     /// Name of the equipment, or `robot base`.
     pub name: String,
-    /// Closed lines, m.
+    /// Closed outlines of the region at the height of the frame, m.
     pub rings: Vec<Vec<Vector3<f64>>>,
-    /// Room in plan, m; `turn` is the room to turn, rad. Each is None if the search does not move the piece in this
-    /// way.
+    /// Largest distance by which the piece may be displaced in every direction in plan, m
+    /// ([`Region::room`]). The field `turn` is the largest angle by which the piece may be rotated, rad.
+    /// Each is None if the search does not move the piece in this way.
     pub room: Option<f64>,
     pub turn: Option<f64>,
 }
 
-/// Returns the regions of an assessed layout; empty if none were computed.
+/// Returns the regions of an assessed layout. The list is empty if no regions were computed.
 pub fn regions(a: &Assessment<'_>) -> Vec<DrawnRegion> {
     let drawn = |region: &Region| {
         let z = match region.body {

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Axes of a view in the world frame: unit vectors to the right, up and towards the eye (right-handed).
 pub type ViewAxes = [Vector3<f64>; 3];
 
-/// View from above, in the direction -z; [`FRONT`] is the view from the front, in the direction +y.
+/// View from above, in the direction -z.
 pub const ABOVE: ViewAxes =
     [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
 /// View from the front, in the direction +y.
@@ -30,7 +30,7 @@ pub struct Silhouette {
     pub loops: Vec<Vec<Vector2<f64>>>,
     /// Sharp edges inside the outlines.
     pub edges: Vec<[Vector2<f64>; 2]>,
-    /// Coordinate along the direction to the eye, averaged over all corners, m; nearer solids are drawn
+    /// Coordinate along the direction to the eye, averaged over all corners, m. Nearer solids are drawn
     /// later.
     pub depth: f64,
 }
@@ -59,8 +59,8 @@ pub fn silhouette(mesh: &Mesh, pose: &Pose, [right, up, eye]: &ViewAxes) -> Silh
     Silhouette { loops, edges, depth: sum / placed.len().max(1) as f64 }
 }
 
-/// Returns for every corner the index of the first corner at the same place. A mesh has several corners at
-/// one place if their normals differ.
+/// Returns, for every corner, the index of the first corner at the same place. A mesh has several corners
+/// at one place if their normals differ.
 fn joined(positions: &[Vector3<f64>]) -> Vec<usize> {
     let mut first: BTreeMap<[u64; 3], usize> = BTreeMap::new();
     let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|v| (v + 0.0).to_bits());

@@ -8,12 +8,12 @@ use std::cmp::Ordering;
 ///
 /// [`Ord`] ranks the best candidate as the greatest, so a [`std::collections::BinaryHeap`] returns it first.
 ///
-/// A candidate is better if its value is less. If values are equal, the lower node index is better, then the
-/// lower branch index.
+/// A candidate is better if its value is smaller. If values are equal, the lower node index is better. If
+/// the nodes are also equal, the lower branch index is better.
 #[derive(Clone, Copy)]
 pub struct PostureCandidate {
     pub spot: Spot,
-    /// TCP target, base frame, m.
+    /// Target position of the TCP, in the base frame, m.
     pub target: Vector3<f64>,
     pub contact: ArmContact,
     pub certainty: Certainty,
@@ -21,7 +21,7 @@ pub struct PostureCandidate {
 
 /// Kind of the value of a candidate: a cheap lower bound, a sharper lower bound, or the value itself.
 ///
-/// Among equal values, a bound comes first, because the value may be anything above it.
+/// Among equal values, the least certain one comes first, because its true value is not known yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Certainty {
     Value,
@@ -35,7 +35,7 @@ pub enum ArmContact {
     Unknown,
     /// A solid before the last joint has a contact.
     BeforeLastJoint,
-    /// The solids before the last joint have no contact; the contacts of the other solids are not known.
+    /// The solids before the last joint have no contact. The contacts of the other solids are not known.
     OnlyBehindLastJoint,
 }
 

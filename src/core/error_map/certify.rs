@@ -1,4 +1,5 @@
-//! Certificates of postures and paths: they can be used at every misplacement inside the placement tolerances.
+//! Certificates of postures and paths. A certified posture or path can be used at every misplacement inside
+//! the placement tolerances.
 
 use super::demand::Demand;
 use super::outcome::Spot;
@@ -27,11 +28,11 @@ struct Nominal {
 }
 
 impl OperationQuery<'_> {
-    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all misplacements,
-    /// if `demand` asks for a bound and it is known.
+    /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all
+    /// misplacements, if `demand` asks for a bound and a bound is known.
     ///
     /// # Errors
-    /// Returns the reason if the posture is not certified. The limit of the operation is not checked.
+    /// Returns the reason if the posture is not certified. The error limit of the operation is not checked.
     pub(super) fn certify(
         &self,
         target: &Vector3<f64>,
@@ -57,8 +58,8 @@ impl OperationQuery<'_> {
         Ok(Some(value.most(&self.setup.evaluator, chain, &boxed, &mut memory.scratch.evaluator)))
     }
 
-    /// Returns why a posture that can be used in the layout as drawn is not certified; None if it is certified, or if
-    /// no certificate is demanded.
+    /// Returns the reason why a posture that can be used in the layout as drawn is not certified. Returns
+    /// None if the posture is certified, or if no certificate is demanded.
     pub fn uncertainty(
         &self,
         target: &Vector3<f64>,
@@ -69,7 +70,7 @@ impl OperationQuery<'_> {
         self.certify(target, branch, &demand, memory).err()
     }
 
-    /// Computes the nominal posture of a branch, and the box of its target.
+    /// Returns the nominal posture of a branch, and the box of its target.
     fn nominal(
         &self,
         target: &Vector3<f64>,
@@ -119,7 +120,7 @@ impl OperationQuery<'_> {
             .map_or(Ok(()), |measure| Err(NotCertified::Singular { measure }))
     }
 
-    /// Returns the motion of all solids while the joints are in a box.
+    /// Returns bounds on the motion of all solids if the joint coordinates lie inside a box.
     fn motion<'m>(
         &'m self,
         frames: &'m Frames,
@@ -162,11 +163,11 @@ impl OperationQuery<'_> {
         self.certify_path(&knots, &deviations, load, demand, Some(&between))
     }
 
-    /// Returns the largest deviation of the D-H coordinates at each knot of a path, rad or m, if the path follows the
-    /// target. Via postures do not follow it.
+    /// Returns the largest deviation of the D-H coordinates (rad or m) at each knot of a path that follows
+    /// the misplaced target. Via postures do not follow the target.
     ///
-    /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation halfway to the next knots.
-    /// Along any other move, the deviation is interpolated linearly.
+    /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation halfway to the
+    /// neighbouring knots. Along any other move, the deviation is interpolated linearly.
     fn deviations(
         &self,
         nominal: &Nominal,
@@ -200,7 +201,7 @@ impl OperationQuery<'_> {
         (0..knots.len()).map(deviation).collect()
     }
 
-    /// Certifies a path of straight moves in joint coordinates; `deviations` are those of its knots.
+    /// Certifies a path of straight moves in joint coordinates. `deviations` has one entry per knot.
     fn certify_path(
         &self,
         knots: &[JointVector],
@@ -244,10 +245,10 @@ impl PlacedLayout<'_> {
         found
     }
 
-    /// Certifies the move between two operations, which takes place with a load along a path.
+    /// Certifies a path on which the robot moves with a load from one operation to another.
     ///
     /// # Errors
-    /// Returns the obstacle if the move is not certified.
+    /// Returns the hindrance if the path is not certified.
     pub fn certify_transfer(
         &self,
         ends: [usize; 2],
@@ -256,7 +257,7 @@ impl PlacedLayout<'_> {
         spots: &[Option<Spot>],
         demand: &Demand<'_>,
     ) -> Result<(), Hindrance> {
-        // The knots before the longest move follow the first operation, the others the second.
+        // The knots before the longest move follow the first operation, and the others follow the second.
         let step = |k: &usize| -> f64 {
             path[*k].iter().zip(&path[k + 1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };

@@ -1,4 +1,4 @@
-//! Demand on the postures of a layout: they must be certified.
+//! Demand that the postures of a layout are certified.
 
 use crate::cell::Cell;
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
@@ -8,6 +8,6 @@ use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 pub struct Demand<'a> {
     pub cell: &'a Cell,
     pub misplacements: &'a Misplacements,
-    /// Bound of the value, or the reason why there is none; None if no bound is requested.
+    /// Upper bound of the value, or the reason why there is no bound; None if no bound is requested.
     pub value: Option<&'a Result<ValueBound, NoValueBound>>,
 }

@@ -11,7 +11,7 @@ use crate::reach::Gap;
 use nalgebra::Vector3;
 use std::collections::BinaryHeap;
 
-/// Candidates of one node, and its gap if no posture reaches it.
+/// Candidates of one node, and the gap of the node if no posture reaches it.
 ///
 /// `BOUNDS` states whether candidates may carry a lower bound of their value.
 struct NodeCandidates<'c, const BOUNDS: bool> {
@@ -31,7 +31,7 @@ impl<const BOUNDS: bool> PostureVisitor for NodeCandidates<'_, BOUNDS> {
     }
 }
 
-/// Sums of the gaps ([`Gap`]) of the nodes that cannot be reached.
+/// Counts of the nodes that cannot be reached, and sums of their gaps ([`Gap`]).
 #[derive(Default)]
 struct UnreachedNodes {
     out_of_reach: usize,
@@ -57,8 +57,8 @@ impl UnreachedNodes {
 
     /// Returns the mean [`Gap`] over all nodes; None if all nodes are reached.
     ///
-    /// If any node is out of reach, only distances from the reach count, and violations of limits do not. The
-    /// mean then decreases whenever an unreached node comes nearer to the reach of the arm.
+    /// If any node is out of reach, only distances from the reach count, and violations of joint limits do
+    /// not count. The mean then decreases whenever an unreached node comes nearer to the reach of the arm.
     fn gap(&self, nodes: usize) -> Option<Gap> {
         if self.out_of_reach > 0 {
             let reach = (self.reach / nodes as f64).max(f64::MIN_POSITIVE);
@@ -71,7 +71,8 @@ impl UnreachedNodes {
 impl PlacedLayout<'_> {
     /// Finds the spot of an operation and its value.
     ///
-    /// For an operation at every node, the value combines all nodes, and the spot is the worst node.
+    /// For an operation at every node, the value combines the values of all nodes, and the spot is the
+    /// worst node.
     ///
     /// `spots` holds the spots of the earlier operations.
     pub fn outcome(
@@ -87,7 +88,7 @@ impl PlacedLayout<'_> {
             .map_or_else(|why| why, |free| self.value_of_all(operation, &free))
     }
 
-    /// Combines the values of all nodes; the spot is the worst node, or the first of several equally bad
+    /// Combines the values of all nodes. The spot is the worst node, or the first of several equally bad
     /// nodes.
     fn value_of_all(&self, operation: usize, free: &[Spot]) -> Outcome {
         let by_value = |a: &&Spot, b: &&Spot| a.value.total_cmp(&b.value);
@@ -99,11 +100,11 @@ impl PlacedLayout<'_> {
         Outcome::Found(Spot { value, ..*worst })
     }
 
-    /// Finds the least-error usable spot of every node, in the order of the nodes; nodes touched to teach the
-    /// frame are left out.
+    /// Finds the least-error usable spot of every node, in the order of the nodes. Nodes that the robot
+    /// touches to teach the frame are left out.
     ///
     /// # Errors
-    /// Returns the outcome if some node has no usable spot.
+    /// Returns the outcome if any node has no usable spot.
     pub fn every_free(
         &self,
         operation: usize,
@@ -177,7 +178,7 @@ impl OperationQuery<'_> {
             false => self.first_free_of_bounds(&mut heap, postures),
         };
         **candidates = heap.into_vec();
-        // Without a usable posture, the node may be out of reach, which families do not tell.
+        // Without a usable posture, the node may be out of reach. Families do not report this.
         match found.outcome() {
             None => self.reached(&target, postures).map(|()| None),
             found => Ok(found),

@@ -10,13 +10,13 @@ const ROUNDING: f64 = 1e-6;
 /// Usable nodes whose postures lie outside the measured joint ranges: their errors are extrapolated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Extrapolation {
-    /// Number of usable nodes outside.
+    /// Number of usable nodes whose postures lie outside the measured ranges.
     pub nodes: usize,
     /// Number of usable nodes.
     pub usable: usize,
-    /// Joints that leave their range at any of these nodes, in ascending order.
+    /// Indices of the joints that leave their range at any of these nodes, in ascending order.
     pub joints: Vec<usize>,
-    /// Whether the spot of the operation is outside.
+    /// Whether the posture at the spot of the operation lies outside the measured ranges.
     pub has_spot: bool,
 }
 
@@ -44,7 +44,8 @@ impl Extrapolation {
     }
 }
 
-/// Returns whether a range contains a joint coordinate. Angles a whole turn apart are the same posture.
+/// Returns whether a range contains a joint coordinate. If `turns` is true, angles that differ by a whole
+/// turn count as equal.
 pub fn contains_joint((low, high): (f64, f64), q: f64, turns: bool) -> bool {
     let (low, high) = (low - ROUNDING, high + ROUNDING);
     match turns {

@@ -1,21 +1,22 @@
-//! Spin families and their members, in the order of their bounds.
+//! Queue of spin families and their members, in ascending order of their bounds.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Spin family at one node, or one of its members. [`Ord`] ranks the one with the least bound as the greatest.
+/// Spin family at one node, or one member of a family. [`Ord`] ranks the entry with the least bound as the
+/// greatest.
 #[derive(Clone, Copy)]
 pub struct SpinFamily {
     /// Lower bound of the values of the members.
     pub bound: f64,
     pub node: usize,
-    /// Branch index of the first member, or of the only one.
+    /// Branch index of the first member of the family, or of the single member.
     pub first: u64,
     /// Known contacts of a single member, and the kind of its bound; None for a whole family.
     pub member: Option<(ArmContact, Certainty)>,
-    /// TCP target, base frame, m.
+    /// Target position of the TCP, in the base frame, m.
     pub target: Vector3<f64>,
 }
 
@@ -37,11 +38,11 @@ impl Ord for SpinFamily {
     }
 }
 
-/// Families and members with a bound, and postures with their values.
+/// Families and members with lower bounds, and judged postures with their values.
 pub struct FamilyQueue {
     pub families: BinaryHeap<SpinFamily>,
     pub judged: BinaryHeap<PostureCandidate>,
-    /// Whether the posture with the least value of all was found.
+    /// Whether the posture with the least value, usable or not, was found.
     pub is_nearest_known: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Candidates checked one after the other, best first, until one can be used.
+//! Check of the candidates one after the other, best first, until one can be used.
 
 use super::candidate::{ArmContact, PostureCandidate};
 use super::node_record::Status;
@@ -12,9 +12,11 @@ use crate::motion::PostureRefusal;
 use crate::reach::Cost;
 use nalgebra::Vector3;
 
-/// Returns the largest number of candidates that are tried in vain before an operation counts as not certified.
+/// Returns the number of candidates that may fail to be certified before the operation counts as not
+/// certified.
 ///
-/// A certificate takes about a microsecond, which matters only for an arm whose inverse kinematics is about as fast.
+/// A certificate takes about a microsecond. This time matters only for an arm whose inverse kinematics is
+/// about as fast.
 fn most_uncertain(cost: Cost) -> usize {
     match cost {
         Cost::Low | Cost::Numeric => 16,
@@ -50,8 +52,8 @@ impl FirstFree {
 impl OperationQuery<'_> {
     /// Checks the candidates that `next` returns, best first, until one can be used.
     ///
-    /// If the layout must withstand misplacements, a candidate must be certified, too. The search gives up after
-    /// [`most_uncertain`] candidates without a certificate.
+    /// If the layout must withstand misplacements, a candidate must also be certified. The search gives up
+    /// after [`most_uncertain`] candidates without a certificate.
     ///
     /// The inverse kinematics of a candidate is solved again here. That costs less than storing the postures
     /// of all nodes, because few candidates are checked.
@@ -92,7 +94,7 @@ impl OperationQuery<'_> {
             && self.uncertainty(target, spot.branch, memory).is_none()
     }
 
-    /// Returns whether the posture of a candidate is free of collisions.
+    /// Returns whether the posture of a candidate is collision-free.
     pub(super) fn is_free(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
         let PostureMemory { frames, contacts, .. } = memory;
         let PlacedLayout { mapper, solids, .. } = self.placed;
@@ -108,7 +110,7 @@ impl OperationQuery<'_> {
         })
     }
 
-    /// Returns why the motion rules refuse a collision-free posture; None if they allow it.
+    /// Returns the reason why the motion rules refuse a collision-free posture; None if they allow it.
     fn refusal(&self, target: &Vector3<f64>, branch: u64) -> Option<PostureRefusal> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
@@ -116,7 +118,7 @@ impl OperationQuery<'_> {
         guard.admits(&mapper.scene, solids, self.operation, &joints).err()
     }
 
-    /// Returns why a posture within the joint limits cannot be used; None if it can.
+    /// Returns the reason why a posture within the joint limits cannot be used; None if it can be used.
     ///
     /// `memory` must hold the frames of the posture.
     pub fn refusal_status(
@@ -131,7 +133,7 @@ impl OperationQuery<'_> {
         collision.or_else(|| self.refusal(target, branch).map(Status::Refused))
     }
 
-    /// Returns why none of the candidates of one target can be used: the reason that applies to the best
+    /// Returns the reason why no candidate of one target can be used. The reason is that of the best
     /// candidate.
     pub fn why_none(&self, target: &Vector3<f64>, found: &FirstFree, memory: &mut PostureMemory) -> Status {
         let arm = &self.placed.mapper.arm;

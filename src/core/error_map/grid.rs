@@ -5,17 +5,18 @@ use nalgebra::Vector3;
 
 /// Nodes of a work surface, in the frame of its equipment.
 ///
-/// A grid with m by n divisions has (m + 1)(n + 1) nodes. They are numbered row by row from the corner of
-/// least x and y: x varies faster than y.
+/// A grid with m by n divisions has (m + 1)(n + 1) nodes. The nodes are numbered row by row from the corner
+/// of least x and y, so that x varies faster than y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Numbers of divisions along x and y. A list of k nodes counts as one row: k - 1 and 0 divisions.
+    /// Numbers of divisions along x and y. A list of k nodes counts as one row, with k - 1 divisions along
+    /// x and none along y.
     pub divisions: (usize, usize),
-    /// Coordinates x of the columns, m; `ys` holds the coordinates y of the rows. For listed nodes both hold
-    /// only the least and the greatest coordinate.
+    /// Coordinates x of the columns, m. The field `ys` holds the coordinates y of the rows. For listed
+    /// nodes, each holds only the least and the greatest coordinate.
     xs: Vec<f64>,
     ys: Vec<f64>,
-    /// Nodes listed one by one (x, y, m); empty for a grid of columns and rows.
+    /// Coordinates (x, y) of nodes listed one by one, m; empty for a grid of columns and rows.
     points: Vec<(f64, f64)>,
     /// Height of the TCP targets above the surface, m.
     standoff: f64,
@@ -61,8 +62,7 @@ impl Grid {
         !self.points.is_empty()
     }
 
-    /// Returns the least and greatest x, and the least and greatest y, of the nodes (frame of the equipment,
-    /// m).
+    /// Returns the ranges of x and y of the nodes in the frame of the equipment, m.
     pub fn extent(&self) -> [(f64, f64); 2] {
         [&self.xs, &self.ys].map(|line| (line[0], line[line.len() - 1]))
     }
@@ -83,7 +83,8 @@ impl Grid {
         self.standoff
     }
 
-    /// Computes the TCP target over a point (frame of the equipment, m) of a surface placed at `at`.
+    /// Computes the TCP target over a point of a surface placed at `at`. The point is in the frame of the
+    /// equipment, m.
     ///
     /// The target (m) is in the frame in which `at` is given.
     pub fn point(&self, at: &Placement, (x, y): (f64, f64)) -> Vector3<f64> {
@@ -96,7 +97,7 @@ impl Grid {
         self.point(at, self.local(node))
     }
 
-    /// Computes a lower and an upper bound of the distances from a point to the TCP targets, m.
+    /// Computes a lower and an upper bound of the distances from the point `from` to the TCP targets, m.
     ///
     /// `from` and `at` must be given in the same frame.
     pub fn distances(&self, at: &Placement, from: &Vector3<f64>) -> (f64, f64) {

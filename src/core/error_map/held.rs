@@ -1,4 +1,4 @@
-//! Postures that an operation keeps while the layout changes.
+//! Queries of the postures that an operation keeps while the layout changes.
 
 use super::candidate::Certainty;
 use super::held_posture::HeldPosture;
@@ -12,7 +12,7 @@ use crate::robot::Posture;
 use nalgebra::Vector3;
 
 impl OperationQuery<'_> {
-    /// Returns the TCP target over a point of the surface, base frame, m.
+    /// Returns the TCP target over a point of the surface, in the base frame, m.
     pub fn target(&self, at: (f64, f64)) -> Vector3<f64> {
         self.setup.grid.point(&self.at, at)
     }
@@ -25,10 +25,11 @@ impl OperationQuery<'_> {
         Some(HeldPosture { at, branch, joints, heading })
     }
 
-    /// Computes the operation's value ([`Spot::value`]) in a held posture. Collisions and motion rules are not checked.
+    /// Computes the value of the operation ([`Spot::value`]) in a held posture. Collisions and motion rules
+    /// are not checked.
     ///
-    /// `held` may come from a slightly different layout. The point keeps its coordinates in the frame of the
-    /// equipment, and the joint coordinates are computed anew by the rules of [`HeldPosture`].
+    /// `held` may come from a slightly different layout. The point keeps its coordinates in the frame of
+    /// the equipment. The joint coordinates are computed anew by the rules of [`HeldPosture`].
     ///
     /// # Errors
     /// Returns the status of the point if no posture within the joint limits continues the held one.
@@ -59,7 +60,7 @@ impl OperationQuery<'_> {
         })
     }
 
-    /// Checks that the posture which continues a held one is free of collisions and allowed by the motion rules.
+    /// Checks that the posture that continues a held one is collision-free and allowed by the motion rules.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -69,13 +70,18 @@ impl OperationQuery<'_> {
         self.refused(held, memory)
     }
 
-    /// Returns the refusal of a held posture whose frames are in `memory`, if there is one.
+    /// Checks collisions and motion rules of a held posture whose frames are in `memory`.
+    ///
+    /// # Errors
+    ///
+    /// Returns the status of the point if the posture cannot be held.
     fn refused(&self, held: &HeldPosture, memory: &PostureMemory) -> Result<(), Status> {
         let branch = held.branch_elsewhere(&self.placed.mapper.arm.inverse);
         self.refusal_status(&self.target(held.at), branch, memory).map_or(Ok(()), Err)
     }
 
-    /// Computes the value like [`Self::held`]; the posture must be free of collisions and allowed by the motion rules.
+    /// Computes the value like [`Self::held`], and checks that the posture is collision-free and allowed by
+    /// the motion rules.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -84,7 +90,7 @@ impl OperationQuery<'_> {
         self.refused(held, memory).map(|()| value)
     }
 
-    /// Finds the branch of a held posture.
+    /// Finds the branch of a held posture; None if no branch continues the posture.
     ///
     /// The branch may exceed a joint limit, unless the inverse kinematics is numeric.
     pub fn branch_beyond_limits(&self, held: &HeldPosture) -> Option<Branch> {
@@ -95,7 +101,7 @@ impl OperationQuery<'_> {
         inverse.branch_beyond_limits(&target, &self.attitudes, held.branch).ok()
     }
 
-    /// Computes the operation's value in a posture, and places the frames of the posture in `memory`.
+    /// Computes the value of the operation in a posture, and places the frames of the posture in `memory`.
     ///
     /// # Errors
     /// Returns the status of the point if errors cannot be computed in this layout.
@@ -116,8 +122,8 @@ impl PlacedLayout<'_> {
         OperationQuery::new(self, operation, &[]).hold(at, branch)
     }
 
-    /// Computes the value of an operation in this layout in a held posture; `spots` holds the spots of the earlier
-    /// operations. Collisions and motion rules are not checked.
+    /// Computes the value of an operation in a held posture in this layout. Collisions and motion rules are
+    /// not checked. `spots` holds the spots of the earlier operations.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -131,7 +137,8 @@ impl PlacedLayout<'_> {
         self.asking(operation, spots, workspace, |query, memory| query.held(held, memory))
     }
 
-    /// Checks that an operation can keep a held posture in this layout; collisions and motion rules are not checked.
+    /// Checks that the arm can reach a held posture of an operation in this layout. Collisions and motion
+    /// rules are not checked.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -145,8 +152,8 @@ impl PlacedLayout<'_> {
         self.asking(operation, spots, workspace, |query, _| query.held_posture(held).map(drop))
     }
 
-    /// Checks that an operation can keep a held posture in this layout, free of collisions and allowed by the motion
-    /// rules.
+    /// Checks that a held posture of an operation is reachable, collision-free and allowed by the motion
+    /// rules in this layout.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.

@@ -4,7 +4,7 @@ use crate::cell::JointVector;
 use crate::reach::{Branch, CONTINUED, Cost, Inverse, PoseMiss, ToolAttitudes};
 use nalgebra::Vector3;
 
-/// A point of the surface at which the operation can happen, with the posture there.
+/// Point of the surface at which the operation can happen, with the posture and the value there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSpot {
     pub posture: HeldPosture,
@@ -14,11 +14,12 @@ pub struct PointSpot {
 
 /// Point and posture that are kept while the layout changes a little.
 ///
-/// Closed-form inverse kinematics finds the posture again by its branch index. Numeric inverse kinematics continues
-/// it: the arm moves on from these joint coordinates, and the tool rotates with the surface.
+/// Closed-form inverse kinematics finds the posture again by its branch index. Numeric inverse kinematics
+/// continues the posture: the arm moves on from these joint coordinates, and the tool rotates with the
+/// surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
-    /// Point in the frame of the equipment, m.
+    /// Coordinates x and y of the point in the frame of the equipment, m.
     pub at: (f64, f64),
     pub branch: u64,
     pub joints: JointVector,
@@ -27,7 +28,8 @@ pub struct HeldPosture {
 }
 
 impl HeldPosture {
-    /// Returns this posture for another point of the surface; the posture and its heading stay the same.
+    /// Returns this posture for another point of the surface. Branch, joint coordinates and heading do not
+    /// change.
     #[must_use]
     pub fn at_point(&self, at: (f64, f64)) -> Self {
         Self { at, ..*self }
@@ -38,10 +40,10 @@ impl HeldPosture {
         if inverse.cost() == Cost::Numeric { CONTINUED } else { self.branch }
     }
 
-    /// Continues this posture to a target, base frame, m.
+    /// Continues this posture to a target in the base frame, m.
     ///
     /// # Errors
-    /// Returns how far the arm stays from the target if it cannot follow.
+    /// Returns how far the arm stays from the target if the arm cannot follow.
     pub(super) fn continued(
         &self,
         inverse: &Inverse,

@@ -1,4 +1,4 @@
-//! Cost of the cheapest tolerances with which all operations of a layout keep their limits together.
+//! Joint price: cost of the cheapest tolerances with which all operations of a layout keep their limits.
 
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
@@ -7,17 +7,18 @@ use super::workspace::{MapperWorkspace, PostureMemory};
 use crate::allocation::{LinearFigure, NearbyPrice};
 
 impl PlacedLayout<'_> {
-    /// Returns the cost of the cheapest tolerances with which every operation keeps its limit at its spot, or at all
-    /// nodes if it happens at every node.
+    /// Returns the cost of the cheapest tolerances with which every operation keeps its limit at its spot.
+    /// An operation that happens at every node keeps its limit at all nodes.
     ///
-    /// Returns None if the cell does not price tolerances, an operation has no limit, or a posture cannot be posed.
+    /// Returns None if the cell does not price tolerances, if an operation has no limit, or if a posture is
+    /// not found.
     pub fn joint_price(&self, spots: &[Option<Spot>], workspace: &mut MapperWorkspace) -> Option<f64> {
         let figures = self.joint_figures(spots, workspace)?;
         Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))
     }
 
-    /// Returns the cheapest tolerances; None in the cases of [`Self::joint_price`], or if an ascent does not find
-    /// them.
+    /// Returns the cheapest tolerances. Returns None in the cases of [`Self::joint_price`], or if the
+    /// ascent method does not find them.
     pub fn nearby_price(
         &self,
         spots: &[Option<Spot>],
@@ -27,8 +28,9 @@ impl PlacedLayout<'_> {
         NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns a number between the joint price and `most`; None in the cases of [`Self::joint_price`], or if the
-    /// price exceeds `most`. `near` is the price of a similar layout.
+    /// Returns a number between the joint price and `most`. Returns None in the cases of
+    /// [`Self::joint_price`], or if the joint price exceeds `most`. `near` is the price of a similar
+    /// layout.
     pub fn joint_price_within(
         &self,
         spots: &[Option<Spot>],

@@ -1,4 +1,4 @@
-//! Search for the least-error spot of an operation, run once for every layout.
+//! Search for the least-error spot of an operation. It runs once for every layout.
 //!
 //! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can still
 //! be the spot.
@@ -36,7 +36,8 @@ impl PostureVisitor for AllCandidates<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Finds the least-error usable spot of an operation; `spots` holds the spots of the earlier operations.
+    /// Finds the least-error usable spot of an operation. `spots` holds the spots of the earlier
+    /// operations.
     pub fn least_error(
         &self,
         operation: usize,
@@ -56,8 +57,8 @@ impl PlacedLayout<'_> {
         outcome
     }
 
-    /// Returns the [`Gap`] of the layout if the link lengths alone show that no node is in reach; None
-    /// otherwise.
+    /// Returns the [`Gap`] of the layout if the link lengths alone show that no node is in reach; otherwise
+    /// None.
     ///
     /// Inverse kinematics computes the gap for the node nearest to the reach of the arm. A
     /// [walk](OperationQuery::walk) over all nodes finds the same gap. The penalty of the layout is therefore
@@ -97,7 +98,7 @@ impl OperationQuery<'_> {
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }
 
-    /// Sharpens candidates, the one with the least bound first, until the best posture can be used.
+    /// Sharpens the bounds of candidates, the least bound first, until the best posture can be used.
     pub(super) fn first_free_of_bounds(
         &self,
         heap: &mut BinaryHeap<PostureCandidate>,
@@ -106,7 +107,8 @@ impl OperationQuery<'_> {
         let mut is_nearest_known = false;
         self.first_free(postures, |memory| {
             while let Some(candidate) = heap.pop() {
-                // A posture that cannot be used needs no value, unless it is the nearest one.
+                // A posture that cannot be used needs no value, unless it is the candidate with the least
+                // value.
                 let is_last = match candidate.certainty {
                     Certainty::Value => true,
                     Certainty::Bound if self.setup.is_priced => !self.is_usable(&candidate, memory),
@@ -125,7 +127,8 @@ impl OperationQuery<'_> {
 
     /// Finds the spot, but judges only nodes whose lower bound of the error is at most the least error found.
     ///
-    /// Returns None if the nodes cannot be ranked, no node can be reached or the errors cannot be computed.
+    /// Returns None if the nodes cannot be ranked, if no node can be reached, or if the errors cannot be
+    /// computed.
     ///
     /// The spot is bit-identical to the one that [`Self::judged`] finds.
     fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
@@ -139,8 +142,8 @@ impl OperationQuery<'_> {
         candidates.clear();
         let mut heap = BinaryHeap::from(std::mem::take(*candidates));
         let found = self.first_free(postures, |memory| {
-            // If the best value equals a bound, the node of this bound may have the same value and a smaller
-            // index. So this node is judged, too.
+            // If the best value equals a bound, the node of this bound may have the same value and a
+            // smaller index. This node is therefore also judged.
             while heap.peek().is_none_or(|best| best.spot.value >= ranking.bound()) {
                 let Some(node) = ranking.pop() else { break };
                 self.visit(node, self.setup.grid.target(&self.at, node), memory, &mut heap);

@@ -1,4 +1,4 @@
-//! Map of an operation: every node with its posture and errors, or the reason why it has none.
+//! Map of an operation: every node with its posture and errors, or the reason why the node cannot be used.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::node_record::{NodeRecord, OperationMap, PostureRecord, Status};
@@ -13,7 +13,8 @@ use crate::reading::WorkContext;
 
 /// Visitor that records every node of a walk.
 struct NodeRecorder {
-    /// Whether the posture of each node and its errors are recorded, which takes most of the time of a map.
+    /// Whether the posture of each node and its errors are recorded. Recording takes most of the time of a
+    /// map.
     has_postures: bool,
     /// Candidates of the current node.
     candidates: Vec<PostureCandidate>,
@@ -40,7 +41,7 @@ impl PostureVisitor for NodeRecorder {
 }
 
 impl PlacedLayout<'_> {
-    /// Maps an operation; `spots` holds the spots of the earlier operations.
+    /// Maps an operation. `spots` holds the spots of the earlier operations.
     pub fn map(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {
         let query = OperationQuery::new(self, operation, spots);
         let nodes = query.nodes(true);
@@ -54,7 +55,7 @@ impl PlacedLayout<'_> {
         OperationMap { operation, senses: query.setup.evaluator.reported.clone(), nodes, best, value }
     }
 
-    /// Replaces the postures of nodes in a map by those of `chosen`, where they differ.
+    /// Replaces the postures of nodes in a map by the postures of the spots `chosen`, where the two differ.
     ///
     /// The certified posture of a node need not be its least-error posture.
     pub fn show(&self, map: &mut OperationMap, spots: &[Option<Spot>], chosen: &[Spot]) {
@@ -76,8 +77,8 @@ impl PlacedLayout<'_> {
         }
     }
 
-    /// Maps only the status of every node, without postures, values or spot. This is many times faster than
-    /// [`PlacedLayout::map`].
+    /// Maps only the status of every node, without postures, values or spot. This function is many times
+    /// faster than [`PlacedLayout::map`].
     pub fn statuses(&self, operation: usize, spots: &[Option<Spot>]) -> OperationMap {
         let nodes = OperationQuery::new(self, operation, spots).nodes(false);
         OperationMap { operation, senses: Vec::new(), nodes, best: None, value: None }
@@ -85,7 +86,8 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
-    /// Records every node; if `has_postures` is true, also its posture with the errors.
+    /// Records every node. If `has_postures` is true, the posture of each node and its errors are also
+    /// recorded.
     fn nodes(&self, has_postures: bool) -> Vec<NodeRecord> {
         let mut memory = PostureMemory::new(self.placed.mapper, self.operation);
         let mut recorder = NodeRecorder { has_postures, candidates: Vec::new(), nodes: Vec::new() };
@@ -93,7 +95,7 @@ impl OperationQuery<'_> {
         recorder.nodes
     }
 
-    /// Judges one node by its candidates, which must be sorted with the best one first.
+    /// Judges one node by its candidates, which must be sorted best first.
     ///
     /// Returns the status of the node, then the [`WorkContext`] for its errors and the candidate to record.
     /// The last two are None if the node has no candidate.

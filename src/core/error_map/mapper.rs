@@ -28,7 +28,8 @@ pub struct Mapper {
     pub(super) ranks: bool,
     /// Spherical shell that bounds the reach of the arm in each operation; None if the shell saves no time.
     pub(super) shells: Vec<Option<Shell>>,
-    /// Tolerances with their cost models, if the search minimizes their cost or has it as a goal.
+    /// Tolerances with their cost models; None unless the search minimizes the cost of tolerances or has it
+    /// as a goal.
     pub(super) tolerances: Option<Arc<TolerancePricing>>,
 }
 
@@ -93,7 +94,8 @@ impl Mapper {
         self.arm.chain.frames(&self.arm.chain.posture(joints))
     }
 
-    /// Returns a branch at a target; the index [`CONTINUED`] means the posture `kept`, continued to the target.
+    /// Returns a branch at a target. The index [`CONTINUED`] denotes the posture `kept`, continued to the
+    /// target.
     pub(super) fn branch_at(
         &self,
         target: &Vector3<f64>,
@@ -134,13 +136,13 @@ impl Mapper {
         self.rankers.iter().all(Option::is_some)
     }
 
-    /// Returns whether the moves between operations are checked.
+    /// Returns whether the transfers between operations are checked.
     pub fn asks_transfers(&self) -> bool {
         self.guard.as_ref().is_some_and(Guard::asks_transfers)
     }
 }
 
-/// Collects the tolerances of a cell if a search takes their cost into account.
+/// Collects the tolerances of a cell if the search takes their cost into account; otherwise None.
 ///
 /// # Errors
 /// Returns the reason if the cell has no tolerance.
@@ -155,11 +157,11 @@ fn tolerances(cell: &Cell, setups: &[OperationSetup]) -> Result<Option<Arc<Toler
     }
 }
 
-/// Bounds the reach of the arm in an operation by a spherical shell; None if this would save no time.
+/// Bounds the reach of the arm in an operation by a spherical shell; None if the shell would save no time.
 ///
 /// The shell saves no time if inverse kinematics is cheap, or if a search may change the attitude.
 fn shell(inverse: &Inverse, operation: &Operation) -> Option<Shell> {
-    // A searched attitude would need one shell for each of its values.
+    // An attitude that the search may change would need one shell for each of its values.
     let is_fixed = !operation.angles.iter().flatten().any(Coordinate::is_free);
     (inverse.cost() != Cost::Low && is_fixed).then(|| inverse.shell(&operation.attitude))
 }

@@ -1,5 +1,5 @@
-//! Section 3 of the seed paper: the error at every node of a work surface, and the node with the least
-//! error.
+//! Error map (section 3 of the seed paper): the error at every node of a work surface, and the node with
+//! the least error.
 //!
 //! A [`PlacedLayout`] is the context: a layout of a cell with its solids posed. Only `walk.rs` loops over the
 //! nodes of a surface. Several functions use this loop:
@@ -7,12 +7,12 @@
 //! - [`PlacedLayout::outcome`], for the search: the usable spot with the least error, or the combined value
 //!   of all nodes;
 //! - [`PlacedLayout::free_spots`], for the robust search: usable spots in ascending order of value;
-//! - [`PlacedLayout::map`], for reports: every node with its posture and errors, or the reason why it has
-//!   none;
-//! - [`Probe`], for any point of the surface, also between the nodes.
+//! - [`PlacedLayout::map`], for reports: every node with its posture and errors, or the reason why the node
+//!   cannot be used;
+//! - [`Probe`], for any point of the surface, including points between the nodes.
 //!
-//! Ranking (`simd`) orders nodes by a lower bound of their error, and their postures are evaluated in this
-//! order. The result is bit-identical to the result without ranking.
+//! Ranking (`simd`) orders nodes by a lower bound of their error, and the nodes are judged in this order.
+//! The result is bit-identical to the result without ranking.
 
 mod candidate;
 mod certify;

@@ -11,16 +11,16 @@ use crate::safe_text::shown;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use nalgebra::Vector3;
 
-/// Status of a node: usable, or the reason why not.
+/// Status of a node: usable, or the reason why the node cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Status {
     Ok,
-    /// No posture reaches the node; `by` is its distance from the nearest reachable point, m.
+    /// No posture reaches the node. `by` is the distance of the node from the nearest reachable point, m.
     OutOfReach {
         by: f64,
     },
-    /// The node is in reach, but the attitude is missed by the angle `by` (rad); `joint` is the joint at its
-    /// limit, if any.
+    /// The node is in reach, but the attitude is missed by the angle `by` (rad). `joint` is the joint at
+    /// its limit, if any.
     Attitude {
         by: f64,
         joint: Option<usize>,
@@ -38,11 +38,11 @@ pub enum Status {
         violation: LimitViolation,
         needs: f64,
     },
-    /// No posture within the joint limits can be used; the least-error posture has the contact `hit`.
+    /// No posture within the joint limits can be used. The least-error posture has the contact `hit`.
     Collision {
         hit: Hit,
     },
-    /// No posture within the joint limits can be used; the motion rules refuse the least-error posture.
+    /// No posture within the joint limits can be used. The motion rules refuse the least-error posture.
     Refused(PostureRefusal),
     /// The equipment that carries the node overlaps something.
     Overlap(Overlap),
@@ -97,7 +97,7 @@ impl Status {
                     }
                 };
                 format!(
-                    "joint {name} needs {needs:.2} {unit}, its limit is {} {unit}{less}",
+                    "joint {name} needs {needs:.2} {unit}, but its limit is {} {unit}{less}",
                     rounded(limit, 6)
                 )
             }
@@ -107,7 +107,7 @@ impl Status {
                 format!("the attitude is missed by {:.2} deg{}", deg_from_rad(*by), at.unwrap_or_default())
             }
             Status::NotConverged { position, angle } => format!(
-                "no posture was found, but one may exist: the nearest is off by {:.3} mm and {:.3} deg",
+                "no posture was found, but one may exist: the best attempt is off by {:.3} mm and {:.3} deg",
                 mm_from_m(*position),
                 deg_from_rad(*angle)
             ),
@@ -127,7 +127,7 @@ impl Status {
 pub struct NodeRecord {
     pub i: usize,
     pub j: usize,
-    /// TCP target, world frame, m.
+    /// Target position of the TCP, in the world frame, m.
     pub position: Vector3<f64>,
     pub status: Status,
     pub posture: Option<PostureRecord>,
@@ -142,8 +142,8 @@ impl NodeRecord {
 
 /// Posture reported for a node, with its errors in the world frame.
 ///
-/// In the signed reading the errors are those of the signed sample. In the other readings they are the errors
-/// at the corner of the tolerance box that is worst in the sense of the operation.
+/// In the signed reading, the errors are those of the signed sample. In the other readings, they are the
+/// errors at the corner of the tolerance box that is worst in the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
     pub branch: u64,
@@ -158,29 +158,26 @@ pub struct PostureRecord {
     pub linear: Vector3<f64>,
     /// Deviation of the linear model, as a share of the length of the nonlinear position error.
     ///
-    /// The deviation is the length of the difference between the model's position error and the nonlinear
-    /// one.
+    /// The deviation is the distance between the position errors of the two models.
     pub linear_off: f64,
     /// Deviation of the second-order model, as a share of the length of the nonlinear position error.
     ///
-    /// The deviation is the length of the difference between the model's position error and the nonlinear
-    /// one.
+    /// The deviation is the distance between the position errors of the two models.
     pub second_order_off: f64,
-    /// Whether the robot touches the node to teach the surface frame; if so, the node cannot be the spot.
+    /// Whether the robot touches the node to teach the surface frame. Such a node cannot be the spot.
     pub touched: bool,
-    /// Value that the search minimizes: an error (m or rad) or a share of failures.
+    /// Value that the search minimizes: an error (m or rad), a share of failures, or a cost of tolerances.
     pub value: f64,
     /// Figures of the error in each sense of [`OperationMap::senses`], in the same order.
     pub figures: Vec<Figures>,
-    /// Probability that the error keeps the limit; None without a limit.
+    /// Probability that the error is within the limit of the operation; None without a limit.
     pub success: Option<f64>,
 }
 
 impl PostureRecord {
     /// Returns the deviation of a model, as a share of the length of the nonlinear position error.
     ///
-    /// The deviation is the length of the difference between the model's position error and the nonlinear
-    /// one.
+    /// The deviation is the distance between the position errors of the two models.
     pub fn off(&self, model: Model) -> f64 {
         match model {
             Model::Nonlinear => 0.0,
@@ -190,10 +187,10 @@ impl PostureRecord {
     }
 }
 
-/// The map of one operation.
+/// Error map of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperationMap {
-    /// Index into [`Cell::operations`].
+    /// Mapped operation, as an index into [`Cell::operations`].
     pub operation: usize,
     /// Senses in which every node is reported: those of the seed paper and the operation's own sense.
     pub senses: Vec<Sense>,
@@ -203,12 +200,13 @@ pub struct OperationMap {
     /// For an operation at every node, the index is that of the node with the greatest value. It is None if
     /// any node of such an operation is unusable.
     pub best: Option<usize>,
-    /// Value of the operation: the value of its spot, or, for an operation at every node, the combined value.
+    /// Value of the operation: the value of its spot, or the combined value of all nodes for an operation
+    /// at every node.
     pub value: Option<f64>,
 }
 
 impl OperationMap {
-    /// Marks every reachable node as blocked by `overlap`, which concerns the equipment of the operation.
+    /// Marks every reachable node as blocked by `overlap`, an overlap of the equipment of the operation.
     pub fn block(&mut self, overlap: Overlap) {
         let blocked = |n: &&mut NodeRecord| {
             matches!(
@@ -241,10 +239,10 @@ impl OperationMap {
         self.senses.iter().position(|s| s.name == name)
     }
 
-    /// Compares a model with the nonlinear one over the usable nodes.
+    /// Compares a model with the nonlinear model over the usable nodes.
     ///
-    /// Returns the largest deviation ([`PostureRecord::off`]) first. Two counts follow: nodes whose deviation
-    /// exceeds `guard`, and all usable nodes.
+    /// Returns the largest deviation ([`PostureRecord::off`]), the number of nodes whose deviation exceeds
+    /// `guard`, and the number of usable nodes.
     pub fn off(&self, model: Model, guard: f64) -> (f64, usize, usize) {
         self.usable().map(|(_, _, p)| p.off(model)).fold((0.0, 0, 0), |(most, above, all), off| {
             (f64::max(most, off), above + usize::from(off > guard), all + 1)

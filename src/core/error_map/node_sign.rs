@@ -1,6 +1,6 @@
 //! Classes of nodes: usable, or the reason why a node cannot be used, without details.
 //!
-//! Documents, tables, legends and pictures all classify nodes by this enum, so that they cannot contradict
+//! Documents, tables, legends and pictures all classify nodes by one enum, so that they cannot contradict
 //! each other.
 
 use schemars::JsonSchema;
@@ -20,10 +20,10 @@ pub enum NodeSign {
     Attitude,
     /// The numeric inverse kinematics found no solution, but did not prove that there is none.
     NotConverged,
-    /// No posture can be used: the least-error one collides, or the equipment of the surface overlaps
-    /// something.
+    /// No posture can be used: the least-error posture collides, or the equipment that carries the node
+    /// overlaps something.
     Collision,
-    /// No posture can be used: the least-error one is too near to a singularity.
+    /// No posture can be used: the least-error posture is too near to a singularity.
     Singular,
     /// The straight line to the node is blocked.
     #[serde(rename = "approach")]
@@ -76,8 +76,8 @@ impl NodeSign {
             Self::NotConverged => "not converged",
             Self::Collision => "in collision",
             Self::Singular => "nearly singular",
-            Self::ApproachBlocked => "without a free approach",
-            Self::RetractBlocked => "without a free retract",
+            Self::ApproachBlocked => "with a blocked approach",
+            Self::RetractBlocked => "with a blocked retract",
             Self::Unjudged => "of unknown error",
         }
     }

@@ -17,7 +17,8 @@ pub struct OperationSetup {
     /// Rule that combines the values of the nodes.
     pub over: NodeAggregation,
     pub evaluator: ErrorEvaluator,
-    /// Cost of the tolerances with which the operation keeps its limit, if the search takes it into account.
+    /// Cost of the tolerances with which the operation keeps its limit; None if the search ignores this
+    /// cost.
     pub pricing: Option<OperationPricing>,
     /// Whether the value of a node is the cost of [`Self::pricing`] instead of an error.
     pub is_priced: bool,
@@ -26,13 +27,14 @@ pub struct OperationSetup {
     pub teach: TeachPoints,
 }
 
-/// The three points that the robot touches to teach the frame of the surface.
+/// Three points that the robot touches to teach the frame of the surface.
 pub enum TeachPoints {
     /// The frame is not taught.
     None,
-    /// Nodes to touch: each of the three points has a list of nodes in the order in which they are tried.
+    /// Nodes to touch. Each of the three points has a list of nodes, in the order in which the nodes are
+    /// tried.
     Nodes([Vec<usize>; 3]),
-    /// Points given by the user, frame of the equipment, m.
+    /// Points given by the user, in the frame of the equipment, m.
     Given([(f64, f64); 3]),
 }
 
@@ -65,7 +67,7 @@ pub struct ValueScratch {
 }
 
 impl OperationSetup {
-    /// Prepares the cost of the tolerances; `is_priced` states whether this cost is the value of a node.
+    /// Prepares the cost of the tolerances. `is_priced` states whether this cost is the value of a node.
     pub fn price(&mut self, tolerances: &Arc<TolerancePricing>, operation: &Operation, is_priced: bool) {
         self.pricing = OperationPricing::new(tolerances.clone(), operation, &self.evaluator);
         self.is_priced = is_priced && self.pricing.is_some();
@@ -88,8 +90,8 @@ impl OperationSetup {
         }
     }
 
-    /// Returns the kind of value that a search computes after a rough bound: a sharper bound, or the value if a bound
-    /// would cost as much.
+    /// Returns the kind of value that a search computes after a rough bound. It is a sharper bound, or the
+    /// value if a bound would cost as much.
     pub fn after_rough_bound(&self) -> Certainty {
         match self.is_priced || self.evaluator.has_sharp_worst_bound() {
             true => Certainty::Bound,

@@ -1,16 +1,17 @@
-//! The result of one operation in one layout: its spot, or the reason why it has none.
+//! Result of one operation in one layout: the spot, or the reason why the operation has no spot.
 
 use crate::certificate::NotCertified;
 use crate::motion::PostureRefusal;
 use crate::reach::Gap;
 
-/// The node and posture chosen for an operation.
+/// Node and posture chosen for an operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
     /// Index of the node.
     pub node: usize,
     pub branch: u64,
-    /// Value that the search minimizes: an error, a statistic of it (m or rad), or a share of failures.
+    /// Value that the search minimizes: an error or a statistic of it (m or rad), a share of failures, or a
+    /// cost of tolerances.
     ///
     /// The error is measured in the sense of the operation.
     pub value: f64,
@@ -22,28 +23,29 @@ pub struct Spot {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     Found(Spot),
-    /// All postures within the joint limits collide; `nearest` is the least-error posture.
+    /// All postures within the joint limits collide. `nearest` is the least-error posture.
     AllCollide {
         nearest: Spot,
     },
-    /// The motion rules refuse all collision-free postures; `nearest` is the least-error posture among them.
+    /// The motion rules refuse all collision-free postures. `nearest` is the least-error posture among
+    /// them.
     Refused {
         nearest: Spot,
         refusal: PostureRefusal,
     },
-    /// No posture that can be used in the layout as drawn is certified; `nearest` is the least-error posture among
-    /// them.
+    /// No posture that can be used in the layout as drawn is certified. `nearest` is the least-error one of
+    /// these postures.
     Uncertain {
         nearest: Spot,
         why: NotCertified,
     },
-    /// No node has a posture that keeps joint limits and attitude.
+    /// No node has a posture that keeps the joint limits and the attitude.
     ///
     /// For an operation at every node, this result means that at least one node has no such posture.
     Unreachable {
         gap: Gap,
     },
-    /// Nodes can be reached, but their errors cannot be computed in this layout, for the given reason.
+    /// Nodes can be reached, but their errors cannot be computed in this layout.
     Unjudged(Unjudged),
 }
 

@@ -1,4 +1,4 @@
-//! One layout with its solids posed: the context in which postures are judged.
+//! Layout of a cell with its solids posed: the context in which postures are judged.
 
 use super::demand::Demand;
 use super::held_posture::HeldPosture;
@@ -10,7 +10,7 @@ use crate::motion::OperationPosture;
 use crate::reach::ToolAttitudes;
 use nalgebra::{Matrix3, Vector3};
 
-/// A layout of a cell with its solids posed.
+/// Layout of a cell with its solids posed.
 ///
 /// All functions that judge postures take this context, so that the solids always belong to the layout.
 pub struct PlacedLayout<'a> {
@@ -21,11 +21,12 @@ pub struct PlacedLayout<'a> {
     pub(super) demand: Option<Demand<'a>>,
     /// Posture that each operation keeps, for spots with the branch index [`crate::reach::CONTINUED`].
     pub(super) kept: &'a [Option<HeldPosture>],
-    /// Whether the value of a held posture may be a lower bound, if the value costs much more.
+    /// Whether the query of a held posture may return a lower bound of its value, if the value costs much
+    /// more.
     pub(super) takes_bounds: bool,
 }
 
-/// Surface of one operation in one layout, described in the robot base frame.
+/// Surface of one operation in one layout, in the robot base frame.
 pub struct PlacedSurface<'a> {
     pub operation: usize,
     /// Pose of the equipment in the robot base frame.
@@ -47,7 +48,7 @@ impl<'a> PlacedLayout<'a> {
         Self { mapper, layout, solids, demand: None, kept: &[], takes_bounds: false }
     }
 
-    /// Returns this layout with a demand: only certified postures are used.
+    /// Returns this layout with the demand that only certified postures are used.
     #[must_use]
     pub fn demanding(self, demand: Option<Demand<'a>>) -> Self {
         Self { demand, ..self }
@@ -109,7 +110,7 @@ impl<'a> PlacedLayout<'a> {
         self.mapper.scene.distance_at_work(&self.solids, &frames.links, operation, equipment, max).distance
     }
 
-    /// Returns the posture that an operation keeps.
+    /// Returns the posture that an operation keeps; None if the operation keeps no posture.
     pub(super) fn kept_posture(&self, operation: usize) -> Option<HeldPosture> {
         self.kept.get(operation).copied().flatten()
     }
@@ -119,7 +120,7 @@ impl<'a> PlacedLayout<'a> {
         self.mapper.arm.inverse.tool_attitudes(surface.attitude, surface.at.yaw)
     }
 
-    /// Returns the TCP target of a node, base frame, m.
+    /// Returns the TCP target of a node, in the base frame, m.
     pub(super) fn target(&self, surface: &PlacedSurface<'_>, node: usize) -> Vector3<f64> {
         self.mapper.setups[surface.operation].grid.target(&surface.at, node)
     }

@@ -1,4 +1,4 @@
-//! The order in which a search judges the postures of an operation.
+//! Order in which a search judges the postures of an operation.
 
 use super::mapper::Mapper;
 use crate::cell::Attitude;
@@ -13,7 +13,7 @@ pub enum PostureOrder {
     SpinFamilies,
     /// Postures in ascending order of a lower bound of their value, up to the best value found.
     BoundedPostures,
-    /// Every posture, because no bound is known; the text is the reason.
+    /// Every posture, because no bound is known. The text is the reason.
     EveryPosture(&'static str),
 }
 
@@ -28,7 +28,7 @@ impl PostureOrder {
         }
     }
 
-    /// Describes the order in words, as a clause without its subject.
+    /// Describes the order in words, as a clause without a subject.
     pub fn in_words(&self) -> String {
         match self {
             Self::RankedNodes => "skips nodes whose lower bound exceeds the best value found".into(),
@@ -38,7 +38,7 @@ impl PostureOrder {
         }
     }
 
-    /// Returns why every posture is judged; None if bounds leave some of them out.
+    /// Returns the reason why every posture is judged; None if bounds exclude postures.
     pub fn reason(&self) -> Option<&'static str> {
         match self {
             Self::EveryPosture(why) => Some(why),
@@ -69,7 +69,8 @@ impl Mapper {
         setup.is_priced || self.ranks && setup.has_bounds()
     }
 
-    /// Returns why a search cannot use the spin families of an operation; None if it can.
+    /// Returns the reason why a search cannot use the spin families of an operation; None if it can use
+    /// them.
     pub(super) fn lacks_families(&self, operation: usize, attitudes: &ToolAttitudes) -> Option<&'static str> {
         if !self.ranks {
             Some("ranking is switched off")
@@ -78,9 +79,9 @@ impl Mapper {
         } else if self.arm.inverse.cost() == Cost::Numeric {
             Some("the inverse kinematics of the arm is numeric")
         } else if !self.arm.inverse.has_spin_families(attitudes) {
-            Some("the last joint does not rotate the tool alone")
+            Some("the postures at a target differ in more than the last joint")
         } else if !self.setups[operation].evaluator.has_spin_bound() {
-            Some("its reading or sense has no bound over spins")
+            Some("the reading or the sense has no bound over spins")
         } else {
             None
         }

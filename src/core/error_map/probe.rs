@@ -22,7 +22,7 @@ pub struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    /// Prepares an operation; `spots` holds the spots of the earlier operations.
+    /// Prepares an operation. `spots` holds the spots of the earlier operations.
     ///
     /// # Errors
     /// Returns the reason if the errors of the operation cannot be computed.
@@ -37,12 +37,12 @@ impl<'a> Probe<'a> {
         Ok(Self { query, memory: workspace.of(placed.mapper, operation) })
     }
 
-    /// Returns the TCP target over a point of the surface, base frame, m.
+    /// Returns the TCP target over a point of the surface, in the base frame, m.
     fn target(&self, at: (f64, f64)) -> Vector3<f64> {
         self.query.target(at)
     }
 
-    /// Returns the TCP target over a point of the surface, world frame, m.
+    /// Returns the TCP target over a point of the surface, in the world frame, m.
     pub fn position(&self, at: (f64, f64)) -> Vector3<f64> {
         self.query.placed.layout.base.pose().transform(&self.target(at))
     }
@@ -51,8 +51,8 @@ impl<'a> Probe<'a> {
         self.query.context.as_ref().map_err(|why| Status::Unjudged(*why))
     }
 
-    /// Returns the distance from the nearest point touched to teach the frame, m; infinite if no point is
-    /// touched.
+    /// Returns the distance (m) from the nearest point that the robot touches to teach the frame. The
+    /// distance is infinite if no point is touched.
     pub fn distance_from_touched(&self, at: (f64, f64)) -> f64 {
         self.context().map_or(f64::INFINITY, |context| context.distance_from_touched(&self.target(at)))
     }
@@ -81,10 +81,11 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Computes the operation's value ([`Spot::value`]) in the layout of this probe, at the point of `held`.
+    /// Computes the value of the operation ([`Spot::value`]) in the layout of this probe, at the point of
+    /// `held`.
     ///
-    /// The posture is found by the rules of [`HeldPosture`]. It must be free of collisions and allowed by the motion
-    /// rules.
+    /// The posture is found by the rules of [`HeldPosture`]. It must be collision-free and allowed by the
+    /// motion rules.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -92,7 +93,8 @@ impl<'a> Probe<'a> {
         self.query.holding(held, self.memory.postures)
     }
 
-    /// Checks that a held posture is free of collisions and allowed by the motion rules in the layout of this probe.
+    /// Checks that a held posture is collision-free and allowed by the motion rules in the layout of this
+    /// probe.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -100,7 +102,8 @@ impl<'a> Probe<'a> {
         self.query.keeps_free(held, self.memory.postures)
     }
 
-    /// Computes the operation's value ([`Spot::value`]) in a held posture, even if this posture collides.
+    /// Computes the value of the operation ([`Spot::value`]) in a held posture, even if this posture
+    /// collides.
     ///
     /// The posture may also exceed a joint limit if the inverse kinematics is in closed form.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
@@ -123,8 +126,8 @@ impl<'a> Probe<'a> {
         moved.into_iter().flatten()
     }
 
-    /// Certifies a held posture if the layout demands it. Returns an upper bound of its value over all misplacements,
-    /// if `value` asks for one and one is known.
+    /// Certifies a held posture if the layout demands it. Returns an upper bound of the value over all
+    /// misplacements, if `value` asks for a bound and a bound is known.
     ///
     /// # Errors
     /// Returns the reason if the posture is not certified.

@@ -1,9 +1,9 @@
 //! Search for the least-error spot by spin families.
 //!
-//! A tool that may spin freely gives each solution of the inverse kinematics a dozen postures that differ in the last
-//! joint alone. Each such family has a lower bound of its values, and its members are judged only if this bound does
-//! not exceed the best value found. The solids before the last joint are checked for contact once per family. The
-//! spot is bit-identical to the one that judging every posture finds.
+//! If a tool may spin freely, each solution of the inverse kinematics has a dozen postures that differ in
+//! the last joint alone. Each such family has a lower bound of its values. The members are judged only if
+//! this bound does not exceed the best value found. The solids before the last joint are checked for
+//! contact once per family. The spot is bit-identical to the spot found by judging every posture.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::family_queue::{FamilyQueue, SpinFamily};
@@ -18,7 +18,8 @@ use std::collections::BinaryHeap;
 impl OperationQuery<'_> {
     /// Finds the spot by spin families.
     ///
-    /// Returns None if the families have no known bound, no node can be reached or the errors cannot be computed.
+    /// Returns None if the families have no known bound, if no node can be reached, or if the errors cannot
+    /// be computed.
     pub(super) fn by_spin_families(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
         let lacks_families = self.placed.mapper.lacks_families(self.operation, &self.attitudes);
         if lacks_families.is_some() || self.context.is_err() {
@@ -40,7 +41,7 @@ impl OperationQuery<'_> {
         found.outcome()
     }
 
-    /// Opens families, the one with the least bound first, until the best posture can be used.
+    /// Opens families in ascending order of their bounds, until the best posture can be used.
     pub(super) fn first_free_of_families(
         &self,
         queue: &mut FamilyQueue,
@@ -83,7 +84,8 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Opens a family: bounds its members, or judges them if a bound costs as much. Judges a single member.
+    /// Opens a family: bounds its members, or judges them if a bound costs as much. A single member is
+    /// judged, or its bound is sharpened.
     ///
     /// Members whose arm collides are left out if `queue.is_nearest_known`, because they can only be the nearest
     /// candidate.

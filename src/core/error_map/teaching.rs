@@ -8,12 +8,12 @@ use crate::reading::{ErrorEvaluator, Taught, WorkFrame};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Returns the frame of a work surface, which is a taught frame if the cell asks for teaching.
+/// Returns the frame of a work surface. It is a taught frame if the cell asks for teaching.
 ///
 /// The errors of a taught frame are computed from the error sources of `evaluator`.
 ///
 /// # Errors
-/// Returns an error if the robot cannot touch three points that span the frame.
+/// Returns [`Unjudged::NotTaught`] if the robot cannot touch three points that span the frame.
 pub fn work_frame(
     placed: &PlacedLayout<'_>,
     evaluator: &ErrorEvaluator,
@@ -33,8 +33,8 @@ pub fn work_frame(
 
 /// Finds the postures in which the robot touches three points to teach the frame.
 ///
-/// If the points are nodes, the robot may be unable to touch them, or they may lie nearly in one line. Then
-/// the function chooses three nodes that the robot can touch and that form a wide triangle.
+/// If the points are nodes, the robot may be unable to touch them, or the points may lie nearly in one
+/// line. In both cases, the function chooses three touchable nodes that form a wide triangle.
 fn touching_postures(
     placed: &PlacedLayout<'_>,
     surface: &PlacedSurface<'_>,
@@ -67,14 +67,15 @@ fn touching_postures(
     widest(&all).filter(is_wide)
 }
 
-/// Computes the height (m) of the triangle with three TCPs as corners, perpendicular to its longest side.
+/// Computes the height (m), perpendicular to the longest side, of the triangle whose corners are three TCP
+/// positions.
 fn height(p: &[Frames; 3]) -> f64 {
     let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
     let longest = (b - a).norm().max((c - a).norm()).max((c - b).norm());
     (b - a).cross(&(c - a)).norm() / longest.max(f64::MIN_POSITIVE)
 }
 
-/// Picks three postures whose TCPs form a wide triangle.
+/// Picks three postures whose TCP positions form a wide triangle.
 ///
 /// The first posture is taken, then the posture farthest from it, then the posture farthest from the line
 /// through these two.

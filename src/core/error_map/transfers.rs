@@ -1,4 +1,4 @@
-//! The moves between the operations of a layout.
+//! Transfers between the operations of a layout, and the cycle time.
 
 use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
@@ -9,16 +9,16 @@ use crate::cycle_time::{CycleTime, MotionSequence, RateBounds};
 use crate::motion::{Blocked, OperationPosture, Transfer};
 
 impl PlacedLayout<'_> {
-    /// Plans the moves between the spots of the operations.
+    /// Plans the transfers between the spots of the operations.
     ///
-    /// An operation that happens at every one of its listed points adds the moves between these points.
+    /// An operation that happens at all of its listed points adds the transfers between these points.
     ///
-    /// If the layout must withstand misplacements, every move is certified.
+    /// If the layout must withstand misplacements, every transfer is certified.
     ///
-    /// No moves are returned if the cell has no transfer rules or an operation has no spot.
+    /// No transfers are returned if the cell has no transfer rules, or if an operation has no spot.
     ///
     /// # Errors
-    /// Returns the first move that is blocked.
+    /// Returns the first transfer that is blocked.
     pub fn transfers(&self, spots: &[Option<Spot>]) -> Result<Vec<Transfer>, Blocked> {
         let Some(guard) = self.mapper.guard.as_ref().filter(|guard| guard.asks_transfers()) else {
             return Ok(Vec::new());
@@ -41,7 +41,8 @@ impl PlacedLayout<'_> {
         Some(stops?.concat())
     }
 
-    /// Computes the least time of the motions and operations at these spots; `transfers` are the moves between them.
+    /// Computes the least time of the motions and operations at these spots. `transfers` holds the
+    /// transfers between the spots.
     ///
     /// Returns None if an operation has no spot, or if the arm cannot follow an approach or a retract.
     pub fn cycle_time(
@@ -58,8 +59,8 @@ impl PlacedLayout<'_> {
 
     /// Returns the postures of an operation in their order: at its spot, or at every listed point.
     ///
-    /// The nodes of a grid have no order. So an operation at every node of a grid has only one posture here:
-    /// the posture at its spot, which is the node with the largest value.
+    /// The nodes of a grid have no order. An operation at every node of a grid therefore has only one
+    /// posture here. It is the posture at the spot, which is the node with the largest value.
     fn stops_of(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
         let (setup, spot) = (&self.mapper.setups[operation], spots[operation]?);
         if !setup.over.needs_every_node() || !setup.grid.is_listed() {

@@ -1,10 +1,11 @@
-//! Walk over all nodes: it judges every branch of every node, and finds the best usable posture.
+//! Walk over all nodes: every branch of every node is judged, and the best usable posture is found.
 //!
-//! An [`OperationQuery`] is one operation in one placed layout. Its [walk](OperationQuery::walk) solves the
-//! inverse kinematics of each node. For each posture within the joint limits it computes the value that the
-//! search minimizes. It passes posture and value to a [`PostureVisitor`]. [`OperationQuery::first_free`] then
-//! takes candidates, best first, until one is free of collisions and allowed by the motion rules. Search, map
-//! and probe all use these functions, so they apply the same rules.
+//! An [`OperationQuery`] is one operation in one placed layout. The function [`OperationQuery::walk`]
+//! solves the inverse kinematics of each node. For each posture within the joint limits, it computes the
+//! value that the search minimizes. It passes posture and value to a [`PostureVisitor`].
+//! [`OperationQuery::first_free`] then takes candidates, best first, until one is collision-free and
+//! allowed by the motion rules. Search, map and probe all use these functions, so that all three apply the
+//! same rules.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::held_posture::HeldPosture;
@@ -28,17 +29,17 @@ pub struct OperationQuery<'a> {
     pub at: Placement,
     /// Attitudes of the tool over the surface.
     pub attitudes: ToolAttitudes,
-    /// Data, other than the posture, from which the errors are computed; or the reason why they cannot be
-    /// computed.
+    /// Data, other than the posture, from which the errors are computed, or the reason why the errors
+    /// cannot be computed.
     pub context: Result<WorkContext, Unjudged>,
-    /// Posture that candidates with the branch index [`crate::reach::CONTINUED`] continue.
+    /// Posture that a candidate with the branch index [`crate::reach::CONTINUED`] continues.
     pub kept: Option<HeldPosture>,
 }
 
 /// Visitor that receives the postures of a walk.
 pub trait PostureVisitor {
-    /// Whether to judge also the nodes that the robot touches to teach the frame. Such a node cannot be the
-    /// spot.
+    /// Whether the nodes that the robot touches to teach the frame are also judged. Such a node cannot be
+    /// the spot.
     const JUDGES_TOUCHED: bool = false;
 
     /// Whether candidates may carry a lower bound of their value, if the value costs much more.
@@ -56,9 +57,10 @@ pub trait PostureVisitor {
 pub struct VisitedNode {
     /// Index of the node.
     pub node: usize,
-    /// TCP target, base frame, m.
+    /// Target position of the TCP, in the base frame, m.
     pub target: Vector3<f64>,
-    /// Measure of how far the node is from having a usable posture; None if it has one.
+    /// Measure of how far the node is from having a posture within the joint limits; None if the node has
+    /// such a posture.
     pub missed: Option<Gap>,
 }
 
@@ -75,7 +77,7 @@ impl PostureVisitor for std::collections::BinaryHeap<PostureCandidate> {
 }
 
 impl<'a> OperationQuery<'a> {
-    /// Prepares an operation; `spots` holds the spots of the earlier operations.
+    /// Prepares an operation. `spots` holds the spots of the earlier operations.
     pub fn new(placed: &'a PlacedLayout<'a>, operation: usize, spots: &[Option<Spot>]) -> Self {
         Self::reusing(placed, &placed.surface(operation), spots, ToolAttitudes::default())
     }
@@ -100,7 +102,7 @@ impl<'a> OperationQuery<'a> {
         self.setup.grid.targets(&self.at, |node, target| self.visit(node, target, memory, visitor));
     }
 
-    /// Visits one node: judges every branch within the joint limits.
+    /// Visits one node and judges every branch within the joint limits.
     #[inline]
     pub fn visit<V: PostureVisitor>(
         &self,
@@ -135,7 +137,8 @@ impl<'a> OperationQuery<'a> {
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
     }
 
-    /// Replaces the rough bound of a candidate by a bound, or its bound by the value.
+    /// Replaces the rough bound of a candidate by a sharper bound or by the value, and a bound by the
+    /// value.
     pub fn sharpened(
         &self,
         candidate: &PostureCandidate,
@@ -156,7 +159,7 @@ impl<'a> OperationQuery<'a> {
         Some(PostureCandidate { spot: Spot { value, ..candidate.spot }, certainty, ..*candidate })
     }
 
-    /// Returns whether two postures have the same frames, bit by bit, except for the rotation of the tool.
+    /// Returns whether two postures have the same frames, bit for bit, except for the rotation of the tool.
     #[inline]
     fn differs_in_spin(&self, a: &Frames, b: &Frames) -> bool {
         let last = self.placed.mapper.arm.chain.axes();
@@ -168,7 +171,7 @@ impl<'a> OperationQuery<'a> {
         self.placed.mapper.branch_at(target, &self.attitudes, branch, self.kept.as_ref())
     }
 
-    /// Returns why no branch reaches a target within the joint limits.
+    /// Returns the reason why no branch reaches a target within the joint limits.
     pub fn why_unreached(&self, target: &Vector3<f64>) -> Status {
         match self.placed.mapper.arm.inverse.branches(target, &self.attitudes) {
             Reach::OutOfReach { by } => Status::OutOfReach { by },
@@ -179,9 +182,10 @@ impl<'a> OperationQuery<'a> {
     }
 }
 
-/// Returns the least attitude error of the branches that keep the joint limits.
+/// Returns the status of a target from its branches: the least attitude error of the branches that keep the
+/// joint limits.
 ///
-/// If no branch keeps the limits, it returns the least violation of a joint limit.
+/// If no branch keeps the limits, the status is the least violation of a joint limit.
 pub fn least_violation(branches: &[Branch]) -> Status {
     let passed = branches.iter().filter_map(|b| b.violation.map(|v| (v, b.joints[v.joint])));
     let least = passed.min_by(|a, b| a.0.by.total_cmp(&b.0.by));

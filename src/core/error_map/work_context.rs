@@ -1,4 +1,5 @@
-//! Context of an operation in one layout: the data, other than its posture, that determine its errors.
+//! Context of an operation in one layout: the data, other than the posture, that determine the errors of
+//! the operation.
 
 use super::outcome::{Spot, Unjudged};
 use super::placed_layout::PlacedLayout;

@@ -1,4 +1,4 @@
-//! Memory that one thread keeps from layout to layout, so that the node loop does not allocate.
+//! Memory that one thread keeps from layout to layout, so that the node loop allocates no memory.
 
 use super::candidate::PostureCandidate;
 use super::family_queue::SpinFamily;
@@ -17,7 +17,7 @@ pub struct MapperWorkspace {
     pub(super) families: Vec<SpinFamily>,
     pub(super) attitudes: ToolAttitudes,
     pub(super) ranking: Ranking,
-    /// Memory of the joint price of all operations.
+    /// Memory for the joint price of all operations.
     pub(super) price: FigureScratch,
     /// Memory of each operation.
     postures: Vec<PostureMemory>,
@@ -47,7 +47,7 @@ impl PostureMemory {
     }
 }
 
-/// The parts of a workspace that the walk of one operation borrows.
+/// Parts of a workspace that the walk of one operation borrows.
 pub struct WalkMemory<'w> {
     pub candidates: &'w mut Vec<PostureCandidate>,
     pub families: &'w mut Vec<SpinFamily>,

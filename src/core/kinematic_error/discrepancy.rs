@@ -1,10 +1,10 @@
-//! Discrepancy of the linear model from the nonlinear one in percent, eq. (9) of the seed paper.
+//! Discrepancy of the linear model from the nonlinear model in percent, eq. (9) of the seed paper.
 
 use nalgebra::Vector3;
 
 /// Discrepancy `D_i = |dNL_i - dL_i| / |dNL_i|` in percent, eq. (9) of the seed paper.
 ///
-/// Here `dNL_i` and `dL_i` are the errors of the nonlinear and the linear model. The index i is x, y, z or
+/// Here `dNL_i` and `dL_i` are the errors by the nonlinear and the linear model. The index i is x, y, z or
 /// the resultant (length of the vector). A field is None if the nonlinear error is 0 up to rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discrepancy {
@@ -14,7 +14,7 @@ pub struct Discrepancy {
     pub resultant: Option<f64>,
 }
 
-/// Returns the discrepancy of two position errors.
+/// Returns the discrepancy between the position errors by the nonlinear and the linear model.
 ///
 /// The field `resultant` compares the lengths of the two vectors, as in the seed paper.
 pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepancy {
@@ -29,10 +29,11 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
 /// Size, m or rad, below which an error is only rounding, for example the residual after a registration.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
-/// Returns the deviation of a model from the nonlinear one, as a share of the length of the nonlinear error.
+/// Returns the deviation of a model from the nonlinear model, as a share of the length of the nonlinear
+/// error.
 ///
 /// The deviation is the length of the difference vector, so errors of equal length in different directions
-/// deviate. It is 0 if the two errors differ by rounding alone.
+/// deviate. The deviation is 0 if the two errors differ by rounding alone.
 pub fn deviation(nonlinear: &Vector3<f64>, model: &Vector3<f64>) -> f64 {
     let (off, size) = ((model - nonlinear).norm(), nonlinear.norm());
     if off < NEGLIGIBLE { 0.0 } else { off / size.max(NEGLIGIBLE) }

@@ -1,9 +1,9 @@
-//! Elastic and periodic errors: deflections of revolute joints, which depend on the posture.
+//! Elastic and periodic errors: deflections of revolute joints that depend on the posture.
 //!
-//! An elastic parameter turns one joint by its value times a factor of the posture, which is a lever (m), a torque (N
-//! m), or the periodic error of the joint (rad). The factor is that of the chain without errors. Other errors change
-//! the factor to first order. The resulting change of the deflection is of second order in the errors, and every
-//! model neglects it.
+//! An elastic parameter rotates one joint by its value times a factor that depends on the posture. The
+//! factor is a lever (m), a torque (N m), or the periodic error of the joint (rad). The factor is computed
+//! for the chain without errors. Other errors change the factor to first order. The resulting change of the
+//! deflection is of second order in the errors, and every model neglects it.
 
 use crate::cell::{MAX_JOINTS, Parameter};
 use crate::robot::{Chain, Frames, Loads, PeriodicDeflection, gravity_torque, lever};
@@ -38,8 +38,8 @@ impl ElasticErrors {
     }
 }
 
-/// Returns the joint that an elastic parameter deflects, and its deflection per unit of the parameter at a
-/// posture, rad; None for any other parameter.
+/// Returns the joint that an elastic parameter deflects, and the deflection of this joint per unit of the
+/// parameter at a posture, rad. Returns None for any other parameter.
 pub fn deflection(
     frames: &Frames,
     loads: &Loads,

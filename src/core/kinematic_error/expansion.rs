@@ -1,4 +1,4 @@
-//! The linear and the second-order error model: derivatives of the TCP pose with respect to every parameter.
+//! Linear and second-order error model: derivatives of the TCP pose with respect to every parameter.
 //!
 //! The models are eqs. (7)-(8) and section 2.3 of the seed paper.
 
@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 /// Effect of one unit of a small motion on the TCP: its displacement `g` and its rotation `w`.
 ///
-/// The displacement is in m per unit. The rotation is the unit vector along the axis of the motion; it is
-/// zero for a translation.
+/// The displacement is in m per unit. The rotation is the unit vector along the axis of the motion, or zero
+/// for a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionTerm {
     pub g: Vector3<f64>,
@@ -25,7 +25,7 @@ impl MotionTerm {
 
     /// Returns the effect of the motion with index `k` in the order of [`Parameter::of_robot`].
     ///
-    /// Motions of joint frames are not allowed here; [`Self::of_joint`] handles them.
+    /// Motions of joint frames are not allowed here. The function [`Self::of_joint`] handles them.
     ///
     /// The motion with the index of the parameter dq is the rotation about the joint axis, even for a
     /// prismatic joint. A prismatic joint moves by the translation with the index of dr.
@@ -49,10 +49,10 @@ impl MotionTerm {
         Self::about(frames, frame, axis, turns)
     }
 
-    /// Returns the effect of motion `k` of the joint frames; `joints` holds the pose of each joint frame in
+    /// Returns the effect of motion `k` of the joint frames. `joints` holds the pose of each joint frame in
     /// the D-H frame that precedes its row.
     ///
-    /// This function is separate because [`Self::of`] must stay small enough to be inlined.
+    /// This function is separate because [`Self::of`] must remain small enough to be inlined.
     #[inline(never)]
     fn of_joint(frames: &Frames, joints: &[Pose], k: usize) -> Self {
         let (joint, component) = (k / PER_FRAME, k % PER_FRAME);
@@ -60,17 +60,18 @@ impl MotionTerm {
         Self::about(frames, &frame, component % 3, component >= 3)
     }
 
-    /// Returns the effect of a rotation about an axis of a frame if `turns` is true, or of a translation
-    /// along it.
+    /// Returns the effect of a rotation about an axis of a frame if `turns` is true; otherwise that of a
+    /// translation along the axis.
     ///
-    /// Without the attribute `inline(always)` the linear model takes twice as long.
+    /// Without the attribute `inline(always)`, the linear model takes twice as long.
     #[inline(always)]
     fn about(frames: &Frames, frame: &Pose, axis: usize, turns: bool) -> Self {
         let axis = frame.rotation.column(axis).into_owned();
         Self::along(axis, &(frames.tcp.translation - frame.translation), turns)
     }
 
-    /// Returns the effect on a point of a rotation about `axis` if `turns` is true, or of a translation along it.
+    /// Returns the effect on a point of a rotation about `axis` if `turns` is true; otherwise that of a
+    /// translation along `axis`.
     ///
     /// The vector `arm` leads from the axis to the point, m.
     #[inline(always)]
@@ -84,8 +85,7 @@ impl MotionTerm {
 
 /// Returns the parameter indices of all motions, in order from base to tool.
 ///
-/// If `joints` is true, the motions of each joint frame are included; they precede the motions of its D-H
-/// row.
+/// If `joints` is true, the motions of each joint frame are included, before the motions of its D-H row.
 fn outwards(axes: usize, joints: bool) -> impl Iterator<Item = usize> {
     let (base, tool) = (PER_LINK * axes, PER_LINK * axes + PER_FRAME);
     let frame = |first: usize| [0, 1, 2, 5, 4, 3].map(|k| first + k);
@@ -110,8 +110,8 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
 
 /// Returns the error by the second-order model.
 ///
-/// The displacement by each small motion is rotated by the sum of all rotations nearer to the base, plus half
-/// of its own rotation. The rotation vectors are composed to second order.
+/// The displacement by each small motion is rotated by the sum of all rotations nearer to the base. Half of
+/// the motion's own rotation is added. The rotation vectors are composed to second order.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
@@ -134,7 +134,8 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
 /// Number of the small motions of a chain with the largest number of joints.
 const MAX_MOTIONS: usize = Parameter::first_elastic(MAX_JOINTS);
 
-/// First and second derivatives of the TCP pose with respect to the parameters of one chain, base frame.
+/// First and second derivatives of the TCP pose with respect to the parameters of one chain, in the base
+/// frame.
 ///
 /// An expansion holds the derivatives at one posture at a time and is reused between postures.
 #[derive(Debug, Clone)]
@@ -148,8 +149,8 @@ pub struct Expansion {
     wanted: Vec<usize>,
     loads: Loads,
     periodic: Arc<[PeriodicDeflection]>,
-    /// Elastic parameters in their order, each with the motion that it causes at the last posture (index and
-    /// size). Empty if none of them is wanted.
+    /// Elastic parameters in their order, each with the motion that it causes at the last posture (index
+    /// and size). The list is empty if no elastic parameter is wanted.
     elastic: Vec<(Parameter, (usize, f64))>,
 }
 
@@ -176,8 +177,8 @@ impl Expansion {
         Self { axes, joint_frames, terms, drives, wanted, loads, periodic, elastic: elastic.collect() }
     }
 
-    /// Returns an expansion with derivatives with respect to `parameters` alone; all other derivatives are
-    /// undefined.
+    /// Returns an expansion with derivatives with respect to `parameters` (indices) alone. All other
+    /// derivatives are undefined.
     pub fn of(chain: &Chain, parameters: &[usize]) -> Self {
         let mut expansion = Self::new(chain);
         let mut wanted: Vec<usize> =
@@ -211,8 +212,8 @@ impl Expansion {
         })
     }
 
-    /// Returns the second derivative of position and rotation vector of the TCP with respect to parameters
-    /// `a` and `b`.
+    /// Returns the second derivative of the TCP pose (position and rotation vector) with respect to the
+    /// parameters `a` and `b`.
     pub fn second(&self, a: usize, b: usize) -> Displacement {
         let mut sum = Displacement::NONE;
         for (j, size_j) in self.motions(a) {
@@ -244,10 +245,10 @@ impl Expansion {
 
     /// Returns the rank, counted from 0, of the motion with index `k` in the order from base to tool.
     ///
-    /// The order counts the motions of all joint frames, too.
+    /// The order also counts the motions of all joint frames.
     pub fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
-        // Rank of the first motion of joint frame i; the motions of its D-H row follow.
+        // This is the rank of the first motion of joint frame i. The motions of its D-H row follow.
         let joint = |i: usize| PER_FRAME + (PER_FRAME + PER_LINK) * i;
         let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][(k - first) % PER_FRAME];
         match k {

@@ -8,19 +8,20 @@
 //! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett, Driels
 //! and Mooring 1987). The links alone have 4 n parameters in each of the following two sets:
 //!
-//! - four parameters per link: the errors dq of the joint coordinate, dr of the axial offset, dl of the
-//!   length and dalpha of the twist. If two neighbouring axes are parallel, their two dr are the same
-//!   translation. If the axes are nearly parallel, the two translations differ only by the small angle
+//! - four parameters per link. They are the errors dq of the joint coordinate, dr of the axial offset, dl
+//!   of the length and dalpha of the twist. If two neighbouring axes are parallel, their errors dr are the
+//!   same translation. If the axes are nearly parallel, the two translations differ only by the small angle
 //!   between the axes;
 //! - five parameters (Hayati 1983): where axes are parallel, dbeta replaces dr. The error dbeta is the
 //!   rotation about the y axis after the link, which the other four parameters cannot produce.
 //!
-//! A prismatic joint has fewer independent parameters. Its dr is the same translation as its dq. The joint
-//! rotates nothing, so all translations between two revolute joints are constant vectors in one frame. At
-//! most three of these are independent. Both sets leave out the dependent translations. They also leave out
-//! the six parameters of every joint frame, because these depend on the parameters of the D-H rows. Neither
-//! set has a parameter for the rotation of a prismatic joint about its axis. Other dependencies increase the
-//! condition number, for example coincident axes, or postures that do not move a joint.
+//! A prismatic joint has fewer independent parameters. Its error dr is the same translation as its error
+//! dq. The joint rotates nothing, so all translations between two revolute joints are constant vectors in
+//! one frame. At most three of these vectors are independent. Both sets leave out the dependent
+//! translations. They also leave out the six parameters of every joint frame, because these parameters
+//! depend on the parameters of the D-H rows. Neither set has a parameter for the rotation of a prismatic
+//! joint about its axis. Other dependencies increase the condition number, for example coincident axes, or
+//! postures that do not move a joint.
 
 use super::Expansion;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
@@ -29,7 +30,7 @@ use nalgebra::{DMatrix, Vector3};
 
 /// Sine of the angle (6 degrees) below which axes count as parallel.
 ///
-/// At smaller angles the uncertainty of the offset error dr would be more than ten times as large as for
+/// At smaller angles, the uncertainty of the offset error dr would be more than ten times as large as for
 /// perpendicular axes.
 const NEARLY_PARALLEL: f64 = 0.1;
 
@@ -38,8 +39,8 @@ const NEARLY_PARALLEL: f64 = 0.1;
 pub enum ParameterSet {
     /// Errors dq, dr, dl and dalpha of every link (Denavit and Hartenberg).
     FourParameter,
-    /// Errors of the four-parameter set, but dbeta instead of dr where neighbouring axes are parallel (Hayati
-    /// 1983).
+    /// Errors of the four-parameter set, with dbeta instead of dr where neighbouring axes are parallel
+    /// (Hayati 1983).
     FiveParameter,
 }
 
@@ -142,9 +143,9 @@ fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
     spare
 }
 
-/// Returns the direction of a translational parameter, base frame.
+/// Returns the direction of a translational parameter, in the base frame.
 ///
-/// It is the z axis before the link for dr and dq, and the x axis after the link for dl.
+/// The direction is the z axis before the link for dr and dq, and the x axis after the link for dl.
 fn direction(frames: &Frames, slide: Parameter) -> Vector3<f64> {
     match slide {
         Parameter::Dl(i) => frames.links[i + 1].rotation.column(0).into_owned(),

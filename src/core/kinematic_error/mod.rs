@@ -1,36 +1,37 @@
 //! Kinematic error (section 2 of the seed paper): from parameter errors to the error of the TCP.
 //!
 //! Every model uses the same description of the chain: its [`Frames`] at a posture. A parameter error is a
-//! small rotation about, or a small translation along, an axis of one of these frames:
+//! small rotation about an axis of one of these frames, or a small translation along such an axis:
 //!
-//! - dtheta, a rotation about the z axis before the link, and dr, a translation along that axis;
-//! - dl, a translation along the x axis after the link, and dalpha, a rotation about that axis;
-//! - dbeta, a rotation about the y axis after the link (the fifth parameter of Hayati);
-//! - six components of the base frame, of the tool frame and of every joint frame. A joint frame precedes the
-//!   Denavit-Hartenberg (D-H) row of its joint;
-//! - elastic deflections, rotations about the axis of a revolute joint like dtheta. Their size is the value of a
-//!   parameter times a lever or torque of gravity at the posture, for the chain without errors. The joint
-//!   coupling does not pass them on, because they arise behind the gears.
+//! - dtheta is a rotation about the z axis before the link, and dr is a translation along that axis;
+//! - dl is a translation along the x axis after the link, and dalpha is a rotation about that axis;
+//! - dbeta is a rotation about the y axis after the link (the fifth parameter of Hayati);
+//! - the base frame, the tool frame and every joint frame have six components each. A joint frame precedes
+//!   the Denavit-Hartenberg (D-H) row of its joint;
+//! - elastic deflections are rotations about the axis of a revolute joint, as dtheta is. The size of a
+//!   deflection is the value of a parameter times a factor: a lever, a torque of gravity, or a periodic
+//!   error. The factor is that of the chain without errors at the posture. The joint coupling does not
+//!   transmit deflections, because they arise behind the gears.
 //!
-//! Number the motions from the base to the tool. Motion k has the size `a_k` (rad or m). Let `S_k` be its
-//! twist for `a_k = 1`, base frame. Let T be the pose of the TCP without errors and T' the pose with errors.
-//! Then
+//! Number the motions from the base to the tool. Motion k has the size `a_k` (rad or m). Let `S_k` be the
+//! twist of motion k for `a_k = 1`, in the base frame. Let T be the pose of the TCP without errors and T'
+//! the pose with errors. Then
 //!
 //! ```text
 //! T' T^-1 = exp(S_1 a_1) exp(S_2 a_2) ... exp(S_K a_K)
 //! ```
 //!
-//! holds exactly. All models follow from this product. Let p be the position of the TCP, `w_k` the axis of
-//! motion k and `o_k` a point on the axis:
+//! holds exactly. All models follow from this product. Let p be the position of the TCP, `w_k` the unit
+//! vector along the axis of motion k, and `o_k` a point on this axis:
 //!
-//! - nonlinear, eqs. (4)-(6): the product itself, evaluated from the tool back to the base. It is computed
-//!   as a sum of displacements, so errors of 1 nm keep their digits;
+//! - nonlinear, eqs. (4)-(6): the product itself is evaluated from the tool back to the base. The error is
+//!   computed as a sum of displacements, so that errors of 1 nm keep their digits;
 //! - linear, eqs. (7)-(8): the position error is `e = sum_k a_k g_k`. The displacement per unit is
 //!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
-//! - second-order (section 2.3): the linear model plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k a_k^2 w_k x
-//!   g_k`. In these sums `w_j` and `w_k` are the axes of rotations; they are zero for translations. The two
-//!   sums together are the exact second-order part of the product. A motion nearer to the base also rotates
-//!   the displacements that later motions cause.
+//! - second-order (section 2.3): the error is that of the linear model plus `sum_(j<k) a_j a_k w_j x g_k +
+//!   1/2 sum_k a_k^2 w_k x g_k`. In these sums, `w_j` and `w_k` are the axes of rotations, and are zero for
+//!   translations. The two sums together are the exact second-order part of the product. A motion nearer to
+//!   the base also rotates the displacements that later motions cause.
 //!
 //! Errors are in the base frame: position in m, rotation as a rotation vector in rad.
 
@@ -56,7 +57,7 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Returns the position error of the TCP, m, base frame. A search calls this function at every node.
+/// Returns the position error of the TCP in the base frame, m. A search calls this function at every node.
 pub fn position_error(frames: &Frames, errors: &Perturbation, model: Model) -> Vector3<f64> {
     if errors.elastic.is_some() {
         return position_error_of_elastic(frames, errors, model);
@@ -68,16 +69,16 @@ pub fn position_error(frames: &Frames, errors: &Perturbation, model: Model) -> V
     }
 }
 
-/// Returns the position error of the TCP by errors with elastic deflections.
+/// Returns the position error of the TCP for errors with elastic deflections.
 ///
-/// This function is separate because most errors have none and must not pay for them.
+/// This function is separate because most errors have no elastic deflections and must not pay for them.
 #[cold]
 #[inline(never)]
 fn position_error_of_elastic(frames: &Frames, errors: &Perturbation, model: Model) -> Vector3<f64> {
     position_error(frames, &errors.deflected(frames), model)
 }
 
-/// Returns the position error (m) and the rotation error (rad) of the TCP, base frame.
+/// Returns the position error (m) and the rotation error (rad) of the TCP in the base frame.
 pub fn pose_error(frames: &Frames, errors: &Perturbation, model: Model) -> Displacement {
     if errors.elastic.is_some() {
         return pose_error(frames, &errors.deflected(frames), model);

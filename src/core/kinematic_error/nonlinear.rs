@@ -1,6 +1,6 @@
-//! The nonlinear model, eqs. (4)-(6) of the seed paper: `dT = prod(A_i + dA_i) - T`.
+//! Nonlinear error model, eqs. (4)-(6) of the seed paper: `dT = prod(A_i + dA_i) - T`.
 //!
-//! Here `A_i` is the transform of link i, `dA_i` the change caused by the errors, and T the pose of the TCP
+//! Here `A_i` is the transform of link i, `dA_i` is its change by the errors, and T is the pose of the TCP
 //! without errors. The product is evaluated as a sequence of small motions.
 
 use super::{FrameError, Perturbation, Turn};
@@ -8,13 +8,13 @@ use crate::pose::{Displacement, Pose, SmallRotation};
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3};
 
-/// Small motion at one place in the chain; it moves all frames from that place to the tool.
+/// Small motion at one place in the chain. It moves all frames from that place to the tool.
 enum SmallMotion<'a> {
     Slide(Vector3<f64>),
     Turn { axis: Vector3<f64>, through: &'a Vector3<f64>, by: &'a Turn },
 }
 
-/// Returns the position error of the TCP, m, base frame. The function does not allocate.
+/// Returns the position error of the TCP in the base frame, m. The function allocates no memory.
 #[inline]
 pub fn position_error(frames: &Frames, errors: &Perturbation) -> Vector3<f64> {
     match errors.joints {
@@ -23,7 +23,8 @@ pub fn position_error(frames: &Frames, errors: &Perturbation) -> Vector3<f64> {
     }
 }
 
-/// Returns the position error of the TCP; `JOINTS` says whether joint frames have errors.
+/// Returns the position error of the TCP in the base frame, m. `JOINTS` states whether joint frames have
+/// errors.
 ///
 /// The two cases are compiled separately. One loop for both cases would take 50 % longer when no joint frame
 /// has errors.
@@ -35,7 +36,7 @@ fn position_walk<const JOINTS: bool>(frames: &Frames, errors: &Perturbation) -> 
     e
 }
 
-/// Returns the position error (m) and the rotation error (rad) of the TCP, base frame.
+/// Returns the position error (m) and the rotation error (rad) of the TCP in the base frame.
 pub fn pose_error(frames: &Frames, errors: &Perturbation) -> Displacement {
     let p = &frames.tcp.translation;
     let (mut e, mut rotation) = (Vector3::zeros(), SmallRotation::none());
@@ -50,8 +51,8 @@ pub fn pose_error(frames: &Frames, errors: &Perturbation) -> Displacement {
 
 /// Returns the displacement of the point `x` by a motion.
 ///
-/// A rotation by the matrix R about an axis through the point o displaces it by `(R - 1)(x - o)`. This is
-/// computed by Rodrigues' formula.
+/// A rotation by the matrix R about an axis through the point o displaces `x` by `(R - 1)(x - o)`. This
+/// displacement is computed by Rodrigues' formula.
 #[inline]
 fn moved(motion: &SmallMotion<'_>, x: &Vector3<f64>) -> Vector3<f64> {
     match motion {
@@ -94,7 +95,7 @@ fn walk_back<const JOINTS: bool>(
     }
 }
 
-/// Calls `visit` with the rotation about an axis of a frame; omits a rotation by 0.
+/// Calls `visit` with the rotation about an axis of a frame, unless the angle is 0.
 #[inline]
 fn turn_back(frame: &Pose, axis: usize, by: &Turn, visit: &mut impl FnMut(SmallMotion<'_>)) {
     if by.angle != 0.0 {

@@ -1,4 +1,4 @@
-//! A signed sample of the parameter errors, prepared for the error models.
+//! Signed sample of the parameter errors, prepared for the error models.
 
 use super::elastic::ElasticErrors;
 use crate::cell::{JointKind, MAX_JOINTS, PER_FRAME, PER_LINK, Parameter, SignedErrors};
@@ -26,8 +26,8 @@ impl Turn {
     }
 }
 
-/// Errors of one link: the four errors of eq. (4) of the seed paper, and dbeta, a rotation about the y axis
-/// after the link.
+/// Errors of one link: the four errors of eq. (4) of the seed paper, and dbeta. The error dbeta is a
+/// rotation about the y axis after the link.
 ///
 /// The values of dtheta and dr include the joint coupling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -40,7 +40,8 @@ pub struct LinkError {
     pub dbeta: Turn,
 }
 
-/// Error of a frame in its own axes: translation along x, y, z (m), then rotations about z, y, x.
+/// Error of a frame in its own axes: translation along x, y and z (m), then rotations about z, y and x in
+/// this order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameError {
     pub slides: [f64; 3],
@@ -50,7 +51,7 @@ pub struct FrameError {
 
 impl FrameError {
     /// Returns the frame error with the components `values`: three translations (m), then three rotations
-    /// (rad) about x, y, z; None if all are 0.
+    /// (rad) about x, y and z. Returns None if all components are 0.
     pub fn new(values: &[f64]) -> Option<Self> {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
         let any = (0..PER_FRAME).any(|k| value(k) != 0.0);
@@ -82,11 +83,11 @@ impl JointErrors {
 
 /// Largest number of small motions of a chain, without the motions of the joint frames.
 ///
-/// Joint frames seldom have errors and are stored separately. Millions of samples are created, so each must
-/// take little memory.
+/// Joint frames seldom have errors and are stored separately. Millions of samples are created, so each
+/// sample must take little memory.
 const MAX_MOTIONS: usize = Parameter::first_joint(MAX_JOINTS);
 
-/// One signed sample of the parameter errors, for one chain.
+/// Signed sample of the parameter errors of one chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
     links: [LinkError; MAX_JOINTS],
@@ -95,7 +96,8 @@ pub struct Perturbation {
     pub base: Option<FrameError>,
     pub tool: Option<FrameError>,
     pub joints: Option<JointErrors>,
-    /// Elastic errors, boxed to keep the sample small: most of the millions of samples have none.
+    /// Elastic errors. They are boxed to keep the sample small, because most of the millions of samples
+    /// have none.
     pub elastic: Option<Box<ElasticErrors>>,
 }
 
@@ -105,8 +107,8 @@ impl Perturbation {
         Self::of_values(chain, &errors.values())
     }
 
-    /// Prepares parameter errors in the order of [`Parameter::of_robot`]; `values` may end before the errors of the
-    /// joint frames.
+    /// Prepares parameter errors in the order of [`Parameter::of_robot`]. The list `values` may end before
+    /// the errors of the joint frames.
     ///
     /// The error dq is an error of an actuator coordinate. The joint coupling maps it to errors of the D-H
     /// coordinates. The function allocates memory only for elastic errors.
@@ -151,7 +153,7 @@ impl Perturbation {
         Self { elastic: None, ..self.clone() }
     }
 
-    /// Returns this sample at a posture, with the elastic deflections there as errors dtheta of the joints.
+    /// Returns this sample with its elastic deflections at a posture as errors dtheta of the joints.
     ///
     /// The result has no elastic errors.
     pub fn deflected(&self, frames: &Frames) -> Self {
@@ -168,16 +170,16 @@ impl Perturbation {
     /// Returns the sizes of the small motions (m or rad) in the order of [`Parameter::of_robot`].
     ///
     /// The first slice holds the motions of links, base and tool. In the first slice, the entries at the
-    /// indices of dq and dr are errors of the D-H coordinates theta and r. These errors include the effect of
-    /// the joint coupling, but not the elastic deflections ([`Self::deflected`]). The second slice holds the motions of the joint frames; it is empty if no joint
-    /// frame has an error.
+    /// indices of dq and dr are errors of the D-H coordinates theta and r. These errors include the effect
+    /// of the joint coupling, but not the elastic deflections ([`Self::deflected`]). The second slice holds
+    /// the motions of the joint frames. It is empty if no joint frame has an error.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]
     }
 
-    /// Returns the pose of every joint frame in the D-H frame that precedes its row; empty if no joint frame
-    /// has an error.
+    /// Returns the pose of every joint frame in the D-H frame that precedes its row. The list is empty if
+    /// no joint frame has an error.
     pub fn joint_frames(&self) -> &[Pose] {
         self.joints.as_ref().map_or(&[], |joints| &joints.frames[..self.axes])
     }

@@ -26,8 +26,8 @@ pub struct ScrewMotion {
 
 /// Returns the small motions that one unit of an error parameter causes in the chain.
 ///
-/// A parameter of the equipment causes no motion of the chain. The motion of an elastic parameter depends on
-/// the posture and is left out. [`largest_deflection`] bounds it.
+/// A parameter of the equipment causes no motion of the chain. The motion of an elastic parameter depends
+/// on the posture and is left out. The function [`largest_deflection`] bounds this motion.
 pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usize) -> Vec<ScrewMotion> {
     let one = |link: usize, frame: &Pose, axis: usize, turns: bool, factor: f64| ScrewMotion {
         link,
@@ -62,10 +62,11 @@ pub fn motions(chain: &Chain, frames: &Frames, parameter: Parameter, source: usi
     }
 }
 
-/// Returns the rotation of a joint by one unit of an elastic parameter, with its largest size at any posture as
-/// factor; None for any other parameter.
+/// Returns the rotation of a joint by one unit of an elastic parameter. The factor of the rotation is its
+/// largest size at any posture. Returns None for any other parameter.
 ///
-/// A lever is at most as long as its link, and a torque at most the sum of all weights times their distances.
+/// A lever is at most as long as its link. A torque is at most the sum of all weights times their largest
+/// distances from the joint.
 pub fn largest_deflection(
     chain: &Chain,
     frames: &Frames,

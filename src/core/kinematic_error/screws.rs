@@ -1,8 +1,8 @@
 //! Kinematic chain as screw axes at a reference posture (product of exponentials).
 //!
-//! The TCP pose is `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)`, where `theta_i` is the
-//! displacement of joint i from the reference posture, and `S_i` is its screw axis at that posture (R. W.
-//! Brockett 1984). Errors of the chain change only the screw axes and `T(0)`. The positions of the
+//! The TCP pose is `T(theta) = exp(S_1 theta_1) ... exp(S_n theta_n) T(0)` (R. W. Brockett 1984). Here
+//! `theta_i` is the displacement of joint i from the reference posture, and `S_i` is its screw axis at that
+//! posture. Errors of the chain change only the screw axes and `T(0)`. The positions of the
 //! Denavit-Hartenberg frames do not matter, so rows with huge offsets that cancel are harmless.
 
 use super::perturbation::{FrameError, Perturbation};
@@ -11,10 +11,10 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Frames};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// One value per joint; the unused tail is zero.
+/// One value per joint. The unused entries at the end are zero.
 pub type JointValues = [f64; MAX_JOINTS];
 
-/// Joint axes and end points of a chain at the reference posture, base frame.
+/// Joint axes and end points of a chain at the reference posture, in the base frame.
 #[derive(Debug, Clone)]
 pub struct Screws {
     pub kinds: Vec<JointKind>,
@@ -41,7 +41,7 @@ pub struct PosedScrews {
 }
 
 impl Screws {
-    /// Returns the nominal chain with `frames` as reference posture.
+    /// Returns the nominal chain. The reference posture is that of `frames`.
     ///
     /// `point` is the point whose error counts, in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
@@ -97,8 +97,9 @@ impl Screws {
         with
     }
 
-    /// Returns the sizes of the small motions by which another chain with the same joints differs from this one: one
-    /// before every axis, and one before the end point. Angles (rad) come first, then translations (m).
+    /// Returns the sizes of the small motions by which another chain with the same joints differs from this
+    /// one. There is one motion before every axis, and one before the end point. Angles (rad) come first,
+    /// then translations (m).
     ///
     /// Errors that cancel each other, such as large offsets along parallel axes, do not count.
     pub fn motions_to(&self, other: &Screws) -> ([f64; MAX_JOINTS + 1], [f64; MAX_JOINTS + 1]) {
@@ -172,7 +173,7 @@ fn least(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
     about(&(cross / sine), &Vector3::zeros(), sine.atan2(from.dot(to))).rotation
 }
 
-/// Returns the angle of a rotation, rad; small angles are accurate to the last digit.
+/// Returns the angle of a rotation, rad. Small angles are accurate to the last digit.
 fn angle(r: &Matrix3<f64>) -> f64 {
     let twice = Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
     twice.norm().atan2(r.trace() - 1.0)

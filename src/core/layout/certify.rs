@@ -9,14 +9,14 @@ use crate::error_map::{Demand, HeldPosture, MapperWorkspace, OperationMap, Outco
 /// Certificate of one operation at its spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperationCertificate {
-    /// Upper bound of the value of the operation over all misplacements, m; None if no bound is known.
+    /// Upper bound of the value (m) of the operation over all misplacements; None if no bound is known.
     pub most: Option<f64>,
 }
 
-/// Certificate of a layout, or the reasons why there is none.
+/// Certificate of a layout, or the reasons why there is no certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutCertificate {
-    /// Floor spaces that may overlap or come nearer than the clearance.
+    /// Pairs of floor spaces that may overlap or come nearer than the clearance.
     pub overlaps: Vec<Overlap>,
     /// Certificate of each operation; None if the operation has no spot.
     pub operations: Vec<Option<Result<OperationCertificate, NotCertified>>>,
@@ -32,7 +32,7 @@ impl LayoutCertificate {
 impl Workcell {
     /// Certifies a layout, given its maps.
     ///
-    /// All operations lack a certificate if the layout does not belong to the cell.
+    /// If the layout does not belong to the cell, no operation has a certificate.
     pub fn certificate(&self, layout: &Layout, maps: &[OperationMap]) -> LayoutCertificate {
         if self.cell.misfit(layout).is_some() {
             return LayoutCertificate { overlaps: Vec::new(), operations: vec![None; maps.len()] };
@@ -87,8 +87,8 @@ impl Workcell {
     }
 }
 
-/// Returns whether neither party of an overlap is the floor. A misplacement never moves equipment into the floor,
-/// because equipment that stands lower than drawn stands on a lower floor.
+/// Returns whether neither party of an overlap is the floor. A misplacement never moves equipment into the
+/// floor. Equipment that is lower than drawn is assumed to stand on a lower floor.
 pub fn is_between_solids(overlap: &Overlap) -> bool {
     ![overlap.a, overlap.b].contains(&Party::Floor)
 }

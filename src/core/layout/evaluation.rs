@@ -11,46 +11,48 @@ use crate::motion::{Blocked, Transfer};
 
 /// Penalty of every infeasible layout, as a multiple of [`Workcell::weight`].
 ///
-/// The penalty is greater than any weighted error in m, so that no infeasible layout ranks before a feasible
-/// one.
+/// The penalty is greater than any weighted error in m, so that no infeasible layout ranks before a
+/// feasible layout.
 const INFEASIBLE_PENALTY: f64 = 1e3;
 
-// Penalties of an operation without a spot, m: being out of reach is worse than passing a joint limit, which
-// is worse than colliding everywhere.
+// Penalties of an operation without a spot, m. To be out of reach is worse than to exceed a joint limit,
+// which is worse than to collide everywhere.
 const OUT_OF_REACH_PENALTY: f64 = 2.0;
 const JOINT_LIMIT_PENALTY: f64 = 1.0;
 const UNJUDGED_PENALTY: f64 = 0.75;
 const COLLISION_PENALTY: f64 = 0.5;
 const REFUSED_PENALTY: f64 = 0.4;
-/// Penalty of a blocked move between operations, m.
+/// Penalty of a blocked transfer between operations, m.
 const BLOCKED_PENALTY: f64 = 0.25;
 
-/// Evaluation of a layout: a cost and, if the layout is infeasible, the reasons.
+/// Evaluation of a layout: the cost, and the reasons if the layout is infeasible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
-    /// Reason why the layout does not belong to the cell, if any; its operations then remain unjudged.
+    /// Reason why the layout does not belong to the cell, if it does not. No operation is judged in this
+    /// case.
     pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
-    /// Floor spaces that may overlap or come nearer than the clearance at some misplacement.
+    /// Pairs of floor spaces that may overlap, or come nearer than the clearance, at a misplacement inside
+    /// the placement tolerances.
     pub near: Vec<Overlap>,
     /// Outcome of each operation.
     pub outcomes: Vec<Outcome>,
-    /// Moves between consecutive operations; empty if the cell asks for no transfers.
+    /// Transfers between consecutive operations; empty if the cell does not ask for transfers.
     ///
-    /// The list is also empty if an overlap, a missing spot or a blocked move prevents the moves.
+    /// The list is also empty if an overlap, a missing spot or a blocked transfer prevents the transfers.
     pub transfers: Vec<Transfer>,
-    /// The first move that is blocked.
+    /// First transfer that is blocked.
     pub blocked: Option<Blocked>,
-    /// Objective computed from the values of all operations (m, rad, or share of failures); None if the
-    /// layout is infeasible.
+    /// Objective computed from the values of all operations (m, rad, share of failures, or cost of
+    /// tolerances); None if the layout is infeasible.
     ///
     /// A robust search combines the worst values over the placement tolerances.
     pub objective: Option<f64>,
-    /// Cost, finite for every layout. It equals the objective if the layout is feasible and keeps every
-    /// limit.
+    /// Cost, which is finite for every layout. The cost equals the objective if the layout is feasible and
+    /// keeps every limit.
     ///
-    /// The cost is more than 100 times [`Workcell::weight`] if a limit is missed. For an infeasible layout it
-    /// is at least 1000 times this weight, and grows with the distance from feasibility.
+    /// The cost is more than 100 times [`Workcell::weight`] if a limit is missed. For an infeasible layout,
+    /// the cost is at least 1000 times this weight, and grows with the distance from feasibility.
     pub cost: f64,
 }
 
@@ -86,10 +88,10 @@ pub struct Workspace {
     misplacements: Misplacements,
 }
 
-/// Evaluates one layout: overlaps, reach, limits, errors, collisions.
+/// Evaluates one layout: overlaps, reach, limits, errors and collisions.
 ///
 /// The function is pure and total: the same layout gives the same bits, and every layout has a finite cost.
-/// A layout that does not belong to the cell is infeasible and says why ([`Evaluation::misfit`]).
+/// A layout that does not belong to the cell is infeasible, and [`Evaluation::misfit`] states the reason.
 pub fn evaluate(workcell: &Workcell, layout: &Layout) -> Evaluation {
     evaluate_in(workcell, layout, &mut Workspace::default())
 }
@@ -100,7 +102,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
         return Evaluation::of_misfit(workcell, misfit);
     }
     let Workspace { overlaps: found, solids, spots: memory, misplacements } = workspace;
-    // A layout without overlaps at any misplacement has none as drawn.
+    // A layout without overlaps at any misplacement has no overlaps as drawn.
     let mut near = Vec::new();
     if workcell.certifies() {
         workcell.wide.overlaps(layout, found);
@@ -140,11 +142,11 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
 struct Operations {
     outcomes: Vec<Outcome>,
     spots: Vec<Option<Spot>>,
-    /// Values of the operations; an operation without a value is left out.
+    /// Values of the operations. An operation without a value is left out.
     values: Vec<f64>,
-    /// For each entry of `values`, the value that must keep the limit of the operation.
+    /// Value that must keep the limit of the operation, for each entry of `values`.
     most: Vec<f64>,
-    /// Sum of the penalties (m) of spots that are not certified.
+    /// Sum of the penalties (m) of spots that cannot be used at every misplacement.
     lost: f64,
 }
 
@@ -172,7 +174,8 @@ impl Operations {
     }
 }
 
-/// Plans the moves between the operations; returns no moves if the layout has overlaps or a move is blocked.
+/// Plans the transfers between the operations. Returns no transfers if the layout has overlaps or if a
+/// transfer is blocked.
 fn transfers(
     placed: &PlacedLayout<'_>,
     overlaps: &[Overlap],
@@ -198,7 +201,7 @@ fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
         Outcome::Unreachable { gap } if gap.reach > 0.0 => {
             OUT_OF_REACH_PENALTY + gap.reach.min(INFEASIBLE_PENALTY)
         }
-        // The excess of revolute joints is a sum of cosines; the factor `reach` makes it a length.
+        // The excess of revolute joints is a sum of cosines. The factor `reach` makes it a length.
         Outcome::Unreachable { gap } => {
             JOINT_LIMIT_PENALTY + (gap.limits.min(4.0) / 4.0) * cell.robot.reach().min(1.0)
         }

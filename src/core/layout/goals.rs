@@ -8,10 +8,10 @@ use crate::error_map::{MapperWorkspace, Outcome, PlacedLayout, Spot};
 use crate::motion::{Measures, direct_travel, measures};
 use crate::robot::Chain;
 
-/// Upper bound on the clearance goal, m: larger distances count as this value.
+/// Upper bound of the clearance goal, m. Larger distances count as this value.
 pub const MAX_CLEARANCE: f64 = 0.5;
 
-/// A feasible layout with the postures in which its operations happen.
+/// Feasible layout with the postures in which its operations happen.
 struct WorkingPostures<'a> {
     workcell: &'a Workcell,
     placed: PlacedLayout<'a>,
@@ -19,30 +19,31 @@ struct WorkingPostures<'a> {
     found: Vec<Option<Spot>>,
     /// Joint coordinates at the spot of every operation.
     spots: Vec<JointVector>,
-    /// Index of the operation and joint coordinates, for every node where an operation happens.
+    /// Index of the operation and joint coordinates, for every node at which an operation happens.
     postures: Vec<(usize, JointVector)>,
 }
 
 impl Workcell {
     /// Computes the value of each goal for a layout; None if the layout is not feasible.
     ///
-    /// - error: the objective (m, rad, or share of failures).
+    /// - error: the objective (m, rad, share of failures, or cost of tolerances).
     /// - clearance: the least distance (m) of the robot and its held parts from floor, equipment and fence.
-    ///   The minimum is taken over all nodes where an operation happens. Distances between floor
-    ///   spaces, in plan and height, count, too. The value is at most [`MAX_CLEARANCE`], which is also the
-    ///   value if collision is not checked. Three kinds of distances do not count. The first is between a
-    ///   solid after the last joint and the equipment of the operation, because the standoff sets this
-    ///   distance. The second is between the floor and a solid that only the first joint moves. The third is
-    ///   between two floor spaces that cannot move.
+    ///   The minimum is taken over all nodes at which an operation happens. Distances between floor spaces,
+    ///   in plan and height, also count. The value is at most [`MAX_CLEARANCE`], which is also the value if
+    ///   collisions are not checked. Three kinds of distances do not count. The first is between a solid
+    ///   after the last joint and the equipment of the operation, because the standoff sets this distance.
+    ///   The second is between the floor and a solid that only the first joint moves. The third is between
+    ///   two floor spaces that cannot move.
     /// - joint limits, singularity: the least value of the measure ([`measures`], a number without unit) at
-    ///   the nodes where an operation happens. The joint limits are those of the robot file, without margins.
+    ///   the nodes at which an operation happens. The joint limits are those of the robot file, without
+    ///   margins.
     /// - travel: the joint travel (rad) of the transfers or, if they are not checked, of direct moves from
     ///   spot to spot.
-    /// - footprint: area (m^2) of the convex hull of the floor spaces of robot base and equipment.
-    /// - time: the least time (s) of the motions and operations, see [`crate::cycle_time`]; NaN if a joint has no
-    ///   greatest speed.
-    /// - cost: cost of the cheapest tolerances with which every operation keeps its limit at its spot; NaN if the
-    ///   search does not price tolerances.
+    /// - footprint: the area (m^2) of the convex hull of the floor spaces of robot base and equipment.
+    /// - time: the least time (s) of the motions and operations, see [`crate::cycle_time`]. It is NaN if
+    ///   the greatest speed of a joint is not known.
+    /// - cost: the cost of the cheapest tolerances with which every operation keeps its limit at its spot.
+    ///   It is NaN if the search does not price tolerances.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {
         let objective = evaluation.objective.filter(|_| self.cell.misfit(layout).is_none())?;
         let worked = WorkingPostures::new(self, layout, evaluation)?;

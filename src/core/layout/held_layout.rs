@@ -1,7 +1,8 @@
-//! A layout whose operations keep their spots while robot base or equipment is placed elsewhere.
+//! Held layout: a layout whose operations keep their spots while the robot base or equipment is placed
+//! elsewhere.
 //!
-//! Node and branch of every operation stay as they are, so that a drawing with the spots remains valid. An operation
-//! at every node keeps no posture: each of its nodes takes its best posture.
+//! The node and the branch of every operation do not change, so that a drawing with the spots remains
+//! valid. An operation at every node keeps no posture: each of its nodes takes its best posture.
 
 use super::certify::is_between_solids;
 use super::evaluation::{Evaluation, evaluate};
@@ -19,7 +20,7 @@ use crate::safe_text::shown;
 /// Reason why a layout with held spots is infeasible, misses a limit or has too large an objective.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
-    /// The objective exceeds the given one.
+    /// The objective exceeds the largest objective that is allowed.
     Objective,
     /// The value of the operation may exceed its limit.
     Limit(usize),
@@ -30,9 +31,9 @@ pub enum Ending {
     NotCertified(usize, NotCertified),
     /// The operation cannot keep its posture at a corner of the placement tolerances.
     Corner(usize),
-    /// The operation at every node has a node that cannot be used.
+    /// An operation at every node has a node that cannot be used.
     EveryNode(usize),
-    /// A move between two operations is blocked.
+    /// A transfer between two operations is blocked.
     Transfer(Blocked),
 }
 
@@ -70,13 +71,13 @@ enum HeldSpot {
 pub struct HeldLayout<'a> {
     workcell: &'a Workcell,
     layout: &'a Layout,
-    /// Objective of the layout, m, rad or a share.
+    /// Objective of the layout (m, rad, share of failures, or cost of tolerances).
     pub objective: f64,
     /// Spot of each operation.
     spots: Vec<HeldSpot>,
-    /// Posture of each operation that has a spot.
+    /// Posture that each operation keeps; None for an operation at every node.
     kept: Vec<Option<HeldPosture>>,
-    /// Cheapest tolerances, if the objective is their cost.
+    /// Cheapest tolerances and their cost, if the objective is a cost of tolerances.
     price: Option<NearbyPrice>,
 }
 
@@ -84,7 +85,7 @@ pub struct HeldLayout<'a> {
 #[derive(Debug, Clone, Copy)]
 struct OperationValue {
     spot: Spot,
-    /// Value that counts in the objective, m, rad or a share.
+    /// Value that counts in the objective (m, rad, share of failures, or cost of tolerances).
     value: f64,
     /// Value that must keep the limit.
     worst: f64,
@@ -92,8 +93,8 @@ struct OperationValue {
 
 /// Values of the operations that a moved body does not carry.
 ///
-/// A judgement with them is an estimate: it does not check whether the moved body gets in the way of these
-/// operations, or of the moves between operations.
+/// A judgement with these values is an estimate. It does not check whether the moved body gets in the way
+/// of these operations, or of the transfers between operations.
 pub struct Uncarried(Vec<Option<OperationValue>>);
 
 /// Memory that one thread reuses from judgement to judgement.
@@ -107,12 +108,14 @@ pub struct HeldMemory {
 }
 
 impl<'a> HeldLayout<'a> {
-    /// Evaluates a layout and keeps its spots; None if the layout is not feasible or misses a limit.
+    /// Evaluates a layout and keeps its spots. Returns None if the layout is not feasible or misses a
+    /// limit.
     pub fn new(workcell: &'a Workcell, layout: &'a Layout) -> Option<Self> {
         Self::holding(workcell, layout, &evaluate(workcell, layout))
     }
 
-    /// Keeps the spots of an evaluated layout; None if it is not feasible or misses a limit.
+    /// Keeps the spots of an evaluated layout. Returns None if the layout is not feasible or misses a
+    /// limit.
     pub fn holding(workcell: &'a Workcell, layout: &'a Layout, evaluation: &Evaluation) -> Option<Self> {
         let objective = evaluation.objective.filter(|_| evaluation.is_accepted())?;
         let found = |outcome: &Outcome| if let Outcome::Found(spot) = outcome { Some(*spot) } else { None };
@@ -147,11 +150,12 @@ impl<'a> HeldLayout<'a> {
         self.layout
     }
 
-    /// Judges another layout with these spots. Returns its objective (m, rad or a share). A cost of tolerances may be
-    /// overstated, but not beyond `most`.
+    /// Judges another layout with these spots. Returns its objective (m, rad, share of failures, or cost of
+    /// tolerances). A cost of tolerances may be overstated, but not beyond `most`.
     ///
     /// # Errors
-    /// Returns the first reason why the layout does not work, misses a limit, or has an objective above `most`.
+    /// Returns the first reason why the layout is infeasible, misses a limit, or has an objective above
+    /// `most`.
     pub fn judge(&self, layout: &Layout, most: f64, memory: &mut HeldMemory) -> Result<f64, Ending> {
         self.kept_objective(&self.values(layout, most, None, memory)?, most)
     }
@@ -171,8 +175,8 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment; None if the layout as found
-    /// is infeasible or misses a limit.
+    /// Returns the values of the operations that do not depend on a piece of equipment. Returns None if the
+    /// layout as found is infeasible.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;
@@ -181,7 +185,8 @@ impl<'a> HeldLayout<'a> {
         Some(Uncarried(values.into_iter().enumerate().map(|(k, v)| (!carried(k)).then_some(v)).collect()))
     }
 
-    /// Checks the limits of the operations and the largest objective that is allowed; returns the objective.
+    /// Checks the limits of the operations and the largest objective that is allowed. Returns the
+    /// objective.
     fn kept_objective(
         &self,
         (values, objective): &(Vec<OperationValue>, f64),
@@ -200,7 +205,8 @@ impl<'a> HeldLayout<'a> {
         Ok(objective)
     }
 
-    /// Returns spot and values of every operation in another layout, and the objective. Limits are not checked.
+    /// Returns the spot and the values of every operation in another layout, and the objective. Limits are
+    /// not checked.
     fn values(
         &self,
         layout: &Layout,
@@ -251,7 +257,7 @@ struct Judgement<'j, 'a> {
 }
 
 impl Judgement<'_, '_> {
-    /// Returns spot and values of every operation, and the objective.
+    /// Returns the spot and the values of every operation, and the objective.
     fn values(
         &self,
         choice: &mut SpotMemory,
@@ -280,9 +286,11 @@ impl Judgement<'_, '_> {
         combined(&self.held.workcell.cell, &values)
     }
 
-    /// Returns spot and value of every operation as drawn, without checks of collisions and certificates.
+    /// Returns the spot and the value of every operation in the layout as drawn, without checks of
+    /// collisions and certificates.
     ///
-    /// The value is 0, a lower bound, if the joint price needs no costs of single operations.
+    /// If the joint price does not need the costs of single operations, 0 is returned as a lower bound of
+    /// each value.
     fn drawn(
         &self,
         choice: &mut SpotMemory,
@@ -317,8 +325,8 @@ impl Judgement<'_, '_> {
         Ok(values)
     }
 
-    /// Certifies the spots and checks collisions and moves. Values that count at the misplacements replace those as
-    /// drawn.
+    /// Certifies the spots and checks collisions and transfers. Values that count at the misplacements
+    /// replace the values as drawn.
     fn check(
         &self,
         values: &mut [OperationValue],
@@ -330,7 +338,8 @@ impl Judgement<'_, '_> {
             if let Some((value, worst)) = self.certified(k, spots, &values[k].spot, bounds)? {
                 values[k] = OperationValue { value, worst, ..values[k] };
             }
-            // A certified posture can be used in the layout as drawn, which an estimate takes for granted.
+            // A certified posture can be used in the layout as drawn, so an estimate does not check
+            // collisions again.
             if self.known.is_none() || self.placed.demand().is_none() {
                 let free = self.placed.keeps_free(k, spots, posture, bounds);
                 free.map_err(|status| Ending::Posture(k, status))?;
@@ -351,8 +360,8 @@ impl Judgement<'_, '_> {
         SpotQuery { workcell: self.held.workcell, placed: self.placed, operation, spots }
     }
 
-    /// Certifies a held spot, if a certificate is demanded. Returns the value that counts in the objective and the
-    /// value that must keep the limit, if they differ from the value as drawn.
+    /// Certifies a held spot, if a certificate is demanded. Returns the value that counts in the objective
+    /// and the value that must keep the limit. Returns None if both are the value as drawn.
     fn certified(
         &self,
         operation: usize,

@@ -1,4 +1,4 @@
-//! The error maps of a layout.
+//! Error maps of a layout.
 
 use super::spot_choice::{SpotMemory, SpotQuery};
 use super::workcell::Workcell;
@@ -44,7 +44,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the motion of bodies inside the placement tolerances; None if the tolerances do not count.
+    /// Returns the misplacements of the bodies inside the placement tolerances; None if the tolerances do
+    /// not count.
     fn misplacements(&self, layout: &Layout) -> Option<Misplacements> {
         self.certifies().then(|| {
             let mut misplacements = Misplacements::default();
@@ -61,8 +62,8 @@ impl Workcell {
     /// Maps the operations that have no spot. Each node has the status that [`Workcell::maps`] gives it, but
     /// no posture and no errors.
     ///
-    /// This is many times faster than [`Workcell::maps`], because the error of every node is not computed. If
-    /// the layout does not belong to the cell, both functions return the same maps.
+    /// This function is many times faster than [`Workcell::maps`], because it does not compute the error of
+    /// every node. If the layout does not belong to the cell, both functions return the same maps.
     pub fn maps_without_spot(&self, layout: &Layout) -> Vec<OperationMap> {
         if self.cell.misfit(layout).is_some() {
             return self.maps(layout);
@@ -95,8 +96,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the data from which the errors of one posture in a map are computed: the context of the
-    /// operation and the link frames.
+    /// Returns the data from which the errors of one posture in a map are computed. They are the context of
+    /// the operation and the link frames.
     ///
     /// # Errors
     /// Returns the reason if the errors cannot be computed in this layout.

@@ -1,4 +1,4 @@
-//! Postures of a cell that an instrument can measure: reachable, free of collision and visible.
+//! Postures of a cell that an instrument can measure: reachable, collision-free and visible.
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout};
@@ -6,23 +6,23 @@ use crate::clearance::{ContactMemory, SolidRef};
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
-/// Place of the measuring instrument, and directions in which the reflector can be seen.
+/// Position of the measuring instrument, and directions from which the reflector can be seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sightline {
-    /// Position of the instrument, world frame, m.
+    /// Position of the instrument, in the world frame, m.
     pub instrument: Vector3<f64>,
     /// Direction in which the reflector opens (interface frame), and the largest angle (rad) between this direction
     /// and the line of sight. It is None if the reflector is visible from every side.
     pub opening: Option<(Vector3<f64>, f64)>,
 }
 
-/// Postures that can be measured, and how many others were tried.
+/// Postures that can be measured, and the numbers of other postures that were tried.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeasurablePoses {
     pub joints: Vec<JointVector>,
     /// Number of postures that touch something, or come nearer than the clearance of the cell.
     pub colliding: usize,
-    /// Number of postures without collision at which the reflector is hidden or faces away.
+    /// Number of collision-free postures at which the reflector is hidden or faces away.
     pub hidden: usize,
 }
 
@@ -30,7 +30,7 @@ pub struct MeasurablePoses {
 const MAX_TRIES: usize = 100;
 
 impl Workcell {
-    /// Returns the solid of a layout that contains a point of the world, m.
+    /// Returns the solid of a layout that contains a point (world frame, m); None if no solid contains it.
     pub fn solid_at(&self, layout: &Layout, point: &Vector3<f64>) -> Option<SolidRef> {
         let placed = self.placed(layout).into_solids();
         self.mapper.scene().solid_at(&placed, point)
@@ -38,9 +38,10 @@ impl Workcell {
 
     /// Returns up to `wanted` postures of a layout that can be measured, spread evenly over the joint space.
     ///
-    /// Postures are points of a Halton sequence within the joint limits and the margins of the cell. The seed
-    /// chooses the part of the sequence. The reflector is in the frame of the mechanical interface, m. Without
-    /// a sightline every posture is visible. `progress` gets the number of postures found.
+    /// Postures are points of a Halton sequence within the joint limits and the margins of the cell. The
+    /// seed chooses the part of the sequence. The position `reflector` is in the frame of the mechanical
+    /// interface, m. Without a sightline, every posture is visible. `progress` receives the number of
+    /// postures found.
     pub fn measurable_poses(
         &self,
         layout: &Layout,
@@ -80,7 +81,8 @@ impl Workcell {
         found
     }
 
-    /// Returns the place of a reflector (m, frame of the mechanical interface) in the world at a posture.
+    /// Returns the position of a reflector in the world frame at a posture, m. `reflector` is its position
+    /// in the frame of the mechanical interface, m.
     pub fn reflector_at(
         &self,
         layout: &Layout,
@@ -93,7 +95,7 @@ impl Workcell {
 }
 
 impl Sightline {
-    /// Returns whether the reflector opens toward the instrument.
+    /// Returns whether the reflector opens towards the instrument.
     fn faces(&self, interface: &Pose, reflector: &Vector3<f64>) -> bool {
         self.opening.is_none_or(|(axis, angle)| {
             let line = self.instrument - interface.transform(reflector);

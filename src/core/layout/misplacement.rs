@@ -2,20 +2,21 @@
 
 use crate::cell::{Cell, Slot};
 
-/// Coordinates of a layout that are misplaced, and by how much (m, rad).
+/// Coordinates of a layout that are misplaced, with the size of each misplacement (m or rad).
 pub type Moves = Vec<(Slot, f64)>;
 
-/// Largest number of dimensions of a box whose corners are all checked; a larger box is checked body by body.
+/// Largest number of dimensions of a box whose corners are all checked. A larger box is checked body by
+/// body.
 const MAX_WHOLE_BOX: usize = 8;
 
-/// A point of a box: low (-1), middle (0) or high (1) in each dimension.
+/// Point of a box: low (-1), middle (0) or high (1) in each dimension.
 type BoxSigns = Vec<i8>;
 
 /// Selection of points of a box.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum BoxPoints {
     Corners,
-    /// Corners, and the middles of all edges and faces.
+    /// Corners of the box, and the middles of all its edges and faces.
     Surface,
 }
 
@@ -23,8 +24,8 @@ pub enum BoxPoints {
 ///
 /// There are two groups: the boxes of the bodies on which one operation depends, and all other boxes.
 ///
-/// An operation depends on the robot base, on its equipment and on the equipment that carries it. An
-/// operation relative to a pick also depends on the equipment of the pick and its carriers.
+/// An operation depends on the robot base, on its own equipment, and on the equipment that carries this
+/// equipment. An operation relative to a pick also depends on the equipment of the pick and its carriers.
 pub struct ToleranceBoxes {
     /// One tolerance box for each body on which the operation depends.
     pub own: Vec<Moves>,
@@ -49,9 +50,9 @@ impl ToleranceBoxes {
 
     /// Returns the misplacements to check: points of all tolerance boxes, multiplied by `scale`.
     ///
-    /// The bodies on which the operation depends are misplaced first: all together, or one at a time if their box has
-    /// more than [`MAX_WHOLE_BOX`] dimensions. Then every other body is misplaced alone, because it may get in the
-    /// way.
+    /// The bodies on which the operation depends are misplaced first. They are misplaced all together, or
+    /// one at a time if their common box has more than [`MAX_WHOLE_BOX`] dimensions. Then every other body
+    /// is misplaced alone, because it may get in the way.
     pub fn moves(&self, scale: f64, points: BoxPoints) -> Vec<Moves> {
         let own: Moves = self.own.concat();
         let mut all = match own.len() {
@@ -69,7 +70,8 @@ impl ToleranceBoxes {
     }
 }
 
-/// Returns the selected points of one box, multiplied by `scale`; none if the box has no dimensions.
+/// Returns the selected points of one box, multiplied by `scale`. The list is empty if the box has no
+/// dimensions.
 fn points_of(axes: &[(Slot, f64)], scale: f64, points: BoxPoints) -> Vec<Moves> {
     let n = axes.len();
     let wanted = |signs: &BoxSigns| {

@@ -1,4 +1,4 @@
-//! Evaluation of one candidate layout: search, what-if questions and reports all call [`evaluate`].
+//! Evaluation of one candidate layout. Search, what-if questions and reports all call [`evaluate`].
 
 mod certify;
 mod cycle;

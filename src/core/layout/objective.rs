@@ -1,4 +1,4 @@
-//! Objective: combines the values of the operations into one number.
+//! Objective: the values of the operations combined into one number.
 
 use super::workcell::Workcell;
 use crate::cell::{Cell, Objective, Unit};
@@ -9,7 +9,7 @@ use crate::error_map::{MapperWorkspace, PlacedLayout, Spot};
 /// Such a layout ranks after every layout that keeps its limits, and before every infeasible layout.
 const LIMIT_PENALTY: f64 = 1e2;
 
-/// Largest excess over a limit that counts, m or rad; a value without a known bound has this excess.
+/// Largest excess over a limit that counts, m or rad. A value without a known bound has this excess.
 const UNKNOWN_EXCESS: f64 = 10.0;
 
 /// Lower edge of the first step of [`lexicographic`] (m, rad, or share of failures).
@@ -23,8 +23,9 @@ const HALF_STEP: f64 = 1e-3;
 impl Workcell {
     /// Returns the weight of the objective as a whole.
     ///
-    /// It is the sum of the operations' weights for a weighted sum, the largest weight for a weighted
-    /// maximum, and 1 for a lexicographic objective.
+    /// It is the sum of the operations' weights for a weighted sum, and the largest weight for a weighted
+    /// maximum. It is 1 for a lexicographic objective, and the cost of the tightest tolerances for a cost
+    /// of tolerances.
     pub fn weight(&self) -> f64 {
         let weights = self.cell.operations.iter().map(|o| o.weight);
         match self.cell.search.objective {
@@ -62,7 +63,7 @@ impl Workcell {
     /// Returns the cost of a feasible layout: `objective`, or a penalty if a value in m or rad is above the
     /// limit of the operation.
     ///
-    /// An infinite value counts as [`UNKNOWN_EXCESS`] above the limit.
+    /// An infinite value has the excess [`UNKNOWN_EXCESS`] over the limit.
     ///
     /// A share of failures is not compared with the limit, because it already counts the arms that exceed the limit.
     /// If the search prices tolerances, the limit constrains the tolerances. A penalty then applies only if even the
@@ -88,9 +89,11 @@ impl Workcell {
     }
 }
 
-/// Combines the values of all operations (m, rad, or share of failures) into the objective of the cell.
+/// Combines the values of all operations (m, rad, share of failures, or cost of tolerances) into the
+/// objective of the cell.
 ///
-/// The greatest of several costs of tolerances is a lower bound of the cost of tolerances that serve all operations.
+/// Costs of tolerances are combined into their maximum. It is a lower bound of the cost of tolerances that
+/// serve all operations.
 ///
 /// The objective never rises when a value falls. Lower bounds of the values therefore give a lower bound of
 /// the objective.

@@ -3,15 +3,16 @@
 //! Eight directions are polled at one distance, and the step with the largest gain is taken. After several
 //! successive polls without a gain, the distance is halved. The distance starts at half the spacing of the
 //! nodes and ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions
-//! rotate by the golden angle from poll to poll, so that they meet an edge of the usable area at many angles.
-//! Only gains are accepted, so the refined spot is never worse than the best node. If the layout must work at
-//! every misplacement inside the placement tolerances, only certified spots are accepted.
+//! rotate by the golden angle from poll to poll. They therefore meet an edge of the usable area at many
+//! angles. Only gains are accepted, so the refined spot is never worse than the best node. If the layout
+//! must work at every misplacement inside the placement tolerances, only certified spots are accepted.
 //!
-//! The redundant joint of an arm is refined, too: each poll also tries it on both sides of its value, first by half
-//! the distance between its sampled values. Otherwise, the branch of the posture stays the same during a search. At the end point every branch is judged, as at a
-//! node. If another branch is better there, a search with that branch follows. Only one operation is refined
-//! at a time, and all others stay at their best nodes. For an operation that places a part, the part is
-//! therefore picked at the best node of the pick, not at its refined spot.
+//! The redundant joint of an arm is refined, too. Each poll also tries it on both sides of its value, first
+//! by half the distance between its sampled values. Otherwise, the branch of the posture does not change
+//! during a search. At the end point, every branch is judged, as
+//! at a node. If another branch is better there, a search with that branch follows. Only one operation is
+//! refined at a time, and all other operations keep their best nodes. An operation that places a part
+//! therefore assumes that the part was picked at the best node of the pick, not at the refined spot.
 
 use super::workcell::Workcell;
 use crate::cell::{JointVector, Layout, Place, Rectangle};
@@ -19,7 +20,7 @@ use crate::certificate::Misplacements;
 use crate::error_map::{HeldPosture, MapperWorkspace, OperationMap, PointSpot, Probe, Status};
 use nalgebra::Vector3;
 
-/// Greatest number of nodes from which searches start.
+/// Greatest number of nodes from which the searches of one operation start.
 const MAX_STARTS: usize = 4;
 /// Least distance between two start nodes along x or along y, in divisions of the grid.
 const START_SPACING: usize = 3;
@@ -29,16 +30,16 @@ const DIRECTIONS: usize = 8;
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// Least polling distance of a search, m.
 const LEAST_STEP: f64 = 1e-6;
-/// Least gain that counts, as a share of the value; smaller gains are rounding errors.
+/// Least gain that counts, as a share of the value. Smaller gains are rounding errors.
 const LEAST_GAIN: f64 = 1e-9;
 /// Greatest number of postures tried one after the other from one start node.
 const MAX_POSTURES: usize = 4;
 /// Number of polls without a gain after which the distance is halved.
 ///
-/// The worst-case error has narrow curved valleys with a kink along them. There, one poll often finds no
-/// gain.
+/// The worst-case error has narrow curved valleys with a kink along them. In such a valley, one poll often
+/// finds no gain.
 const MAX_FAILURES: usize = 3;
-/// Greatest number of polls of one search; a few hundred are usual.
+/// Greatest number of polls of one search. A few hundred are usual.
 const MAX_POLLS: usize = 1000;
 
 /// Spot of an operation, refined between the nodes.
@@ -48,14 +49,14 @@ pub struct Refined {
     pub at: (f64, f64),
     /// Coordinates x and y of the best node in the frame of the equipment, m.
     pub node_at: (f64, f64),
-    /// TCP at the refined spot, world frame, m.
+    /// Position of the TCP at the refined spot, in the world frame, m.
     pub position: Vector3<f64>,
     pub branch: u64,
     pub joints: JointVector,
     /// Value of the operation at the refined spot.
     pub value: f64,
-    /// Upper bound of the value over all misplacements inside the placement tolerances; None if the layout need
-    /// not withstand misplacements, or if no bound is known.
+    /// Upper bound of the value over all misplacements inside the placement tolerances. It is None if the
+    /// layout need not withstand misplacements, or if no bound is known.
     pub most: Option<f64>,
     /// Value of the best node, never less than `value`.
     pub node_value: f64,
@@ -154,8 +155,8 @@ fn starts(map: &OperationMap) -> Vec<usize> {
 
 /// Runs one compass search on the points at which the posture of `from` can be held and is certified.
 ///
-/// A certificate is expensive, so only points that improve the value are certified. Points nearer than `apart` (m) to
-/// a touched point do not count.
+/// A certificate is expensive, so only points that improve the value are certified. Points nearer than
+/// `apart` (m) to a point touched to teach the frame do not count.
 fn descend(
     from: PointSpot,
     area: &Rectangle,

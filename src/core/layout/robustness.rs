@@ -1,25 +1,25 @@
 //! Tolerance analysis of a layout: the effect of misplaced equipment on every operation.
 //!
-//! The point on the surface and the branch of the posture stay the same. Several bodies move inside their
+//! The point on the surface and the branch of the posture do not change. Several bodies move inside their
 //! placement tolerances: the robot base, the equipment on which the point lies, and the equipment that
-//! carries it. If the operation is relative to a pick, the equipment of the pick and its carriers move, too.
-//! The controller is assumed to know where the bodies are. Placement errors that the controller does not know
-//! are given as `errors` of the equipment. Whatever the registration, a misplacement therefore acts only
-//! through the posture. For a taught frame, the postures in which the robot touches the taught points change,
-//! too.
+//! carries this equipment. If the operation is relative to a pick, the equipment of the pick and its
+//! carriers also move. The controller is assumed to know where the bodies are. Placement errors that the
+//! controller does not know are given as `errors` of the equipment. Whatever the registration, a
+//! misplacement therefore acts only through the posture. For a taught frame, the postures in which the
+//! robot touches the taught points also change.
 //!
 //! - Worst corner: all corners of the box of tolerances are checked if it has at most 8 dimensions. For a
-//!   larger box, the corners of the box of each body are checked, with the other bodies as drawn. In
-//!   addition, the corner of the whole box that is worst to first order is checked. A corner is called lost
-//!   if the posture cannot be used there, or if floor spaces overlap. The corners of the box of every other
-//!   body are checked, too, because this body may get in the way.
-//! - Gradient: central differences.
-//! - Largest allowed misplacement: three separate sizes, namely a multiple of the tolerance box, a displacement in
-//!   plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces overlap, the posture is usable
-//!   and the value is within its limit. A multiple of the box is checked at the corners and the middles of all edges
-//!   and faces. A displacement is checked in 16 directions, and a yaw in both directions. Each size grows by the
-//!   factor [`STRIDE`] until a check fails, then bisection follows. A failure that occurs only between two checked
-//!   sizes is missed.
+//!   larger box, the corners of the box of each body are checked, with the other bodies as drawn. The
+//!   corner of the whole box that is worst to first order is also checked. A corner is called lost if the
+//!   posture cannot be used there, or if floor spaces overlap. The corners of the box of every other body
+//!   are also checked, because this body may get in the way.
+//! - Gradient: the derivatives are computed by central differences.
+//! - Largest allowed misplacement: there are three separate sizes. They are a multiple of the tolerance
+//!   box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces
+//!   overlap, the posture is usable and the value is within its limit. A multiple of the box is checked at
+//!   the corners and the middles of all edges and faces. A displacement is checked in 16 directions, and a
+//!   yaw in both directions. Each size grows by the factor [`STRIDE`] until a check fails. Bisection
+//!   follows. A failure that occurs only between two checked sizes is missed.
 
 use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -29,7 +29,7 @@ use crate::error_map::{HeldPosture, MapperWorkspace, OperationMap, Probe, Spot, 
 use crate::units::rad_from_deg;
 use rayon::prelude::*;
 
-/// Half the distance between the two points of a central difference, m and rad.
+/// Half the distance between the two points of a central difference, m or rad.
 const DIFFERENCE_STEP: f64 = 1e-4;
 /// Largest checked multiple of the box of placement tolerances.
 const MAX_SCALE: f64 = 100.0;
@@ -39,8 +39,8 @@ const MAX_SHIFT: f64 = 0.25;
 const MAX_TURN_DEG: f64 = 30.0;
 /// Ratio of each checked size of a misplacement to the size checked before it.
 const STRIDE: f64 = 1.6;
-/// Number of steps from the smallest checked size of a misplacement to the largest; each multiplies the size
-/// by [`STRIDE`].
+/// Number of steps from the smallest checked size of a misplacement to the largest. Each step multiplies
+/// the size by [`STRIDE`].
 ///
 /// The smallest size is therefore 1/7500 of the largest.
 const SCALE_STEPS: i32 = 19;
@@ -56,7 +56,7 @@ const DIRECTIONS: usize = 16;
 /// neighbouring directions.
 const DIRECTION_FACTOR: f64 = 0.98; // cos(11.25 deg) = 0.9808
 
-/// Misplacement, and the value of the operation there (m, rad, or share of failures).
+/// Misplacement, and the value of the operation there (m, rad, share of failures, or cost of tolerances).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corner {
     pub moves: Moves,
@@ -79,7 +79,7 @@ pub enum MisplacementEnd {
     Limit(Corner),
 }
 
-/// Largest misplacement at which the posture stays usable and the value within its limit.
+/// Largest misplacement at which the posture is usable and the value is within its limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest {
     /// Size of the misplacement: a multiple of the tolerance box, a distance in m, or an angle in rad.
@@ -91,7 +91,7 @@ pub struct Largest {
 /// Tolerance analysis of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robustness {
-    /// Value of the operation in the layout as drawn (m, rad, or share of failures).
+    /// Value of the operation in the layout as drawn (m, rad, share of failures, or cost of tolerances).
     pub value: f64,
     /// Placement tolerances of the bodies on which the operation depends: coordinates and half widths.
     ///
@@ -103,8 +103,8 @@ pub struct Robustness {
     pub worst: Option<Corner>,
     /// Corners of the placement tolerances at which floor spaces overlap or the posture cannot be used.
     pub lost: Vec<Lost>,
-    /// Derivative of the value with respect to each listed coordinate, per m or rad; None if the arm cannot
-    /// reach one of the two points of the central difference.
+    /// Derivative of the value with respect to each listed coordinate, per m or rad. It is None if the arm
+    /// cannot reach one of the two points of the central difference.
     ///
     /// Joint limits are ignored. The list has an entry for x, y, z and yaw of the equipment, and for every
     /// other coordinate in `tolerance`.
@@ -118,16 +118,16 @@ pub struct Robustness {
 }
 
 impl Robustness {
-    /// Returns whether the posture stays usable and the value within its limit at every checked misplacement
-    /// inside the tolerances.
+    /// Returns whether the posture is usable and the value is within its limit at every checked
+    /// misplacement inside the tolerances.
     pub fn holds(&self) -> bool {
         let scale = self.scale.as_ref().is_none_or(|scale| scale.most >= 1.0);
-        // Without tolerances, `shift` tells whether the layout as drawn is allowed.
+        // Without tolerances, `shift` shows whether the layout as drawn is allowed.
         self.lost.is_empty() && scale && self.shift.most > 0.0
     }
 }
 
-/// Query of a held posture, which returns a value or the status that prevents it.
+/// Query of a held posture. It returns a value, or the status that prevents the posture.
 type AskHeld = fn(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>;
 
 /// One operation with the postures that it keeps while bodies are misplaced.
@@ -142,7 +142,8 @@ struct HeldOperation<'a> {
 }
 
 impl Workcell {
-    /// Analyses every operation of a layout, given its maps; None for an operation without a spot.
+    /// Analyses every operation of a layout, given its maps. The entry of an operation without a spot is
+    /// None.
     ///
     /// All entries are None if the layout does not belong to the cell.
     pub fn robustness(&self, layout: &Layout, maps: &[OperationMap]) -> Vec<Option<Robustness>> {
@@ -155,8 +156,8 @@ impl Workcell {
         all.collect()
     }
 
-    /// Computes the value of an operation if bodies are misplaced, given the maps of the layout as drawn. Spot
-    /// and branch stay the same.
+    /// Computes the value of an operation if bodies are misplaced, given the maps of the layout as drawn.
+    /// The spot and the branch do not change.
     ///
     /// # Errors
     /// Returns the status if floor spaces overlap or the posture cannot be used there.

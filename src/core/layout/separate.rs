@@ -1,4 +1,4 @@
-//! The nearest layout without overlaps: a sequence of convex programs.
+//! Separation: the nearest layout without overlaps, found by a sequence of convex programs.
 //!
 //! Two rectangles are apart if they are apart along one axis (separating axis). With that axis fixed, this
 //! condition is linear in the shifts of the equipment. The least shift then solves a quadratic program:
@@ -7,11 +7,11 @@
 //! minimize |d|^2   such that   n_ab . (d_a - d_b) >= depth_ab,   min <= x + d <= max,
 //! ```
 //!
-//! Here x holds the free coordinates, d their shifts, and min and max their ranges. The shift of body a in
-//! plan is d_a; n_ab is the separating axis of bodies a and b, and depth_ab their overlap along it. The crate
-//! `clarabel` solves the program in a few tens of microseconds. In the new layout other axes may separate the
-//! bodies better, so the program is solved a few times. Heights and yaws do not change; bodies that are apart in
-//! height need no separation in plan.
+//! Here x holds the free coordinates, d holds their shifts, and min and max are the ends of their ranges.
+//! The shift of body a in plan is d_a. The separating axis of bodies a and b is n_ab, and their overlap
+//! along it is depth_ab. The crate `clarabel` solves the program in a few tens of microseconds. In the new
+//! layout, other axes may separate the bodies better, so the program is solved a few times. Heights and
+//! yaws do not change. Bodies that are apart in height need no separation in plan.
 
 use super::workcell::Workcell;
 use crate::cell::{Cell, Coordinate, Layout, Slot};
@@ -27,23 +27,24 @@ const MAX_PROGRAMS: usize = 8;
 /// Rounding moves each of two bodies by at most half the diagonal of a square of the resolution.
 const SPARE_DISTANCE: f64 = 2.0;
 
-/// Least shift that is applied, m; smaller shifts are rounding errors of the solver.
+/// Least shift that is applied, m. Smaller shifts are rounding errors of the solver.
 const LEAST_SHIFT: f64 = 1e-7;
 
 /// Coordinate x or y of equipment that a search may change.
 ///
-/// It is given in the frame of the equipment that carries it, or in the world frame if there is no carrier.
+/// The coordinate is given in the frame of the carrier of the equipment, or in the world frame if there is
+/// no carrier.
 struct FreeCoordinate {
     /// Index of the equipment.
     equipment: usize,
-    /// The axis: 0 for x, 1 for y.
+    /// Axis of the coordinate: 0 for x, 1 for y.
     axis: usize,
     min: f64,
     max: f64,
 }
 
 impl FreeCoordinate {
-    /// Returns the unit vector in plan along which the coordinate moves its equipment, world frame.
+    /// Returns the unit vector in plan along which the coordinate moves its equipment, in the world frame.
     fn direction(&self, cell: &Cell, layout: &Layout) -> (f64, f64) {
         let under = cell.equipment[self.equipment].on;
         let (sin, cos) = under.map_or(0.0, |under| layout.placements[under].yaw).sin_cos();
@@ -94,7 +95,8 @@ fn free_coordinates(workcell: &Workcell) -> Vec<FreeCoordinate> {
     free
 }
 
-/// Solves one quadratic program and returns the shifts of the free coordinates, m; None without a solution.
+/// Solves one quadratic program and returns the shifts of the free coordinates, m. Returns None without a
+/// solution.
 fn least_shift(
     cell: &Cell,
     free: &[FreeCoordinate],
@@ -104,7 +106,7 @@ fn least_shift(
     let n = free.len();
     let directions: Vec<_> = free.iter().map(|f| f.direction(cell, layout)).collect();
     let spare = SPARE_DISTANCE * m_from_mm(cell.search.resolution.mm);
-    // Constraints as rows of A d <= b.
+    // The constraints are rows of A d <= b.
     let (mut rows, mut columns, mut values, mut bounds) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut put = |row: usize, k: usize, value: f64| {
         rows.push(row);

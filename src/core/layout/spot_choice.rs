@@ -1,13 +1,14 @@
-//! The choice of the spot of one operation, for evaluation and maps alike.
+//! Choice of the spot of one operation, for evaluation and maps alike.
 //!
-//! If the layout must withstand misplacements, only certified spots are used: the operation works there at every
-//! misplacement ([`crate::certificate`]). The certified spot with the least value as drawn is chosen.
+//! If the layout must withstand misplacements, only certified spots are used. At a certified spot, the
+//! operation works at every misplacement ([`crate::certificate`]). The certified spot with the least value
+//! as drawn is chosen.
 //!
-//! A robust search chooses the certified spot with the least bound of its value instead. Spots are judged in
-//! ascending order of their value as drawn. The bound is never below the value as drawn. So the search ends when
-//! the next spot's value as drawn reaches the least bound found. If no bound of the value is known, the greatest
-//! value at the corners of the placement tolerances takes its place. At most [`MAX_NODES`] nodes are judged; if the
-//! search ends at this number, a better spot may exist.
+//! A robust search chooses the certified spot with the least bound of its value instead. Spots are judged
+//! in ascending order of their value as drawn. The bound is never below the value as drawn. The search
+//! therefore ends when the value as drawn of the next spot reaches the least bound found. If no bound of
+//! the value is known, the greatest value at the corners of the placement tolerances takes its place. At
+//! most [`MAX_NODES`] nodes are judged. If the search ends at this number, a better spot may exist.
 
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
@@ -28,7 +29,7 @@ const LOST_PENALTY: f64 = 0.1;
 /// Penalty of an operation whose posture is lost at a corner of the placement tolerances, m.
 const CORNER_PENALTY: f64 = LOST_PENALTY * 0.2;
 
-/// One operation whose spot is to be chosen in a placed layout.
+/// Operation whose spot is to be chosen in a placed layout.
 pub struct SpotQuery<'a> {
     pub workcell: &'a Workcell,
     pub placed: &'a PlacedLayout<'a>,
@@ -50,7 +51,7 @@ impl SpotMemory {
         &mut self.mapper
     }
 
-    /// Returns the usable spot of every node of an operation; None if a node has none.
+    /// Returns the usable spot of every node of an operation; None if a node has no usable spot.
     pub fn every_free(
         &mut self,
         placed: &PlacedLayout<'_>,
@@ -65,8 +66,8 @@ impl SpotMemory {
 #[derive(Clone, Copy)]
 pub enum SpotValue {
     Kept {
-        /// Value of the spot (m, rad, or share of failures); in a robust search, the worst value over the
-        /// placement tolerances.
+        /// Value of the spot (m, rad, share of failures, or cost of tolerances). In a robust search, it is
+        /// the worst value over the placement tolerances.
         value: f64,
         /// Value that must keep the limit of the operation: the largest value over the placement tolerances.
         /// It is infinite if no bound of this value is known.
@@ -149,7 +150,7 @@ impl SpotValue {
     }
 }
 
-/// Bounds the values of certified spots of one operation.
+/// Judge of the certified spots of one operation, which bounds their values.
 pub struct Judge<'a, 'm> {
     query: &'a SpotQuery<'a>,
     demand: Demand<'a>,
@@ -163,7 +164,7 @@ impl<'a, 'm> Judge<'a, 'm> {
         Self { query, demand, memory }
     }
 
-    /// Returns the value of an operation that happens at `at`; `drawn` is its value as drawn.
+    /// Returns the value of the operation at the spots `at`. `drawn` is its value in the layout as drawn.
     pub fn value(&mut self, drawn: f64, at: &[Spot]) -> SpotValue {
         let SpotQuery { workcell, placed, operation, spots } = *self.query;
         let mut most = Vec::with_capacity(at.len());
@@ -211,10 +212,10 @@ impl<'a> Corners<'a> {
 
     /// Computes the worst of the value as drawn and the values at the corners of the placement tolerances.
     ///
-    /// The points and postures in `held` stay the same.
+    /// The points and postures in `held` do not change.
     ///
     /// # Errors
-    /// Returns the loss if a posture cannot be used at some corner.
+    /// Returns the loss if a posture cannot be used at one of the corners.
     fn worst(&self, drawn: f64, held: &[HeldPosture], memory: &mut MapperWorkspace) -> Result<f64, Loss> {
         let SpotQuery { workcell, operation, spots, .. } = *self.query;
         let over = workcell.cell.operations[operation].over;

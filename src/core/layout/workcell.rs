@@ -1,4 +1,4 @@
-//! A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
+//! Cell prepared for evaluation: chain, inverse kinematics, errors and solids.
 
 use crate::cell::{Cell, Interpretation, Layout, Parameter, QuestionFault};
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
@@ -9,13 +9,14 @@ use crate::reach::Inverse;
 use crate::reading::ErrorEvaluator;
 use std::sync::Arc;
 
-/// A cell prepared for evaluation: chain, inverse kinematics, errors, solids.
+/// Cell prepared for evaluation: chain, inverse kinematics, errors and solids.
 pub struct Workcell {
     pub cell: Cell,
     pub(super) mapper: Mapper,
     pub(super) plan: Arc<FloorPlan>,
     certifies: bool,
-    /// Greatest speeds and accelerations of the joints, or the indices of the joints that lack a speed.
+    /// Greatest speeds and accelerations of the joints, or the indices of the joints whose greatest speed
+    /// is not known.
     pub(super) rates: Result<RateBounds, Vec<usize>>,
     /// Floor plan with room for misplacements.
     pub(super) wide: Arc<FloorPlan>,
@@ -46,7 +47,7 @@ impl Workcell {
         Ok(Self { cell, mapper, plan, certifies, rates, wide, value_bounds })
     }
 
-    /// Returns this workcell under another interpretation of its errors; the solids are shared.
+    /// Returns this workcell under another interpretation of its errors. Both workcells share the solids.
     ///
     /// # Errors
     /// Returns the reason if the interpretation does not suit the cell, or if the robot cannot hold an
@@ -59,7 +60,7 @@ impl Workcell {
     /// values of the operations.
     ///
     /// # Errors
-    /// Returns the reason as [`Workcell::interpreted`] does, but allows senses in different units.
+    /// Returns the reason as [`Workcell::interpreted`] does. Senses in different units are allowed.
     pub fn interpreted_apart(&self, interpretation: &Interpretation) -> Result<Self, String> {
         self.sharing(
             self.cell
@@ -68,7 +69,8 @@ impl Workcell {
         )
     }
 
-    /// Returns this workcell with every tolerance multiplied by its scale; the solids are shared.
+    /// Returns this workcell with every tolerance multiplied by the `scale` of its parameter. Both
+    /// workcells share the solids.
     ///
     /// # Errors
     /// Returns the reason if the robot cannot hold an attitude.
@@ -76,7 +78,8 @@ impl Workcell {
         self.sharing(self.cell.with_scaled_tolerances(scale))
     }
 
-    /// Prepares a cell with the same solids and placements as this workcell; both workcells share them.
+    /// Prepares a cell with the same solids and placements as this workcell. Both workcells share the
+    /// solids and the floor plan.
     fn sharing(&self, cell: Cell) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, self.mapper.scene().clone())?;
         let value_bounds = value_bounds(&cell, &mapper);
@@ -85,8 +88,8 @@ impl Workcell {
         Ok(Self { cell, mapper, plan, certifies, rates, wide, value_bounds })
     }
 
-    /// Switches off the ranking of nodes. Every node is then judged, which is slower; the result is the same,
-    /// bit for bit.
+    /// Switches off the ranking of nodes. Every node is then judged, which is slower. The result is the
+    /// same, bit for bit.
     #[must_use]
     pub fn unranked(mut self) -> Self {
         self.mapper.forget_ranks();
@@ -120,12 +123,14 @@ impl Workcell {
         self.certifies
     }
 
-    /// Returns why the value of an operation has no upper bound over the misplacements; None if it has one.
+    /// Returns the reason why the value of an operation has no upper bound over the misplacements; None if
+    /// it has such a bound.
     pub fn no_value_bound(&self, operation: usize) -> Option<NoValueBound> {
         self.value_bounds[operation].as_ref().err().copied()
     }
 
-    /// Returns the demand that every posture of a layout must meet. It contains no bound of the value.
+    /// Returns the demand that every posture of a layout must meet. The demand contains no bound of the
+    /// value.
     pub(super) fn demand<'a>(&'a self, misplacements: &'a Misplacements) -> Demand<'a> {
         Demand { cell: &self.cell, misplacements, value: None }
     }
@@ -163,7 +168,8 @@ fn value_bounds(cell: &Cell, mapper: &Mapper) -> Vec<Result<ValueBound, NoValueB
     (0..cell.operations.len()).map(bound).collect()
 }
 
-/// Returns message and help of the first fault as one line of text; empty if there is no fault.
+/// Returns the message and the help of the first fault as one line of text. The text is empty if there is
+/// no fault.
 fn first_of(faults: &[QuestionFault]) -> String {
     faults.first().map_or(String::new(), |fault| format!("{}; {}", fault.message, fault.help))
 }

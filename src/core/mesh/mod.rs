@@ -1,4 +1,5 @@
-//! Triangle meshes of equipment and links: readers of mesh files, a writer of STL, and a check whether a mesh bounds a solid.
+//! Triangle meshes of equipment and links. The module reads mesh files, writes STL files, and checks
+//! whether a mesh bounds a solid.
 
 mod obj;
 mod solidity;

@@ -1,4 +1,4 @@
-//! Reader of Wavefront OBJ text: vertices and faces.
+//! Reader of the vertices and faces of Wavefront OBJ text.
 
 use super::triangles::{BEYOND, MAX_TRIANGLES, MeshFault, Triangles, Vertices, is_beyond, too_many};
 use crate::safe_text::shown;
@@ -55,7 +55,7 @@ fn geometry_of(text: &str) -> Result<String, MeshFault> {
         }
         geometry.push('\n');
         vertices += usize::from(kind == Some("v"));
-        // The check comes before the reader allocates memory.
+        // The number of vertices is checked before the reader allocates memory.
         if vertices.max(corners) > 3 * MAX_TRIANGLES {
             return Err((None, too_many()));
         }
@@ -63,11 +63,11 @@ fn geometry_of(text: &str) -> Result<String, MeshFault> {
     Ok(geometry)
 }
 
-/// Describes the error of the OBJ reader, with its line.
+/// Returns a description of the error of the OBJ reader, with the line of the error.
 ///
 /// The OBJ reader stops in the faulty line, which is therefore the last line of the first `read` bytes. The
-/// reader checks the vertices of faces only at the end, so this function searches for the face with a bad
-/// vertex.
+/// reader checks the vertices of faces only at the end. This function therefore searches for the face with
+/// a bad vertex.
 fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     let last = geometry[..read].lines().count().checked_sub(1);
     match e {

@@ -1,14 +1,15 @@
-//! Check whether the triangles of a mesh bound a solid.
+//! Check of whether the triangles of a mesh bound a solid.
 
 use super::triangles::Triangles;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Result of the check whether a surface bounds a solid.
+/// Result of the check of whether a surface bounds a solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,
-    /// The surface has this many hollows: closed shells inside another shell, with normals into the hollow.
+    /// The surface has this many hollows. A hollow is a closed shell inside another shell, with normals
+    /// that point into the hollow.
     Hollow(usize),
     /// The surface has a hole, an edge of more than two triangles, or neighbouring triangles of opposite
     /// orientation.
@@ -16,7 +17,7 @@ pub enum Solidity {
 }
 
 impl Solidity {
-    /// Returns what is wrong with the surface and the consequence, in words; None for a solid.
+    /// Returns the fault of the surface and its consequence, in words; None for a solid.
     pub fn warning(self) -> Option<(String, &'static str)> {
         match self {
             Self::Solid => None,
@@ -27,14 +28,15 @@ impl Solidity {
     }
 }
 
-const HOLLOW: &str = "an object wholly inside a hollow is not seen as a collision: remove the inner walls";
+const HOLLOW: &str =
+    "an object wholly inside a cavity is not detected as a collision: remove the inner walls";
 const OPEN: &str =
-    "its inside is not solid, so a link wholly inside is not seen as a collision: close the holes";
+    "its inside is not solid, so a link wholly inside is not detected as a collision: close the holes";
 
 /// Returns whether the surface bounds a solid, and orients the triangles of a closed surface.
 ///
-/// If the enclosed volume is negative, all triangles are reversed. Then every shell that is not a hollow is
-/// reversed if its normals point inwards.
+/// If the enclosed volume is negative, all triangles are reversed. Afterwards, every shell that is not a
+/// hollow is reversed if its normals point inwards.
 pub fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidity {
     if !is_closed(triangles) {
         return Solidity::Open;
@@ -70,7 +72,8 @@ pub fn solidity(vertices: &[Vector3<f64>], triangles: &mut Triangles) -> Solidit
     }
 }
 
-/// Returns, for every triangle, the number of its shell: a set of triangles connected by vertices.
+/// Returns, for every triangle, the number of its shell. A shell is a set of triangles connected by
+/// vertices.
 fn shells(vertices: usize, triangles: &Triangles) -> Vec<usize> {
     let mut parent: Vec<u32> = (0..vertices as u32).collect();
     for t in triangles {
@@ -99,7 +102,7 @@ fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
 
 /// Returns whether the surface is closed and consistently oriented.
 ///
-/// Every edge is then used once in each direction.
+/// In such a surface, every edge is used once in each direction.
 fn is_closed(triangles: &Triangles) -> bool {
     let mut balance: HashMap<(u32, u32), (i32, i32)> = HashMap::new();
     for &[a, b, c] in triangles {
@@ -111,7 +114,8 @@ fn is_closed(triangles: &Triangles) -> bool {
     balance.values().all(|&(forth, back)| forth == 1 && back == 1)
 }
 
-/// Returns the volume inside a closed surface; negative if its normals point inwards.
+/// Returns the volume inside a closed surface. The volume is negative if the normals of the surface point
+/// inwards.
 fn signed_volume(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> f64 {
     let v = |i: u32| &vertices[i as usize];
     triangles.iter().map(|&[a, b, c]| v(a).dot(&v(b).cross(v(c))) / 6.0).sum()

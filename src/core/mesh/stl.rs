@@ -1,4 +1,5 @@
-//! Reader of binary and text STL: separate triangles with corners in single precision.
+//! Reader of binary and text STL files, whose triangles have corners in single precision. The module also
+//! has a writer.
 //!
 //! At a distance of 3 m, single precision resolves 0.2 um. The normals are not used: the order of the corners
 //! defines which side is outside.
@@ -17,7 +18,7 @@ const TRIANGLE: usize = 50;
 pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFault> {
     let promised = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     let promised = promised.map(|count| count as usize);
-    // The title of a binary file may start like a text file, so the size is checked first.
+    // The title of a binary file may begin like that of a text file, so the size is checked first.
     if promised.is_some_and(|n| n.checked_mul(TRIANGLE).is_some_and(|size| HEADER + size == bytes.len())) {
         return triangles_of(binary(bytes)?, scale, |k| (None, format!(", in triangle {}", k + 1)));
     }
@@ -31,16 +32,17 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
     Err((
         None,
         match promised {
-            Some(n) => format!("its header promises {n} triangles, the file has room for {has}"),
+            Some(n) => format!("its header promises {n} triangles, but the file has room for {has}"),
             None => format!("a file of {} bytes is not an STL file", bytes.len()),
         },
     ))
 }
 
-/// Returns a binary STL file of triangles, with coordinates in the unit of the vertices and in single precision.
+/// Returns a binary STL file of triangles. Its coordinates are in the unit of the vertices, in single
+/// precision.
 ///
 /// # Errors
-/// Fails if the STL writer fails, which is not expected because it writes to memory.
+/// Returns the message of the STL writer if it fails, which is not expected because it writes to memory.
 pub fn to_stl(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<u8>, String> {
     let single = |v: Vector3<f64>| stl_io::Vector::new(v.cast::<f32>().into());
     let facet = |t: &[u32; 3]| {
@@ -53,7 +55,8 @@ pub fn to_stl(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<u
     Ok(bytes)
 }
 
-/// Returns the bytes of a binary file with a blank title, so the STL reader cannot mistake them for text.
+/// Returns the bytes of a binary file with a blank title, so that the STL reader cannot mistake them for
+/// text.
 fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
     if bytes.len() > HEADER + TRIANGLE * MAX_TRIANGLES {
         return Err((None, too_many()));
@@ -65,8 +68,8 @@ fn binary(bytes: &[u8]) -> Result<Vec<u8>, MeshFault> {
 
 /// Returns the triangles of a file that [`binary`] or [`plain`] has prepared.
 ///
-/// For messages, `place` returns the line (from 0) of triangle k in a text file, or a description of its
-/// place in a binary file.
+/// For messages, `place` returns the line (counted from 0) of triangle k in a text file, or a description
+/// of its place in a binary file.
 fn triangles_of(
     file: Vec<u8>,
     scale: f64,
@@ -114,7 +117,8 @@ fn plain(bytes: &[u8]) -> Result<String, MeshFault> {
             b"solid" | b"endsolid" => {}
             other => {
                 for word in std::iter::once(other).chain(words.take(4)) {
-                    let word = std::str::from_utf8(word).map_err(|_| (Some(k), "no text".to_string()))?;
+                    let word = std::str::from_utf8(word)
+                        .map_err(|_| (Some(k), "this line is not text".to_string()))?;
                     text.extend(word.chars().map(|c| c.to_ascii_lowercase()).chain([' ']));
                 }
             }
@@ -132,7 +136,7 @@ fn plain(bytes: &[u8]) -> Result<String, MeshFault> {
     Ok(text)
 }
 
-/// Returns the line of facet `k`; both count from 0.
+/// Returns the line of facet `k`. Lines and facets are counted from 0.
 fn facet_line(text: &str, k: usize) -> Option<usize> {
     let facets = text.lines().enumerate().filter(|(_, line)| line.starts_with("facet"));
     facets.map(|(line, _)| line).nth(k)

@@ -5,10 +5,11 @@ use nalgebra::Vector3;
 /// Largest number of triangles of one mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
-/// Upper limit of the absolute value of each vertex coordinate, m, far larger than any workcell.
+/// Upper limit of the absolute value of each vertex coordinate, m. The limit is far larger than any
+/// workcell.
 const MAX_COORDINATE: f64 = 1e4;
 
-/// Message for a vertex that is not finite or too far away.
+/// Message for a vertex that is not finite or is too far away.
 pub const BEYOND: &str = "a vertex is not finite, or too far away for a workcell; is the unit right?";
 
 /// Vertices of a mesh, m.
@@ -16,7 +17,7 @@ pub type Vertices = Vec<Vector3<f64>>;
 /// Triangles of a mesh, each as the indices of its three vertices.
 pub type Triangles = Vec<[u32; 3]>;
 
-/// Fault of a mesh file: its line (from 0) if known, and what is wrong.
+/// Fault of a mesh file: its line (counted from 0) if known, and a description.
 pub type MeshFault = (Option<usize>, String);
 
 /// Returns whether a coordinate (m) is NaN or too large for a workcell.
@@ -35,9 +36,9 @@ pub fn too_many() -> String {
 ///
 /// Triangles with two equal corners are left out.
 pub fn merged((vertices, mut triangles): (Vertices, Triangles)) -> Result<(Vertices, Triangles), MeshFault> {
-    // Adding 0 makes -0 and 0 the same bits.
+    // The addition of 0 gives -0 and 0 the same bits.
     let bits = |i: u32| vertices[i as usize].map(|c| (c + 0.0).to_bits()).data.0[0];
-    // Sorting saves memory: a hash map of all places would take more than everything else.
+    // Sorting saves memory. A hash map of all places would take more memory than everything else.
     let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
     order.sort_unstable_by_key(|&i| (bits(i), i));
     let mut first = vec![0; vertices.len()];

@@ -1,11 +1,12 @@
 //! Continuous collision checking of a path of straight moves in joint coordinates.
 //!
-//! The distance of every pair of solids is computed in the middle of an interval of the path. The interval is
-//! free if every distance exceeds the required clearance by more than the pair can approach within half the
-//! interval. Otherwise the interval is halved (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic
-//! collision checking for single and multiple articulated robots in complex environments", IEEE Transactions
-//! on Robotics 21, 2005). The first intervals span several moves, so that most pairs are checked once for the whole
-//! path. Only the joints between two solids of the robot change the distance of these solids.
+//! The distance of every pair of solids is computed in the middle of an interval of the path. The interval
+//! is collision-free if every distance exceeds the required clearance by a sufficient margin. The margin is
+//! the amount by which the pair can approach within half the interval. Otherwise the interval is halved (F.
+//! Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and multiple
+//! articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005). The first
+//! intervals span several moves, so that most pairs are checked once for the whole path. Only the joints
+//! between two solids of the robot change the distance between these solids.
 
 use super::motion_bounds::MotionBounds;
 use crate::cell::{JointVector, MAX_JOINTS};
@@ -13,27 +14,29 @@ use crate::clearance::{Hit, Load, Pair, PlacedSolids, Scene};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Resolution of the collision check, m: solids whose distance exceeds the clearance by less than this value
-/// may count as touching.
+/// Resolution of the collision check, m. Solids whose distance exceeds the clearance by less than this
+/// value may count as touching.
 pub const RESOLUTION: f64 = 1e-4;
 
 /// First contact on a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathHit {
-    /// Share of the path that is completed at the contact, 0 to 1. All moves count as equally long.
+    /// Share of the path that is completed at the contact, from 0 to 1. All moves count as equally long.
     pub at: f64,
     pub hit: Hit,
 }
 
-/// Deviations from a path: of the robot from its joint coordinates, and of the equipment from its placement.
+/// Deviations from a path: of the robot from the joint coordinates of the path, and of the equipment from
+/// its placement.
 #[derive(Default)]
 pub struct PathSlack<'a> {
-    /// Largest deviation of each D-H coordinate at each knot of the path, rad or m; empty without deviations.
+    /// Largest deviation of each D-H coordinate at each knot of the path, rad or m. The list is empty
+    /// without deviations.
     ///
-    /// On a move, the larger deviation of its two ends counts.
+    /// On a move, the larger of the deviations at its two ends counts.
     pub joints: &'a [JointVector],
-    /// Motion of each piece of equipment relative to the robot base, m; None for the floor. Without this
-    /// function, the equipment does not move.
+    /// Largest motion, m, of a piece of equipment relative to the robot base. The argument None denotes the
+    /// floor. Without this function, the equipment does not move.
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
     /// Upper bound, m, of the decrease of the distance between a robot solid (an index into
     /// [`Scene::bounding_spheres`]) and a piece of equipment. The function returns None if the bound is not less than
@@ -41,11 +44,12 @@ pub struct PathSlack<'a> {
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 
-/// Returns the first point of a path at which the robot may come nearer than the clearance of the cell, if robot and
-/// equipment deviate from the path by up to `slack`.
+/// Returns the first point of a path at which the distance of the robot from other solids may fall below
+/// the clearance of the cell. Robot and equipment may deviate from the path by up to `slack`.
 ///
-/// The path consists of straight moves between `knots`, rad or m. The result None proves that there is no contact. A
-/// reported contact may also be a near miss: solids that pass each other within [`RESOLUTION`] of the clearance.
+/// The path consists of straight moves between `knots`, rad or m. The result None proves that there is no
+/// contact. A reported contact may also be a near miss of solids that pass each other within [`RESOLUTION`]
+/// of the clearance.
 pub fn first_hit(
     chain: &Chain,
     scene: &Scene,
@@ -63,14 +67,14 @@ pub fn first_hit(
     PathQuery { chain, scene, placed, knots, slack }.first_hit_between(0, last, &mut pairs)
 }
 
-/// Pair of solids, and its number among all pairs of the path.
+/// Pair of solids, with its number among all pairs of the path.
 #[derive(Clone, Copy)]
 struct NumberedPair {
     number: usize,
     pair: Pair,
 }
 
-/// Pair of solids, and how much their distance can decrease.
+/// Pair of solids, with the largest possible decrease of their distance.
 #[derive(Clone, Copy)]
 struct ApproachingPair {
     number: usize,
@@ -81,7 +85,7 @@ struct ApproachingPair {
     slack: f64,
 }
 
-/// Returns the joint vector at a share of a straight move.
+/// Returns the joint vector at the share `share` (0 to 1) of a straight move.
 pub(super) fn between(from: &JointVector, to: &JointVector, share: f64) -> JointVector {
     std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share)
 }
@@ -100,10 +104,10 @@ impl<'w> PathQuery<'w> {
         self.chain.frames(&self.chain.posture(q)).links
     }
 
-    /// Returns the first contact between two knots; None if the moves between them are free.
+    /// Returns the first contact between two knots; None if the moves between them are collision-free.
     ///
-    /// Pairs that stay apart on all these moves are not checked again on some of them. The function moves the other
-    /// pairs to the front of `pairs`.
+    /// Pairs that remain apart on all these moves are not checked again on single moves. The function moves
+    /// the other pairs to the front of `pairs`.
     fn first_hit_between(&self, first: usize, last: usize, pairs: &mut [NumberedPair]) -> Option<PathHit> {
         let knots = &self.knots[first..=last];
         if last - first == 1 {
@@ -131,7 +135,7 @@ impl<'w> PathQuery<'w> {
         self.first_hit_between(first, middle, near).or_else(|| self.first_hit_between(middle, last, near))
     }
 
-    /// Returns how much the distances of pairs can decrease between two knots.
+    /// Returns the pairs with the amounts by which their distances can decrease between two knots.
     fn approaching(
         &self,
         bounds: &MotionBounds<'_>,
@@ -171,11 +175,12 @@ impl<'w> PathQuery<'w> {
         pairs.iter().map(approached).collect()
     }
 
-    /// Returns the first contact in one interval of the move from the knot `first`; None if the interval is free.
+    /// Returns the first contact in one interval of the move from the knot `first`; None if the interval is
+    /// collision-free.
     ///
-    /// The ends of the interval are shares of the move: 0 is its start, 1 its end. Pairs that stay apart in an interval
-    /// are not checked again in the halves of that interval. The function moves the other pairs to the front of
-    /// `pairs`.
+    /// The ends of the interval are shares of the move: 0 is its start, and 1 is its end. Pairs that remain
+    /// apart in an interval are not checked again in the halves of that interval. The function moves the
+    /// other pairs to the front of `pairs`.
     fn first_hit_in(
         &self,
         first: usize,
@@ -191,7 +196,7 @@ impl<'w> PathQuery<'w> {
         for k in 0..pairs.len() {
             let ApproachingPair { pair, by, slack, .. } = pairs[k];
             let of = (pair.link, first_frame(self.scene, pair));
-            // Successive pairs often have the same solid of the robot.
+            // Successive pairs often have a solid of the robot in common.
             let by = match known {
                 Some((same, by)) if same == of => by,
                 _ => bounds.displacement_around(&frames, &spheres[of.0], of.1, half, by),
@@ -214,7 +219,8 @@ impl<'w> PathQuery<'w> {
     }
 }
 
-/// Returns the frame that carries the second solid of a pair: 0 for equipment, fence and floor.
+/// Returns the index of the frame that carries the second solid of a pair; 0 for equipment, fence and
+/// floor.
 fn first_frame(scene: &Scene, pair: Pair) -> usize {
     pair.partner().map_or(0, |other| scene.bounding_spheres()[other].frame)
 }

@@ -1,4 +1,5 @@
-//! Motion rules for the postures of an operation: distance from singularities, free approach, free retract.
+//! Motion rules for the postures of an operation: distance from singularities, and collision-free approach
+//! and retract.
 
 use super::continuous_collision::{PathHit, PathSlack, first_hit};
 use super::measures::{is_regular, singularity};
@@ -14,7 +15,7 @@ pub struct Guard {
     pub(super) chain: Chain,
     /// Characteristic length of the arm, m.
     pub(super) reach: f64,
-    /// Least allowed [`singularity`] measure; 0 allows every posture.
+    /// Least allowed [`singularity`] measure. The value 0 allows every posture.
     singularity: f64,
     /// Lengths of approach and retract of every operation, m.
     pub(super) lengths: Vec<(f64, f64)>,
@@ -24,8 +25,8 @@ pub struct Guard {
 /// Reason why a posture cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PostureRefusal {
-    /// The posture, or a posture on its approach or retract line, is too near to a singularity. The measure
-    /// is explained at [`singularity`].
+    /// The posture, or a posture on its approach or retract line, is too near to a singularity. The
+    /// function [`singularity`] defines the measure.
     Singular { measure: f64 },
     /// The straight line to the spot is blocked. Lengths along the line are measured from the spot.
     Approach(Hindrance),
@@ -33,7 +34,7 @@ pub enum PostureRefusal {
     Retract(Hindrance),
 }
 
-/// Obstacle that blocks a move.
+/// Hindrance that blocks a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hindrance {
     /// Contact with a solid. On an approach or retract line, [`PathHit::at`] is the share of the line
@@ -44,7 +45,7 @@ pub enum Hindrance {
 }
 
 impl Guard {
-    /// Returns the motion rules of a cell; None if it has none.
+    /// Returns the motion rules of a cell; None if the cell has no motion rules.
     pub fn new(cell: &Cell) -> Option<Self> {
         let lengths: Vec<_> = cell.operations.iter().map(|o| (o.approach, o.retract)).collect();
         let singularity = cell.margins.singularity;
@@ -60,7 +61,7 @@ impl Guard {
         self.singularity > 0.0 || self.lengths[operation] != (0.0, 0.0)
     }
 
-    /// Checks whether a collision-free posture can be used for an operation; cheap checks come first.
+    /// Checks that a collision-free posture can be used for an operation. Cheap checks come first.
     ///
     /// # Errors
     /// Returns the reason if the posture cannot be used.
@@ -120,8 +121,8 @@ impl Guard {
         if measure < self.singularity { Err(PostureRefusal::Singular { measure }) } else { Ok(()) }
     }
 
-    /// Returns the [`singularity`] measure to which a posture may fall if its scaled Jacobian changes by up to
-    /// `change`; None if the measure certainly keeps the margin.
+    /// Returns the value to which the [`singularity`] measure of a posture may fall if its scaled Jacobian
+    /// changes by up to `change`. Returns None if the measure certainly keeps the margin.
     ///
     /// A singular value changes by at most the spectral norm of the change (H. Weyl 1912).
     pub fn may_become_singular(&self, frames: &Frames, change: impl Fn(f64) -> f64) -> Option<f64> {
@@ -136,7 +137,7 @@ impl Guard {
         (least < self.singularity).then_some(least.max(0.0))
     }
 
-    /// Returns joint vectors that take the TCP from a spot back along the tool axis by a length (m).
+    /// Returns joint vectors that move the TCP from a spot back along the tool axis by a length (m).
     pub fn back(&self, joints: &JointVector, length: f64) -> Result<Vec<JointVector>, Stopped> {
         let tcp = self.chain.forward(&self.chain.posture(joints));
         let axis: Vector3<f64> = tcp.rotation * self.chain.tool_axis;

@@ -1,4 +1,5 @@
-//! Manipulability and joint-limit distance: how far a posture is from singularities and limits.
+//! Manipulability and joint-limit distance: measures of how far a posture is from singularities and from
+//! joint limits.
 
 use crate::cell::{JointVector, MAX_JOINTS};
 use crate::reach::jacobian;
@@ -15,17 +16,17 @@ const WELL_CONDITIONED: f64 = 1e-4;
 /// Measures of a posture that a search may maximize while it minimizes the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
-    /// Least distance of a joint from its limit, as a share of half its range.
+    /// Least distance of a joint from its nearer limit, as a share of half the joint's range.
     ///
-    /// 1 is the middle of the range, 0 the limit, and a negative value is beyond the limit.
+    /// The value is 1 in the middle of the range and 0 at the limit. Beyond the limit, it is negative.
     pub limits: f64,
     /// Joint that is nearest to a limit.
     pub joint: usize,
-    /// Manipulability measure; see [`singularity`].
+    /// Manipulability measure that [`singularity`] returns.
     pub singularity: f64,
 }
 
-/// Returns the joint-limit distance and the manipulability at joint coordinates (rad, m); `reach` is a
+/// Returns the joint-limit distance and the manipulability at joint coordinates (rad, m). `reach` is a
 /// characteristic length of the arm, m.
 pub fn measures(chain: &Chain, joints: &JointVector, reach: f64) -> Measures {
     let frames = chain.frames(&chain.posture(joints));
@@ -40,10 +41,11 @@ pub fn measures(chain: &Chain, joints: &JointVector, reach: f64) -> Measures {
 
 /// Returns the least singular value of the geometric Jacobian, with lengths divided by `reach` (m).
 ///
-/// It is a measure of manipulability, 0 in a singular posture (C. A. Klein, B. E. Blaho, "Dexterity measures
-/// for the design and control of kinematically redundant manipulators", IJRR 6(2), 1987). J. Angeles,
-/// Fundamentals of Robotic Mechanical Systems, explains the division by a characteristic length. An arm with
-/// n < 6 actuators moves the TCP in only n directions. The measure is then the n-th largest singular value.
+/// This value is a measure of manipulability, and is 0 in a singular posture (C. A. Klein, B. E. Blaho,
+/// "Dexterity measures for the design and control of kinematically redundant manipulators", IJRR 6(2),
+/// 1987). J. Angeles, Fundamentals of Robotic Mechanical Systems, explains the division by a characteristic
+/// length. An arm with n < 6 actuators moves the TCP in only n directions. The measure is then the n-th
+/// largest singular value.
 pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
     let actuators = chain.links.iter().filter(|link| is_moving(link.limits)).count();
     let mut values: [f64; 6] = scaled_jacobian(chain, frames, reach).singular_values().into();
@@ -66,8 +68,8 @@ pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> boo
     gram.cholesky().is_some()
 }
 
-/// Returns `J^T J` over the columns of the moving joints, of which there are at most six. The unused rows and columns
-/// are those of the identity.
+/// Returns `J^T J` over the columns of the moving joints. There are at most six moving joints. The unused
+/// rows and columns are those of the identity matrix.
 fn gram(chain: &Chain, jacobian: &ScaledJacobian) -> Matrix6<f64> {
     let mut gram = Matrix6::identity();
     for (a, j) in moving_joints(chain).enumerate() {
@@ -83,11 +85,12 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
     (0..chain.axes()).filter(|&j| is_moving(chain.links[j].limits))
 }
 
-/// Returns the joint displacements of least norm that come nearest to a motion of the TCP; the motion is scaled like the
-/// Jacobian.
+/// Returns the joint displacements of least norm that come nearest to a motion of the TCP. The motion is
+/// scaled like the Jacobian.
 ///
-/// The function solves the normal equations, which takes a fifth of the time of a singular value decomposition. Only
-/// nearly singular postures are solved by that decomposition. Singular values below `rank_tolerance` count as 0.
+/// The function solves the normal equations, which takes a fifth of the time of a singular value
+/// decomposition. Only for a nearly singular posture, or for more than six moving joints, does it use that
+/// decomposition. Singular values below `rank_tolerance` count as 0.
 pub(super) fn joint_displacements(
     chain: &Chain,
     frames: &Frames,

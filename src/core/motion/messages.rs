@@ -8,7 +8,7 @@ use crate::safe_text::shown;
 use crate::units::{mm_from_m, percent_from_share};
 
 impl PostureRefusal {
-    /// Describes the reason in words, with the names that the cell gives to its parts.
+    /// Returns the reason in words, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::Singular { measure } => {
@@ -22,7 +22,7 @@ impl PostureRefusal {
 }
 
 impl Hindrance {
-    /// Describes the obstacle in words, with the names that the cell gives to its parts.
+    /// Returns the hindrance in words, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::Hit(hit) => {
@@ -41,7 +41,7 @@ impl Hindrance {
 }
 
 impl TransferRoute {
-    /// Describes the route in words.
+    /// Returns the route in words.
     pub fn in_words(self) -> String {
         match self {
             Self::Direct => "direct".into(),
@@ -53,7 +53,7 @@ impl TransferRoute {
 }
 
 impl Blocked {
-    /// Describes the obstacle of every route in words, with the names that the cell gives to its parts.
+    /// Returns the hindrance on every route in words, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         let name = |k: usize| shown(&cell.operations[k].name);
         let tries =

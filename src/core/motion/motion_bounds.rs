@@ -1,4 +1,4 @@
-//! Upper bounds of how far a path in joint coordinates displaces the solids of the robot.
+//! Upper bounds of the displacements of the robot's solids along a path in joint coordinates.
 //!
 //! Over any part of a path, a point that joint i rotates moves by at most
 //!
@@ -6,13 +6,14 @@
 //! |dtheta_i| (|l_i| + sum over the rows k after it of hypot(l_k, max |r_k|) + radius of the solid),
 //! ```
 //!
-//! and by |dr_i| if joint i is prismatic. Here dtheta_i and dr_i are the changes of the D-H coordinates of joint i, and
-//! l and r the length and offset of a D-H row. The lever arm of the last row ends at the centre of the solid's bounding
-//! sphere (F. Schwarzer, M. Saha, J.-C. Latombe, IEEE Transactions on Robotics 21, 2005).
+//! and by at most |dr_i| if joint i is prismatic. Here dtheta_i and dr_i are the changes of the D-H
+//! coordinates of joint i. The length and the offset of a D-H row are l and r. The lever arm of the last
+//! row ends at the centre of the solid's bounding sphere (F. Schwarzer, M. Saha, J.-C. Latombe, IEEE
+//! Transactions on Robotics 21, 2005).
 //!
-//! Around one posture of a straight move, a Taylor expansion gives a closer bound. The velocity there counts the
-//! rotations with their signs, and the second derivative is at most twice the product of the bound above and the sum of
-//! all |dtheta_i|.
+//! Around one posture of a straight move, a Taylor expansion gives a closer bound. The velocity at that
+//! posture counts the rotations with their signs. The second derivative is at most twice the product of the
+//! bound above and the sum of all |dtheta_i|.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::clearance::BoundingSphere;
@@ -37,7 +38,8 @@ impl<'c> MotionBounds<'c> {
         Self { chain, travel, offsets: offsets(chain, [from, to]) }
     }
 
-    /// Returns the bounds of the motion along a path from its knot `middle` to either end, whichever is farther.
+    /// Returns bounds of the motion along a path from its knot `middle` to either end. The bounds hold for
+    /// both ends.
     pub fn from_middle(chain: &'c Chain, knots: &[JointVector], middle: usize) -> Self {
         let sum = |part: &[JointVector]| {
             let mut sum = [0.0; MAX_JOINTS];
@@ -52,19 +54,20 @@ impl<'c> MotionBounds<'c> {
         Self { chain, travel, offsets: offsets(chain, knots) }
     }
 
-    /// Returns the bounds if each D-H coordinate deviates from the path by up to `travel`, rad or m.
+    /// Returns the bounds of the motion if each D-H coordinate deviates from the path by up to `travel`,
+    /// rad or m.
     pub fn deviating_by(&self, travel: JointVector) -> Self {
         Self { travel, ..*self }
     }
 
-    /// Returns an upper bound of the displacement, relative to frame `first`, of the points in a sphere, m.
+    /// Returns an upper bound of the displacement of the points in a sphere relative to frame `first`, m.
     pub fn displacement(&self, sphere: &BoundingSphere, first: usize) -> f64 {
         let (mut sum, mut reach) = (0.0, 0.0);
         for i in (first..sphere.frame).rev() {
             let link = &self.chain.links[i];
-            // The lever arm ends at the centre of the sphere, or at the origin of the next frame. `aside` is
-            // the distance of its end from the joint axis, and `along` is its coordinate along this axis
-            // without r.
+            // The lever arm ends at the centre of the sphere, or at the origin of the next frame. `aside`
+            // is the distance of this end from the joint axis, and `along` is the coordinate of the end
+            // along this axis, without r.
             let (aside, along) = if i + 1 == sphere.frame {
                 let c = &sphere.centre;
                 let y = link.cos_alpha * c.y - link.sin_alpha * c.z;
@@ -84,11 +87,11 @@ impl<'c> MotionBounds<'c> {
         sum
     }
 
-    /// Returns an upper bound of the displacement, relative to frame `first`, of the points in a sphere on either side
-    /// of a posture of a straight move, m.
+    /// Returns an upper bound of the displacement of the points in a sphere relative to frame `first`, m.
+    /// The bound holds on either side of one posture of a straight move.
     ///
-    /// `frames` are the link frames of the posture, `half` is the share of the move on either side, and `whole` is the
-    /// [`Self::displacement`] of the whole move.
+    /// `frames` are the link frames of the posture, and `half` is the share of the move on either side.
+    /// `whole` is the [`Self::displacement`] of the whole move.
     pub fn displacement_around(
         &self,
         frames: &[Pose; MAX_JOINTS + 1],

@@ -1,4 +1,4 @@
-//! A straight line of the TCP with constant attitude, as a sequence of short moves that are straight in joint
+//! Straight line of the TCP with constant attitude, as a sequence of short moves that are straight in joint
 //! coordinates.
 
 use super::continuous_collision::between;
@@ -14,7 +14,8 @@ pub const DEVIATION: f64 = 5e-4;
 /// Greatest length of the line that one move covers, m.
 const MAX_STEP: f64 = 0.02;
 
-/// Least length of the line that one move covers, m; if a shorter move is needed, the line fails.
+/// Least length of the line that one move covers, m. If a shorter move is needed, the arm cannot follow the
+/// line.
 const MIN_STEP: f64 = 1e-4;
 
 /// Convergence threshold of Newton's method: position as a share of the arm's reach, rotation in rad.
@@ -22,11 +23,11 @@ const CONVERGED: f64 = 1e-10;
 
 const MAX_ITERATIONS: usize = 20;
 
-/// Threshold of the singular values of the Jacobian: below it, the arm counts as unable to move in that
-/// singular direction.
+/// Threshold of the singular values of the Jacobian. The arm counts as unable to move in a singular
+/// direction whose singular value is below this threshold.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// Tolerance of a joint limit, rad or m, for rounding errors of a posture at its limit.
+/// Tolerance of a joint limit, rad or m, for the rounding errors of a posture at the limit.
 const LIMIT_TOLERANCE: f64 = 1e-6;
 
 /// Reason why the TCP cannot follow a line.
@@ -34,18 +35,19 @@ const LIMIT_TOLERANCE: f64 = 1e-6;
 pub enum Stopped {
     /// The joint `joint` exceeds its limit after the length `after` of the line, m.
     Limit { joint: usize, after: f64 },
-    /// The arm cannot follow the line beyond the length `after`, m: it is out of reach or singular there.
+    /// The arm cannot follow the line beyond the length `after`, m. The line is out of reach there, or the
+    /// arm is singular.
     Lost { after: f64 },
 }
 
-/// Returns joint vectors, beginning with `from`, that take the TCP along the vector `way` (base frame, m).
+/// Returns joint vectors, beginning with `from`, that move the TCP along the vector `way` (base frame, m).
 ///
-/// The attitude is constant. Each vector is computed from the vector before it, so that the branch stays the
-/// same. All vectors and the straight moves between them keep the joint limits. `reach` is a characteristic
-/// length of the arm, m.
+/// The attitude is constant. Each vector is computed from the vector before it, so that the branch does not
+/// change. All vectors and the straight moves between them keep the joint limits. `reach` is a
+/// characteristic length of the arm, m.
 ///
 /// # Errors
-/// Returns where the line ends, and why.
+/// Returns the length of the line that the arm can follow, and the reason why the line ends there.
 pub fn straight(
     chain: &Chain,
     from: &JointVector,
@@ -86,7 +88,7 @@ pub fn straight(
     Ok(knots)
 }
 
-/// Returns the first joint outside its limits.
+/// Returns the first joint outside its limits; None if no joint is outside.
 fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
     let outside = |(link, q): (&crate::robot::Link, &f64)| {
         *q < link.limits.0 - LIMIT_TOLERANCE || *q > link.limits.1 + LIMIT_TOLERANCE
@@ -94,8 +96,9 @@ fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
     chain.links.iter().zip(q).position(outside)
 }
 
-/// Returns the joint vector after the last of several equally spaced ones: on the parabola through the last three if
-/// there are three, otherwise on the line through two, or the last one itself.
+/// Returns the extrapolated joint vector after the last of several equally spaced joint vectors. It lies on
+/// the parabola through the last three vectors, or on the line through two vectors. A single vector is
+/// returned unchanged.
 fn extrapolated(knots: &[JointVector]) -> JointVector {
     match knots {
         [.., c, b, a] => std::array::from_fn(|i| 3.0 * (a[i] - b[i]) + c[i]),
@@ -108,8 +111,8 @@ fn extrapolated(knots: &[JointVector]) -> JointVector {
 /// Solves for the joint coordinates at the pose `to` by Newton's method, starting from `guess`, near the posture `from`.
 /// Each step is the least-norm solution of the linearized equations.
 ///
-/// Returns None if the method does not converge. It also returns None if a joint coordinate changes by 1 rad
-/// or 1 m or more, since the solution then belongs to another branch.
+/// Returns None if the method does not converge. It also returns None if a joint coordinate changes by 1
+/// rad or 1 m or more. The solution then belongs to another branch.
 fn follow(
     chain: &Chain,
     from: &JointVector,

@@ -1,4 +1,4 @@
-//! Transfers: collision-free moves from one operation to the next.
+//! Transfers: collision-free paths from one operation to the next.
 
 use super::guard::{Guard, Hindrance};
 use super::straight_line::straight;
@@ -41,7 +41,8 @@ pub struct Transfer {
     pub path: Vec<JointVector>,
     /// Indices of the joint vectors at which the arm stops, including both ends of the path.
     ///
-    /// Between two of them lies one straight move in joint coordinates, or one straight line of the TCP.
+    /// Between two successive stops lies one straight move in joint coordinates, or one straight line of
+    /// the TCP.
     pub corners: Vec<usize>,
     /// Measure of the transfer time, rad: the largest joint travel of each move, summed over all moves.
     ///
@@ -50,12 +51,12 @@ pub struct Transfer {
     pub travel: f64,
     /// Joint vector of the next operation at its spot.
     ///
-    /// Joint angles may be changed by whole turns, so that they are nearest to the angles at the previous operation.
-    /// At the end of a cycle they are the angles with which the cycle started.
+    /// Joint angles may be changed by whole turns, so that they are nearest to the angles at the previous
+    /// operation. At the end of a cycle, they are the angles at which the cycle started.
     pub arrival: JointVector,
 }
 
-/// Failure of a transfer, with the obstacle on every route that was tried.
+/// Failure of a transfer, with the hindrance on every route that was tried.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blocked {
     pub from: usize,
@@ -63,9 +64,10 @@ pub struct Blocked {
     pub tries: Vec<(TransferRoute, Hindrance)>,
 }
 
-/// Further check of a collision-free path from one operation to the next: its two ends, the path and the load.
+/// Further check of a collision-free path from one operation to the next. The arguments are the two
+/// operations, the path and the load.
 ///
-/// It returns the obstacle if the path cannot be used.
+/// The check returns the hindrance if the path cannot be used.
 pub type PathCheck<'a> = &'a dyn Fn([usize; 2], &[JointVector], Load) -> Result<(), Hindrance>;
 
 impl Guard {
@@ -74,7 +76,8 @@ impl Guard {
         self.transfer.is_some()
     }
 
-    /// Returns the transfers between consecutive operations, and in a cycle also from the last to the first.
+    /// Returns the transfers between consecutive operations. In a cycle, the transfer from the last
+    /// operation to the first is added.
     ///
     /// The list is empty if the cell does not ask for transfers.
     ///
@@ -106,13 +109,13 @@ impl Guard {
         Ok(found)
     }
 
-    /// Returns the first free transfer between two operations.
+    /// Returns the first collision-free transfer between two operations.
     ///
     /// Collisions are checked with the parts that the robot holds in either operation. Paths that `check` refuses
     /// are not used.
     ///
     /// # Errors
-    /// Returns the obstacles on all routes if no route is free.
+    /// Returns the hindrances on all routes if no route can be used.
     pub fn transfer(
         &self,
         scene: &Scene,
@@ -171,7 +174,7 @@ impl Guard {
         ways
     }
 
-    /// Returns the joint vectors of a route, and the indices of those at which the arm stops.
+    /// Returns the joint vectors of a route, and the indices of the joint vectors at which the arm stops.
     fn path(
         &self,
         way: TransferRoute,
@@ -202,7 +205,7 @@ impl Guard {
     }
 }
 
-/// Returns [`Transfer::travel`] of a path; `reach` is a characteristic length of the arm, m.
+/// Returns the [`Transfer::travel`] of a path. `reach` is a characteristic length of the arm, m.
 fn travel(chain: &Chain, path: &[JointVector], reach: f64) -> f64 {
     let farthest = |ends: &[JointVector]| {
         let each =
@@ -226,14 +229,14 @@ pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     travel(chain, &path, reach)
 }
 
-/// Returns the joint vector `to` with angles changed by whole turns to come nearest to `from`, within the
-/// joint limits.
+/// Returns the joint vector `to` with its angles changed by whole turns, so that they are nearest to `from`
+/// within the joint limits.
 pub fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
     let mut near = *to;
     for j in 0..chain.axes() {
         let link = &chain.links[j];
-        // After a whole turn of joint j, a revolute joint i is as before if its coupling factor is whole. A
-        // prismatic joint i must not move at all.
+        // After a whole turn of joint j, a revolute joint i has the same posture if its coupling factor is
+        // whole. A prismatic joint i must not move at all.
         let comes_back = |i: usize| match chain.links[i].kind {
             JointKind::Revolute => chain.coupling[i][j].fract() == 0.0,
             JointKind::Prismatic => chain.coupling[i][j] == 0.0,

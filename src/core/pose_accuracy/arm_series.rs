@@ -1,4 +1,5 @@
-//! Pose accuracy of a series of robots: random robots within a tolerance, each tested at the five poses.
+//! Pose accuracy of a series of robots. The robots are random within the tolerances, and each is tested at
+//! the five poses.
 
 use super::base_fit::BaseFit;
 use super::test_cube::TestCube;
@@ -17,13 +18,13 @@ const ROBOTS: usize = 2048;
 pub struct PoseAccuracy {
     /// Median over the robots of the mean pose accuracy of the five poses.
     pub median: f64,
-    /// 5 % quantile, over the robots, of the mean pose accuracy.
+    /// 5 % quantile over the robots of the mean pose accuracy of the five poses.
     pub best: f64,
-    /// 95 % quantile, over the robots, of the mean pose accuracy.
+    /// 95 % quantile over the robots of the mean pose accuracy of the five poses.
     pub worst: f64,
     /// Median over the robots of the largest pose accuracy of the five poses.
     pub largest_pose: f64,
-    /// Median over the robots at each pose.
+    /// Median over the robots of the pose accuracy at each pose.
     pub poses: [f64; 5],
 }
 
@@ -31,12 +32,12 @@ pub struct PoseAccuracy {
 pub struct PoseAccuracyTest<'a> {
     chain: &'a Chain,
     pub(super) frames: [Frames; 5],
-    /// Fit of the base frame; None if the errors count relative to the nominal base.
+    /// Fit of the base frame; None if the errors are measured relative to the nominal base.
     fit: Option<BaseFit>,
 }
 
 impl<'a> PoseAccuracyTest<'a> {
-    /// Prepares the test in a cube; if `fitted` is true, the base frame is fitted to each robot.
+    /// Prepares the test in a cube. If `fitted` is true, the base frame is fitted to each robot.
     pub fn new(chain: &'a Chain, cube: &TestCube, fitted: bool) -> Self {
         let frames = cube.poses.each_ref().map(|pose| chain.frames(&chain.posture(&pose.joints)));
         Self { chain, frames, fit: fitted.then(|| BaseFit::new(chain)) }

@@ -12,9 +12,9 @@ const POSTURES: usize = 128;
 #[derive(Debug, Clone)]
 pub struct BaseFit {
     frames: Vec<Frames>,
-    /// Mean position of the TCP, base frame, m.
+    /// Mean position of the TCP in the base frame, m.
     centre: Vector3<f64>,
-    /// Inverse of the inertia matrix of the positions about their centre, 1/m2.
+    /// Inverse of the mean inertia matrix of the positions about their centre, 1/m^2.
     inverse: Matrix3<f64>,
 }
 
@@ -32,7 +32,8 @@ impl BaseFit {
             })
             .sum();
         let inertia = inertia / POSTURES as f64;
-        // Points on one line leave the rotation about it undetermined; the pseudo-inverse then gives none.
+        // Points on one line leave the rotation about this line undetermined. The pseudo-inverse then gives
+        // no rotation about it.
         let inverse = inertia.pseudo_inverse(1e-12 * inertia.norm()).unwrap_or_else(|_| Matrix3::zeros());
         Self { frames, centre, inverse }
     }

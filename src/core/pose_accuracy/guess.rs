@@ -8,19 +8,19 @@ use crate::robot::Chain;
 /// Largest number of steps of the search for the scale.
 const STEPS: usize = 30;
 
-/// Relative difference of the predicted from the wanted accuracy at which the search ends.
+/// Relative difference between the predicted and the wanted accuracy at which the search ends.
 const CLOSE: f64 = 1e-9;
 
-/// Reason why a data sheet gives no tolerances.
+/// Reason why no tolerances can be derived from a data sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum GuessFault {
     /// The tolerances do not move the TCP at the test poses.
     NoEffect,
-    /// No scale gives the wanted accuracy; the accuracy nearest to it is `nearest`, m.
+    /// No scale gives the wanted accuracy. The nearest accuracy that was found is `nearest`, m.
     NotFound { nearest: f64 },
 }
 
-/// Tolerances that give the pose accuracy of a data sheet.
+/// Tolerances with which the predicted pose accuracy is that of a data sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorGuess {
     /// Spreads in the order of [`crate::cell::Parameter::of_robot`].
@@ -29,17 +29,17 @@ pub struct ErrorGuess {
     pub scale: f64,
     /// Number of predictions that the search for the factor took.
     pub steps: usize,
-    /// Accuracy of the constant errors alone.
+    /// Pose accuracy, which depends on the constant errors alone.
     pub accuracy: PoseAccuracy,
-    /// Standard deviations of the joint coordinates within one robot, rad or m; None without a repeatability.
+    /// Standard deviations of the joint coordinates of one robot, rad or m; None without a repeatability.
     pub scatter: Option<JointVector>,
 }
 
-/// Returns the tolerances `spreads`, scaled until the predicted accuracy is `ap` (m); without `ap`, they are not
-/// scaled.
+/// Returns the tolerances `spreads`, scaled until the predicted accuracy is `ap` (m). Without `ap`, the
+/// tolerances are not scaled.
 ///
-/// If there is a repeatability `rp` (m), the random errors of the joints are added to the tolerances of the joint
-/// coordinates by root sum square. Such a tolerance is normally distributed.
+/// The random errors of the joints with the repeatability `rp` (m), if given, are added to the tolerances
+/// of the joint coordinates. The sum is a root sum square. Such a tolerance is normally distributed.
 ///
 /// # Errors
 /// Returns the reason if no scale gives this accuracy.

@@ -1,10 +1,11 @@
 //! Pose accuracy and repeatability as in ISO 9283, predicted from the tolerances of a robot.
 //!
-//! The standard measures five poses P1 to P5 in a diagonal plane of the largest cube in the most used part of
-//! the working space: the centre of the cube, and four points at 10 % of the diagonal from its corners. The
-//! pose accuracy AP of one robot at one pose is the distance of the barycentre of the attained positions from
-//! the command position. Random errors move each attained position, but not the barycentre. So AP contains
-//! the constant errors of the robot alone, and the repeatability RP the random ones:
+//! The standard measures five poses P1 to P5 in a diagonal plane of a cube. This cube is the largest one in
+//! the most used part of the working space. The poses are the centre of the cube, and four points at 10 %
+//! of the diagonal from its corners. The pose accuracy AP of one robot at one pose is the distance of the
+//! barycentre of the attained positions from the command position. Random errors move each attained
+//! position, but not the barycentre. AP therefore contains the constant errors of the robot alone, and the
+//! repeatability RP contains the random errors:
 //!
 //! ```text
 //! AP_p = |e_p - M_p|                 e_p = position error at pose p, M = rigid motion of the fitted base frame
@@ -15,7 +16,7 @@
 //!
 //! A data sheet states the AP of a series as one number, and the median robot of the series meets it. The
 //! base frame is fitted to the robot, because a test measures in a frame that is aligned with the robot.
-//! The fit is over the working space, as in the registration `best-fit`.
+//! The base frame is fitted over the working space, as in the registration `best-fit`.
 
 mod arm_series;
 mod base_fit;

@@ -9,24 +9,24 @@ use crate::units::{m_from_mm, rad_from_deg};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorPreset {
     pub name: &'static str,
-    /// Class of arms.
+    /// Class of arms for which the preset is meant.
     pub class: &'static str,
-    /// Half width of the zeros of revolute joints.
+    /// Half width of the error of the zero positions of revolute joints, degrees.
     pub zero_deg: f64,
-    /// Half width of the zeros of prismatic joints.
+    /// Half width of the error of the zero positions of prismatic joints, mm.
     pub zero_mm: f64,
-    /// Half width of link lengths and offsets.
+    /// Half width of the errors of link lengths and axial offsets, mm.
     pub length_mm: f64,
-    /// Half width of the twists, and of the fifth parameter between parallel axes.
+    /// Half width of the errors of the twists, and of the fifth parameter between parallel axes, degrees.
     pub twist_deg: f64,
     /// Origin of the numbers.
     pub source: &'static str,
 }
 
-/// All presets.
+/// Presets for all classes of arms.
 ///
-/// Publications give the position error of whole arms, not the tolerances of their parameters. So the ratios
-/// of the tolerances are ours in every preset.
+/// Publications give the position error of whole arms, not the tolerances of their parameters. The ratios
+/// of the tolerances are therefore our estimate in every preset.
 pub const PRESETS: [ErrorPreset; 7] = [
     ErrorPreset {
         name: "collaborative",

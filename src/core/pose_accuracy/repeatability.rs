@@ -1,4 +1,4 @@
-//! Repeatability: the scatter of one robot that repeats a pose, from random errors of its joints.
+//! Repeatability: the scatter of one robot that repeats a pose, computed from random errors of its joints.
 
 use super::arm_series::PoseAccuracyTest;
 use crate::cell::{JointKind, JointVector, MAX_JOINTS, Robot};
@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 /// Number of repetitions at each pose.
 const REPETITIONS: usize = 4096;
 
-/// Returns the standard deviations of the joint coordinates (rad or m) with which the robot has the pose
-/// repeatability `rp` (m) of ISO 9283; None if no joint moves the TCP.
+/// Returns the standard deviations of the joint coordinates (rad or m) that give the robot the pose
+/// repeatability `rp` (m) of ISO 9283. Returns None if no joint moves the TCP.
 ///
 /// Every revolute joint scatters by the same angle. A prismatic joint scatters by that angle times the reach
 /// of the arm, so all joints move the TCP by similar distances. The scatter is in proportion to `rp`.
@@ -35,11 +35,11 @@ pub fn joint_scatter(
     scale.is_finite().then(|| unit.map(|deviation| deviation * scale))
 }
 
-/// Returns the repeatability RP (m) of ISO 9283, as the mean over the five poses, for normal errors of the
-/// joint coordinates with the given standard deviations (rad or m).
+/// Returns the repeatability RP (m) of ISO 9283, as the mean over the five poses. The errors of the joint
+/// coordinates are normal, with the standard deviations `deviations` (rad or m).
 ///
-/// `RP = l + 3 S`, where l and S are mean and standard deviation of the distance from the barycentre. The
-/// distances follow from the Jacobian.
+/// `RP = l + 3 S`, where l and S are the mean and the standard deviation of the distance from the
+/// barycentre. The distances follow from the Jacobian.
 pub fn repeatability(chain: &Chain, test: &PoseAccuracyTest<'_>, deviations: &JointVector) -> f64 {
     let count = REPETITIONS as f64;
     let of_pose = |columns: [Displacement; MAX_JOINTS]| {

@@ -1,4 +1,4 @@
-//! Test cube of ISO 9283: its place in the working space, and the postures at its five poses.
+//! Test cube of ISO 9283, with its place in the working space and the postures at the five poses.
 
 use crate::cell::{Attitude, Azimuth, JointVector, Rectangle, Robot, Spin};
 use crate::reach::{Branch, Cost, Inverse, Reach, ToolAttitudes};
@@ -6,22 +6,22 @@ use crate::robot::Chain;
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Edges of the cube in the standard, m.
+/// Lengths of the edges of the cubes in the standard, m.
 const EDGES: [f64; 4] = [1.0, 0.63, 0.4, 0.25];
 
-/// Smaller edges, m, for arms in whose working space no cube of the standard fits.
+/// Shorter edges, m, for arms in whose working space no cube of the standard fits.
 const SMALLER_EDGES: [f64; 5] = [0.16, 0.1, 0.063, 0.04, 0.025];
 
 /// Distance of the poses P2 to P5 from the centre, as a share of half a diagonal.
 const OUTWARDS: f64 = 0.8;
 
-/// Directions from the base axis in which the cube is tried: along x, then to the sides and backwards.
+/// Directions from the base axis in which the cube is tried: along x, then along y, -y and -x.
 const FRONTS: [(f64, f64); 4] = [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (-1.0, 0.0)];
 
 /// One of the five poses of the test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TestPose {
-    /// Position of the TCP, base frame, m.
+    /// Position of the TCP in the base frame, m.
     pub position: Vector3<f64>,
     pub joints: JointVector,
 }
@@ -31,9 +31,9 @@ pub struct TestPose {
 pub struct TestCube {
     /// Length of an edge, m. The edges are parallel to the axes of the base frame.
     pub edge: f64,
-    /// Whether the standard names a cube of this size.
+    /// Whether the standard specifies a cube of this size.
     pub is_standard: bool,
-    /// Centre, base frame, m.
+    /// Centre of the cube in the base frame, m.
     pub centre: Vector3<f64>,
     /// Orientation of the tool at all poses, relative to the base frame.
     pub attitude: Attitude,
@@ -43,9 +43,10 @@ pub struct TestCube {
 impl TestCube {
     /// Returns the largest cube in the working space of the robot; None if no cube fits.
     ///
-    /// The corners of the cube and the five poses are reachable within the joint limits with the tool in one
-    /// orientation, and the cube is beside the robot base. Among the possible centres of a cube of this size, the one
-    /// nearest to their mean is chosen. A cube above the base plane is preferred to any cube that extends below it.
+    /// The corners of the cube and the five poses are reachable within the joint limits with one
+    /// orientation of the tool. The cube is beside the robot base. Among the possible centres of a cube of
+    /// this size, the one nearest to their mean is chosen. A cube above the base plane is preferred to any
+    /// cube that extends below it.
     pub fn largest(robot: &Robot, chain: &Chain, inverse: &Inverse) -> Option<Self> {
         let search = CubeSearch { robot, chain, inverse };
         let sizes = |above: bool, edges: &'static [f64]| edges.iter().map(move |edge| (above, *edge));
@@ -56,7 +57,7 @@ impl TestCube {
     }
 }
 
-/// Robot whose working space is searched.
+/// Search for the test cube in the working space of a robot.
 struct CubeSearch<'a> {
     robot: &'a Robot,
     chain: &'a Chain,
@@ -64,7 +65,8 @@ struct CubeSearch<'a> {
 }
 
 impl CubeSearch<'_> {
-    /// Returns a cube of this size; the first part of `size` says whether it must be above the base plane.
+    /// Returns a cube with edges of the length `edge` (m); None if no such cube fits. If `above` is true,
+    /// the cube must be above the base plane.
     fn cube(&self, (above, edge): (bool, f64)) -> Option<TestCube> {
         for attitude in self.attitudes() {
             if self.inverse.refusal(&attitude).is_some() {
@@ -84,7 +86,8 @@ impl CubeSearch<'_> {
         None
     }
 
-    /// Returns the orientations to try: downward, oblique and level tools, first with one spin, then with any spin.
+    /// Returns the orientations to try: downward, oblique and level tools, first with fixed spins, then
+    /// with any spin.
     fn attitudes(&self) -> Vec<Attitude> {
         let elevations = match self.inverse.fixed_elevation() {
             Some(elevation) => vec![elevation],
@@ -118,7 +121,7 @@ impl CubeSearch<'_> {
         front: (f64, f64),
         attitudes: &ToolAttitudes,
     ) -> Vec<Vector3<f64>> {
-        // Redundant and numeric arms take long for each point.
+        // Arms with a redundant joint or numeric inverse kinematics take long for each point.
         let count = match self.inverse.cost() {
             Cost::Low | Cost::Middle => 24,
             Cost::High => 8,
@@ -148,14 +151,16 @@ impl CubeSearch<'_> {
         fitting
     }
 
-    /// Returns how far the footprint of the robot base extends from the base axis in a direction, m.
+    /// Returns the distance (m) by which the footprint of the robot base extends from the base axis in the
+    /// direction `front`.
     fn robot_base(&self, front: (f64, f64)) -> f64 {
         let Rectangle { centre, size } = self.robot.footprint;
         let along = |v: (f64, f64)| front.0 * v.0 + front.1 * v.1;
         along(centre) + along((front.0 * size.0, front.1 * size.1)).abs() / 2.0
     }
 
-    /// Returns the postures at the poses; each is the branch nearest to the posture at the previous pose.
+    /// Returns the postures at the poses. Each posture is the branch nearest to the posture at the previous
+    /// pose.
     fn postures(&self, points: &[Vector3<f64>; 5], attitudes: &ToolAttitudes) -> Option<[TestPose; 5]> {
         let mut before = self.robot.home;
         let mut poses = [TestPose { position: Vector3::zeros(), joints: before }; 5];
@@ -170,7 +175,7 @@ impl CubeSearch<'_> {
     }
 }
 
-/// Returns the squared distance of a branch from joint coordinates, in mixed units.
+/// Returns the squared distance of a branch from joint coordinates, in mixed units (rad and m).
 fn far(branch: &Branch, from: &JointVector) -> f64 {
     branch.joints.iter().zip(from).map(|(a, b)| (a - b).powi(2)).sum()
 }

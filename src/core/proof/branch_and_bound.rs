@@ -1,11 +1,12 @@
-//! Branch and bound over boxes of joint coordinates, with interval bounds from Taylor models.
+//! Branch and bound over boxes of joint coordinates, with bounds from Taylor models.
 //!
-//! In every box the constraints are expanded first. If one of them cannot be met, the box is discarded;
-//! otherwise the constraints contract the box. Then Lagrangian relaxation bounds the value `phi` from below.
-//! Let `c_m` be the constrained quantities and `lambda_m` any multipliers. The bound is the sum of two lower
-//! bounds: of `phi - sum lambda_m c_m` over the whole box, and of `sum lambda_m c_m` over the allowed values
-//! of `c_m`. With the multipliers of the optimum in the box, the error of the bound decreases with the square
-//! of the size of the box. So boxes need not become small where constraints are active.
+//! In every box, the constraints are expanded first. If a constraint cannot be met, the box is discarded.
+//! Otherwise the constraints contract the box, and Lagrangian relaxation bounds the value `phi` from below.
+//! Let `c_m` be the constrained quantities and `lambda_m` any multipliers. The bound is the sum of two
+//! lower bounds: that of `phi - sum lambda_m c_m` over the whole box, and that of `sum lambda_m c_m` over
+//! the allowed values of `c_m`. With the multipliers of the optimum in the box, the error of the bound
+//! decreases with the square of the size of the box. Boxes therefore need not become small where
+//! constraints are active.
 
 use super::coordinates::Coordinates;
 use super::region::Constraint;
@@ -20,16 +21,18 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
-/// Number of boxes examined per round: enough to occupy all threads, but so few that their bounds are close
-/// to the least one.
+/// Number of boxes examined per round. It is large enough to occupy all threads. It is small enough for the
+/// bounds of the boxes to be close to the least bound.
 const BOXES_PER_ROUND: usize = 64;
 /// Number of boxes per round in which the search seeks a posture that keeps all constraints.
 const WITNESSES_PER_ROUND: usize = 8;
-/// Another contraction pass follows if a side of the box shrinks below this share of its former length.
+/// Share of the former length of a side of a box. If a side shrinks below this share, another contraction
+/// pass follows.
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;
-/// Margin subtracted from the bound for rounding: the bound times this number, plus this number in m or rad.
+/// Margin subtracted from the bound for rounding. It is the bound times this number, plus this number in m
+/// or rad.
 ///
 /// The values that are bounded are accurate to 1e-13.
 const ROUNDING: f64 = 1e-11;
@@ -37,7 +40,7 @@ const ROUNDING: f64 = 1e-11;
 const MIN_SIDE: f64 = 1e-12;
 /// Difference of two values, m or rad, below which the search treats them as equal.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Threshold (m or rad) of the least value found, below which the search accepts 0 as lower bound.
+/// Threshold (m or rad) of the least value found, below which the search accepts 0 as the lower bound.
 pub(super) const VANISHES: f64 = 1e-6;
 
 /// Result of the search over boxes.
@@ -47,12 +50,13 @@ pub(super) struct BoxSearchResult {
     pub bound: f64,
     /// Number of boxes examined.
     pub boxes: u64,
-    /// Least value found among postures that keep the constraints, with the joint coordinates of the posture.
+    /// Least value found among postures that keep the constraints, with the joint coordinates of that
+    /// posture.
     pub best: Option<(f64, JointVector)>,
     pub interrupted: bool,
 }
 
-/// Box in the space of coordinates (see [`Coordinates`]), with a lower bound of the value in it.
+/// Box in the space of [`Coordinates`], with a lower bound of the value in the box.
 #[derive(Debug, Clone)]
 struct JointBox {
     low: JointValues,
@@ -64,9 +68,9 @@ struct JointBox {
 }
 
 impl Ord for JointBox {
-    /// Orders boxes such that the heap returns the box with the least bound first.
+    /// Orders boxes so that the heap returns the box with the least bound first.
     ///
-    /// Among boxes with equal bounds, the heap returns the youngest first, which is also the smallest.
+    /// Among boxes with equal bounds, the heap returns the newest box first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound).then(self.number.cmp(&other.number))
     }
@@ -86,11 +90,12 @@ impl PartialEq for JointBox {
 
 impl Eq for JointBox {}
 
-/// Bounds the least value over all postures that keep the constraints; None if no posture keeps them.
+/// Returns a lower bound of the value over all postures that keep the constraints; None if no posture keeps
+/// them.
 ///
-/// The search ends when the relative gap between bound and least value found is at most `gap`, or after
-/// `boxes` boxes. `known` is a value that some posture is known to have. The result does not depend on the
-/// number of threads.
+/// The search ends when the relative gap between the bound and the least value found is at most `gap`, or
+/// after `boxes` boxes. `known` is the value of a known posture, or infinity. The result does not depend on
+/// the number of threads.
 pub(super) fn least(
     task: &Task<'_>,
     known: f64,
@@ -136,7 +141,7 @@ pub(super) fn least(
         let halves: Vec<[Option<JointBox>; 2]> = round.par_iter().map(|part| split(task, part)).collect();
         for mut part in halves.into_iter().flatten().flatten() {
             (part.number, found.boxes) = (found.boxes, found.boxes + 1);
-            // A box whose bound will always suffice is not bisected again; only its bound is kept.
+            // A box whose bound already suffices is not bisected again. Only its bound is kept.
             match part.bound >= enough(upper) {
                 true => found.bound = found.bound.min(part.bound),
                 false => heap.push(part),
@@ -171,7 +176,8 @@ fn centre(part: &JointBox) -> (JointValues, JointValues) {
     (centre, radii)
 }
 
-/// Contracts a box by the constraints and bounds the value in it; None if nothing of the box is left.
+/// Contracts a box by the constraints, and bounds the value in the box. Returns None if nothing of the box
+/// is left.
 fn judge(task: &Task<'_>, mut part: JointBox) -> Option<JointBox> {
     for pass in 1.. {
         let before = part.clone();
@@ -196,7 +202,8 @@ fn judge(task: &Task<'_>, mut part: JointBox) -> Option<JointBox> {
     None
 }
 
-/// Contracts a box to the coordinates within the actuator limits; None if nothing is left.
+/// Contracts a box to the coordinates within the actuator limits. Returns None if nothing of the box is
+/// left.
 fn within_limits(coordinates: &Coordinates, part: &mut JointBox) -> Option<()> {
     for (row, low, high) in &coordinates.limits {
         let (mut least, mut most) = (0.0, 0.0);
@@ -235,7 +242,8 @@ fn contract(
     }
     for (i, g) in taylor.gradient.iter().enumerate() {
         let others = linear - g.abs() * radii[i];
-        // Contracts only if the constraint cuts the box, which avoids dividing one rounding error by another.
+        // The box is contracted only if the constraint cuts it, which avoids the division of one rounding
+        // error by another.
         if g.abs() * radii[i] > 1e-12
             && (high + others < g.abs() * radii[i] || low - others > -g.abs() * radii[i])
         {
@@ -247,7 +255,7 @@ fn contract(
 }
 
 fn clip(part: &mut JointBox, i: usize, low: f64, high: f64) -> Option<()> {
-    // The slack keeps rounding from emptying a side.
+    // The slack prevents rounding errors from emptying a side.
     let slack = 1e-14 * (1.0 + low.abs().max(high.abs()));
     part.low[i] = part.low[i].max(low - slack);
     part.high[i] = part.high[i].min(high + slack);
@@ -263,8 +271,8 @@ fn bound(
     count: usize,
 ) -> (f64, usize) {
     let Some(worth) = worth else { return (0.0, widest(None, radii, count)) };
-    // Constraints whose boundary crosses the box, and among them the thin ones: their allowed range is
-    // narrower than the range of the quantity in the box.
+    // The crossed constraints are those whose boundary crosses the box. Among these, a thin constraint has
+    // an allowed range that is narrower than the range of the quantity in the box.
     let crosses = |(c, t): &&(Constraint, Taylor)| {
         let spread = t.spread(radii);
         t.value - spread < c.low || t.value + spread > c.high

@@ -1,27 +1,29 @@
-//! Coordinates of the boxes of the search: joint displacements, summed where revolute axes are parallel.
+//! Coordinates of the boxes of the search: joint displacements, which are summed where revolute axes are
+//! parallel.
 //!
 //! The coordinate of a joint is its displacement. For successive revolute joints with parallel axes, it is
-//! the sum of the angles from the first of these joints to this one. If such a sum changes alone, it rotates
-//! one link and shifts the links after it. So a planar arm decouples into independent links, and the
-//! elevation of its tool is a coordinate. Let `y` be the coordinates and `theta` the displacements of the
-//! joints from the middle of their limits. Then `theta = D y` with a constant matrix D. Let C be the matrix
-//! of the joint coupling, and `q_0` the middle of the joint limits. The actuator coordinates are
-//! `q = q_0 + C^-1 D y`, each between its limits.
+//! the sum of the angles from the first of these joints to the joint itself. If such a sum changes alone,
+//! one link rotates, and the links after it are shifted. A planar arm therefore decouples into independent
+//! links, and the elevation of its tool is a coordinate. Let `y` be the coordinates and `theta` the
+//! displacements of the joints from the middle of their limits. Then `theta = D y` with a constant matrix
+//! D. Let C be the matrix of the joint coupling, and `q_0` the middle of the joint limits. The actuator
+//! coordinates are `q = q_0 + C^-1 D y`. Each lies between its limits.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::kinematic_error::{JointValues, Screws};
 use crate::robot::Chain;
 use std::f64::consts::PI;
 
-/// Sine of the angle below which axes count as parallel: far above rounding, far below any tolerance.
+/// Sine of the angle below which axes count as parallel. It is far above rounding errors, and far below any
+/// tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
 /// Tolerance, rad or m, of the joint limits in the inverse kinematics.
 ///
-/// It covers the errors of the inverse kinematics: 1e-12 in the cosine of an angle, 1e-9 m in a prismatic
-/// coordinate.
+/// It covers the errors of the inverse kinematics: 1e-12 in the cosine of an angle, and 1e-9 m in a
+/// prismatic coordinate.
 const LIMIT_TOLERANCE: f64 = 2e-6;
 
-/// Matrix with one row and one column per joint; unused rows and columns are zero.
+/// Matrix with one row and one column per joint. Unused rows and columns are zero.
 pub(super) type JointMatrix = [[f64; MAX_JOINTS]; MAX_JOINTS];
 
 /// Coordinates `y` of the boxes of the search, and their relation to joint displacements and actuators.
@@ -36,9 +38,9 @@ pub(super) struct Coordinates {
     pub low: JointValues,
     /// Greatest value of each coordinate in the box that holds all postures within the limits.
     pub high: JointValues,
-    /// Bit mask, for each link k, of the coordinates that rotate it; link k comes after k joints.
+    /// Bit mask, for each link k, of the coordinates that rotate the link. Link k comes after k joints.
     pub turning: [u8; MAX_JOINTS + 1],
-    /// For each coordinate, the sum of the absolute changes of all joint angles per unit of the coordinate.
+    /// Sum of the absolute changes of all joint angles per unit of each coordinate.
     pub angles: JointValues,
 }
 
@@ -53,7 +55,7 @@ pub(super) fn middle(chain: &Chain) -> JointVector {
 impl Coordinates {
     /// Returns the coordinates of a chain.
     ///
-    /// Joints marked in `held` do not influence the value; they stay in the middle of their limits.
+    /// Joints marked in `held` do not influence the value, and remain in the middle of their limits.
     pub fn new(chain: &Chain, screws: &Screws, held: &[bool; MAX_JOINTS]) -> Self {
         let count = chain.axes();
         let (mut to_theta, mut turning) = ([[0.0; MAX_JOINTS]; MAX_JOINTS], [0; MAX_JOINTS + 1]);
@@ -93,12 +95,12 @@ impl Coordinates {
 
     /// Sets the actuator limits as inequalities in the coordinates `y`, and a box that holds all allowed `y`.
     ///
-    /// The actuator coordinates are `q = q_0 + G y` with `G = C^-1 D`, where C is the joint coupling, D is
+    /// The actuator coordinates are `q = q_0 + G y` with `G = C^-1 D`. Here C is the joint coupling, D is
     /// `to_theta`, and `q_0` is the middle of the limits.
     fn set_limits(&mut self, chain: &Chain, held: &[bool; MAX_JOINTS]) {
         let mut half = [0.0; MAX_JOINTS];
         let mut rows = [[0.0; MAX_JOINTS]; MAX_JOINTS];
-        // y = D^-1 C q: the angles of a run add up with their signs.
+        // Here y = D^-1 C q, so the angles of a run add up with their signs.
         let mut from_actuators = [[0.0; MAX_JOINTS]; MAX_JOINTS];
         for i in 0..self.count {
             half[i] = if held[i] { 0.0 } else { half_range(chain, i) };
@@ -145,7 +147,7 @@ impl Coordinates {
         q
     }
 
-    /// Converts derivatives with respect to theta to those with respect to y, where `theta = D y`.
+    /// Converts derivatives with respect to theta to derivatives with respect to y, where `theta = D y`.
     ///
     /// The gradient g becomes `D^T g`, and the Hessian H becomes `D^T H D`.
     pub fn derivatives(&self, gradient: &JointValues, hessian: &JointMatrix) -> (JointValues, JointMatrix) {
@@ -170,7 +172,7 @@ impl Coordinates {
 
 /// Returns half the range of an actuator, including the tolerance of the limits.
 ///
-/// It is at most half a turn if every posture repeats after one turn of the actuator.
+/// The result is at most half a turn if every posture repeats after one turn of the actuator.
 fn half_range(chain: &Chain, joint: usize) -> f64 {
     let link = &chain.links[joint];
     let half = (link.limits.1 - link.limits.0) / 2.0 + LIMIT_TOLERANCE;

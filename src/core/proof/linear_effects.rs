@@ -1,10 +1,9 @@
 //! Weighted sum of the linear effects of all error sources, with its derivatives.
 //!
-//! A small rotation about an axis `w` through a point o moves the point p by `g = w x (p - o)` per unit. For
-//! a translation, `g` is the axis and `w` is 0. The weighted sum over all motions k is
-//! `phi = sum eta_k . g_k + zeta_k . w_k`, where the weights `eta_k` and `zeta_k` are vectors. The
-//! derivatives of `phi` follow from two sums over the motions of each link: `F = sum eta g^T + zeta w^T` and
-//! `P = sum eta w^T`.
+//! A small rotation about an axis `w` through a point o moves the point p by `g = w x (p - o)` per radian.
+//! For a translation, `g` is the axis and `w` is 0. The weighted sum over all motions k is `phi = sum eta_k
+//! . g_k + zeta_k . w_k`. The weights `eta_k` and `zeta_k` are vectors. The derivatives of `phi` follow
+//! from two sums over the motions of each link: `F = sum eta g^T + zeta w^T` and `P = sum eta w^T`.
 
 use super::coordinates::JointMatrix;
 use super::taylor_model::{ChainGeometry, Taylor, radius};
@@ -17,15 +16,15 @@ use nalgebra::{Matrix3, Vector3};
 pub(super) struct Effect {
     /// Displacement of the point whose error counts, per unit of the motion.
     pub g: Vector3<f64>,
-    /// Rotation axis; 0 for a translation.
+    /// Unit vector along the rotation axis; 0 for a translation.
     pub w: Vector3<f64>,
     /// Distance from the axis of a rotation to the next joint axis, m; 0 for a translation.
     ///
-    /// After the last joint, it is the distance to the point whose error counts.
+    /// After the last joint, the distance is that to the point whose error counts.
     own: f64,
 }
 
-/// Returns the effect of every motion at a posture; `joints` is the number of joints of the chain.
+/// Returns the effect of every motion at a posture. `joints` is the number of joints of the chain.
 pub(super) fn effects(motions: &[ScrewMotion], placed: &PosedScrews, joints: usize) -> Vec<Effect> {
     let effect = |motion: &ScrewMotion| {
         let link = &placed.links[motion.link];
@@ -45,15 +44,15 @@ pub(super) fn effects(motions: &[ScrewMotion], placed: &PosedScrews, joints: usi
 pub(super) struct WeightedMotions<'a> {
     pub motions: &'a [ScrewMotion],
     pub effects: &'a [Effect],
-    /// Weights (eta, zeta) of each motion: for the displacement of the point and for the rotation axis.
+    /// Weights (eta, zeta) of each motion, for the displacement of the point and for the rotation axis.
     pub weights: &'a [(Vector3<f64>, Vector3<f64>)],
 }
 
 /// Expands the weighted sum of effects over a box with the half widths `radii` about a posture, as a Taylor
 /// model.
 ///
-/// The sum is `phi = sum eta_k . g_k + zeta_k . w_k` over the motions k, with the weights (eta, zeta) and the
-/// effects (g, w).
+/// The sum over the motions k is `phi = sum eta_k . g_k + zeta_k . w_k`. Its weights are (eta, zeta), and
+/// its effects are (g, w).
 ///
 /// `rates` are the derivatives of the point whose error counts, with respect to the joint displacements.
 pub(super) fn expand(
@@ -67,8 +66,8 @@ pub(super) fn expand(
         (geometry, sum);
     let n = screws.kinds.len();
     let (mut f, mut p) = ([Matrix3::zeros(); MAX_JOINTS + 1], [Matrix3::zeros(); MAX_JOINTS + 1]);
-    // For each link, sums of the weights of rotations, of these weights times lever arms, and of the other
-    // weights.
+    // There are three sums for each link: the weights of rotations, these weights times lever arms, and the
+    // other weights.
     let mut sizes = [[0.0; 3]; MAX_JOINTS + 1];
     for ((motion, effect), (eta, zeta)) in motions.iter().zip(effects).zip(weights) {
         let m = motion.link;
@@ -91,7 +90,7 @@ pub(super) fn expand(
     Taylor { value, gradient, hessian, rest: rest.sum::<f64>() / 6.0 }
 }
 
-/// Sums over the motions of each link: one matrix per link.
+/// Sums over the motions of each link, with one matrix per link.
 type LinkSums = [Matrix3<f64>; MAX_JOINTS + 1];
 
 /// Returns the first and second derivatives of the weighted sum of effects with respect to the joint
@@ -99,9 +98,9 @@ type LinkSums = [Matrix3<f64>; MAX_JOINTS + 1];
 ///
 /// On entry, `f` and `p` hold for each link the sums F and P of the module documentation.
 ///
-/// Joint i rotates the effects of the motions after it in the chain: the sums `f` give this part of the
-/// derivatives. For the motions that precede joint i, the joint moves the point on which they act: the sums
-/// `p` give this part.
+/// Joint i rotates the effects of the motions after it in the chain. The sums `f` give this part of the
+/// derivatives. For the motions that precede joint i, the joint moves the point on which they act. The sums
+/// `p` give that part.
 fn by_theta(
     screws: &Screws,
     placed: &PosedScrews,
@@ -110,7 +109,7 @@ fn by_theta(
     rates: &[Vector3<f64>; MAX_JOINTS],
 ) -> (JointValues, JointMatrix) {
     let n = screws.kinds.len();
-    // F sums over all links from k on, P over all links up to k.
+    // F now sums over all links from k on, and P over all links up to k.
     (0..n).rev().for_each(|k| f[k] += f[k + 1]);
     (0..n).for_each(|k| p[k + 1] += p[k]);
     let turns = |i: usize| screws.kinds[i] == JointKind::Revolute;

@@ -4,12 +4,12 @@
 //! independently, anywhere within the operation's ranges of height, tool elevation and distance from the
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
 //! joint coordinates within their limits. Errors that come after the first joint in the chain rotate with
-//! this joint. So a first joint with a vertical axis does not matter, with two exceptions. The sense may
-//! distinguish horizontal directions, or an error that precedes this joint may act along or about an axis
-//! other than the axis of this joint.
+//! this joint. A first joint with a vertical axis therefore does not matter, with two exceptions. The sense
+//! may distinguish horizontal directions. An error that precedes this joint may act along or about an axis
+//! other than the axis of the joint.
 //!
 //! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
-//! found. The files of this module:
+//! found. The module has the following files:
 //!
 //! | file | content |
 //! |---|---|
@@ -50,7 +50,7 @@ use task::Task;
 /// Limits on the effort of a proof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProofOptions {
-    /// Relative gap between the lower bound and the least value found; the proof of an operation ends when
+    /// Relative gap between the lower bound and the least value found. The proof of an operation ends when
     /// the gap is at most this number.
     pub gap: f64,
     /// Largest number of boxes of joint coordinates that are examined per operation.
@@ -69,8 +69,8 @@ impl Default for ProofOptions {
 /// Reason why an operation has no bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhyNot {
-    /// No posture within the joint limits has the height and attitude of the operation: no layout is
-    /// feasible.
+    /// No posture within the joint limits has the height and attitude of the operation. Therefore no layout
+    /// is feasible.
     Infeasible,
     /// The error is relative to the pick of the part.
     Relative,
@@ -84,8 +84,8 @@ pub enum WhyNot {
     SurfaceAxes,
     /// The sense is stated in the axes of the world, and the robot base can rotate.
     WorldAxes,
-    /// The sense includes rotations. These have a bound only with the linear model or in the statistical
-    /// reading.
+    /// The sense includes rotations. Rotations have a bound only with the linear model or in the
+    /// statistical reading.
     Rotation,
     /// A parameter is not normally distributed, and the quantity is not the RMS.
     NotNormal,
@@ -107,14 +107,16 @@ impl WhyNot {
     /// Returns the reason in words, as a clause about the operation.
     pub fn in_words(self) -> &'static str {
         match self {
-            Self::Infeasible => "no posture within the joint limits has its height and attitude",
+            Self::Infeasible => {
+                "no posture within the joint limits has the height and attitude of the operation"
+            }
             Self::Relative => "its error is relative to the pick of the part",
             Self::Registered => "a registration removes part of its error",
             Self::EquipmentErrors => "the signed errors of the equipment may cancel those of the robot",
             Self::ToolAxes => "its sense is in axes of the tool",
             Self::SurfaceAxes => "its sense is in axes of a surface that can rotate",
             Self::WorldAxes => "its sense is in axes of the world, and the robot base can rotate",
-            Self::Rotation => "its sense has rotations, which this model and reading do not bound",
+            Self::Rotation => "its sense includes rotations, which have no bound in this model and reading",
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",
@@ -171,7 +173,7 @@ pub struct Proof {
     pub bound: Option<f64>,
     pub operations: Vec<OperationBound>,
     pub covers: Covers,
-    /// Whether the proof was stopped early: the bound holds, but more work could raise it.
+    /// Whether the proof was stopped early. The bound then holds, but more work could raise it.
     pub interrupted: bool,
 }
 
@@ -190,8 +192,8 @@ impl Proof {
         Self { bound, operations, covers, interrupted }
     }
 
-    /// Returns this proof without the bounds of the operations for which `is_refuted` returns true: those
-    /// with a first-order value that Monte Carlo samples refute.
+    /// Returns this proof without the bounds of the operations for which `is_refuted` returns true. Monte
+    /// Carlo samples refute the first-order values of these operations.
     ///
     /// The bounds apply to first-order values, and say nothing about values computed from samples.
     pub fn without(&self, workcell: &Workcell, is_refuted: impl Fn(usize) -> bool) -> Self {
@@ -206,7 +208,7 @@ impl Proof {
         self.bound.filter(|_| objective > 0.0).map(|bound| (1.0 - bound / objective).max(0.0))
     }
 
-    /// Returns a description of what the bound covers and assumes.
+    /// Returns a description, in words, of what the bound covers and assumes.
     pub fn in_words(&self, workcell: &Workcell) -> String {
         let missing: Vec<String> = self
             .operations
@@ -218,11 +220,11 @@ impl Proof {
             })
             .collect();
         let mut relaxed =
-            "each operation alone at its best spot in any layout; collisions and overlaps are ignored"
+            "each operation alone at its best spot in any layout, and ignores collisions and overlaps"
                 .to_string();
         let percentiles = [Quantity::P95, Quantity::P99].contains(&workcell.cell.quantity);
         if workcell.cell.reading == Reading::Statistical && percentiles {
-            relaxed += "; assumes that squares of percentiles are convex in the covariance, which is tested but not proven";
+            relaxed += "; it assumes that squares of percentiles are convex in the covariance, which is tested but not proven";
         }
         match self.covers {
             Covers::Everything => relaxed,
@@ -235,8 +237,8 @@ impl Proof {
 
 /// Proves a lower bound of the objective of every layout of a cell.
 ///
-/// The result is deterministic. Once `stop` is set, the proof ends after the current round of boxes with
-/// the bound proven so far.
+/// The result is deterministic. Once `stop` is set, the proof ends after the current round of boxes. The
+/// result then has the bound proven so far.
 pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> Proof {
     let mut interrupted = false;
     let operations: Vec<OperationBound> = (0..workcell.cell.operations.len())
@@ -253,7 +255,7 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
 
 /// Bounds the value of one operation over several regions by the least of their bounds.
 ///
-/// Returns also whether the proof was interrupted.
+/// The second result states whether the proof was interrupted.
 fn of_regions(
     workcell: &Workcell,
     regions: &[OperationRegion],
@@ -273,7 +275,7 @@ fn of_regions(
         all.value = match (all.value, one.value) {
             (Ok(a), Ok(b)) => Ok(a.min(b)),
             // A region without a posture does not lower the bound. If a region has no bound, the operation
-            // has none.
+            // has no bound.
             (a, Err(WhyNot::Infeasible)) => a,
             (Err(WhyNot::Infeasible), b) => b,
             (Err(why), _) | (_, Err(why)) => Err(why),
@@ -282,9 +284,9 @@ fn of_regions(
     (all, interrupted)
 }
 
-/// Bounds the value of one operation over a region; `known` is the least value known so far, if any.
+/// Bounds the value of one operation over a region. `known` is the least value known so far, if any.
 ///
-/// Returns also whether the proof was interrupted.
+/// The second result states whether the proof was interrupted.
 fn of_operation(
     workcell: &Workcell,
     region: &OperationRegion,

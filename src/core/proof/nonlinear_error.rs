@@ -1,11 +1,11 @@
-//! Nonlinear error of a signed sample: the difference between the end points of the chain with errors and of
+//! Nonlinear error of a signed sample: the difference between the end points of the chain with errors and
 //! the nominal chain.
 //!
-//! Two chains with the same joints differ by one small motion before every axis and one before the end point.
-//! Let `a_k` be the size of motion k and `g_k` its effect on the end point. To first order in the motions the
-//! difference is `d = sum_k a_k g_k`, and its third derivatives are the third derivatives of linear effects.
-//! The remainder is of second order in the motions. Products of the sizes of the motions bound the
-//! derivatives of this remainder in any direction of joint space.
+//! Two chains with the same joints differ by one small motion before every axis and one before the end
+//! point. Let `a_k` be the size of motion k, and `g_k` its effect on the end point. To first order in the
+//! motions, the difference is `d = sum_k a_k g_k`. Its third derivatives are therefore sums of third
+//! derivatives of linear effects. The remainder is of second order in the motions. Products of the sizes of
+//! the motions bound the derivatives of this remainder in any direction of joint space.
 
 use super::coordinates::Coordinates;
 
@@ -25,8 +25,7 @@ pub(super) struct ChainDifference {
     shifts: [f64; MAX_JOINTS + 1],
     /// Upper bound of the part of the difference that is of second order in the small motions, m.
     second: f64,
-    /// Upper bound of the change, per metre of prismatic travel, of the part of the difference that is of
-    /// second order in the small motions.
+    /// Upper bound of the change of [`Self::second`] per metre of prismatic travel.
     second_per_slide: f64,
 }
 
@@ -50,8 +49,8 @@ impl ChainDifference {
         self.turns[0] < 1e-12 && self.shifts[0] < 1e-12
     }
 
-    /// Expands `eta . d` over a box with the half widths `radii` about a posture, where `d` is the difference
-    /// of the end points.
+    /// Returns the Taylor model of `eta . d` over a box with the half widths `radii` about a posture. Here
+    /// `d` is the difference of the end points.
     ///
     /// `at` is the nominal chain at this posture, and `with` is the chain with errors at this posture.
     pub fn expand(

@@ -5,12 +5,12 @@ use crate::cell::{Cell, Coordinate, Operation, Place};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
-/// Margin of the bounds of a region, m and rad: far above the errors of the inverse kinematics, and far below
-/// all sizes that matter.
+/// Margin of the bounds of a region, m and rad. It is far above the errors of the inverse kinematics, and
+/// far below all sizes that matter.
 const SLACK: f64 = 1e-6;
 
-/// Region that contains the TCP position and the tool elevation of one operation in every layout. Azimuth and
-/// spin are free.
+/// Region that contains the TCP position and the tool elevation of one operation in every layout. Azimuth
+/// and spin are not limited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperationRegion {
     pub operation: usize,
@@ -25,10 +25,10 @@ pub struct OperationRegion {
 }
 
 impl OperationRegion {
-    /// Returns the regions of an operation: one for each listed height of its equipment, or a single region
-    /// if no heights are listed.
+    /// Returns the regions of an operation. There is one region for each listed height of its equipment, or
+    /// a single region if no heights are listed.
     ///
-    /// `kept` is the elevation (rad) that the construction of the arm fixes; None if the arm can change it.
+    /// `kept` is the tool elevation (rad) that the arm fixes by construction; None if the arm can change it.
     pub fn all(cell: &Cell, operation: usize, kept: Option<f64>) -> Vec<Self> {
         let equipment = cell.operations[operation].equipment;
         let Coordinate::List(heights) = &cell.equipment[equipment].placement[2] else {
@@ -44,7 +44,7 @@ impl OperationRegion {
 
     /// Returns the region of an operation over all layouts of a cell.
     ///
-    /// `kept` is the elevation (rad) that the construction of the arm fixes; None if the arm can change it.
+    /// `kept` is the tool elevation (rad) that the arm fixes by construction; None if the arm can change it.
     pub fn new(cell: &Cell, operation: usize, kept: Option<f64>) -> Self {
         let asked = &cell.operations[operation];
         let stand = EquipmentRange::new(cell, asked.equipment);
@@ -57,12 +57,12 @@ impl OperationRegion {
         }
     }
 
-    /// Returns the constraints on height, distance from the base axis and tool axis.
+    /// Returns the constraints on the height, the tool axis and the distance from the base axis.
     pub(super) fn constraints(&self) -> Vec<Constraint> {
         let mut all =
             vec![Constraint { of: ConstrainedQuantity::Height, low: self.height.0, high: self.height.1 }];
         if let Some((low, high)) = self.elevation {
-            // Near the vertical the z component of the axis is insensitive to first order.
+            // Near the vertical, the z component of the axis does not change to first order.
             let flat = low.cos().max(high.cos());
             if low <= -FRAC_PI_2 + SLACK || high >= FRAC_PI_2 - SLACK {
                 let flat = if low <= 0.0 && high >= 0.0 { 1.0 } else { flat } + SLACK;
@@ -88,9 +88,9 @@ impl OperationRegion {
 /// Quantity that a constraint limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ConstrainedQuantity {
-    /// Height of the TCP above the base, m.
+    /// Height of the TCP above the robot base, m.
     Height,
-    /// Component of the tool axis with this index, base frame.
+    /// Component of the tool axis with this index, in the base frame.
     Axis(usize),
     /// Squared distance of the TCP from the z axis of the base, m^2.
     RadiusSquared,
@@ -121,7 +121,7 @@ fn elevations(asked: &Operation) -> (f64, f64) {
         asked.angles[0].as_ref().map_or((asked.attitude.elevation, asked.attitude.elevation), |c| c.range());
     let by = asked.attitude.tolerance + SLACK;
     let (low, high) = (chosen.0 - by, chosen.1 + by);
-    // Beyond the vertical the tool leans to the other side, and its elevation decreases again.
+    // Beyond the vertical, the tool leans to the other side, and the size of its elevation decreases again.
     let ends = [low, high].map(|e| e.sin().clamp(-1.0, 1.0).asin());
     let (least, most) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
     (if low <= -FRAC_PI_2 { -FRAC_PI_2 } else { least }, if high >= FRAC_PI_2 { FRAC_PI_2 } else { most })
@@ -145,8 +145,8 @@ struct EquipmentRange {
     x: (f64, f64),
     y: (f64, f64),
     z: (f64, f64),
-    /// Upper bound of the distance in plan, m, between the origins of the equipment and of its lowest
-    /// carrier; 0 without a carrier.
+    /// Upper bound of the distance in plan, m, between the origins of the equipment and its lowest carrier.
+    /// It is 0 without a carrier.
     aside: f64,
 }
 

@@ -1,20 +1,21 @@
-//! Random factors of the errors that do not depend on elastic errors.
+//! Rigid factors: random factors of the errors that do not depend on the elastic errors.
 
 use crate::reading::ErrorSources;
 use nalgebra::DMatrix;
 
-/// Share of the largest eigenvalue of a correlation matrix below which an eigenvalue is only rounding.
+/// Eigenvalue of a correlation matrix below which the eigenvalue is only a rounding error.
 const ROUNDING: f64 = 1e-12;
 
-/// Returns independent normal factors of the correlated sources that are not elastic, each as a list of (index of a
-/// source, value at one standard deviation).
+/// Returns independent normal factors of the correlated sources that are not elastic. A factor is a list of
+/// pairs (index of a source, value at one standard deviation).
 ///
-/// The factors describe the part of these sources that is independent of the elastic ones: their conditional
-/// covariance `C_rr - C_re C_ee^+ C_er`. Without elastic sources they are [`ErrorSources::factors`].
+/// The factors describe the part of these sources that is independent of the elastic sources: the
+/// conditional covariance `C_rr - C_re C_ee^+ C_er`. Without elastic sources, the factors are
+/// [`ErrorSources::factors`].
 ///
-/// Let x be the other sources, y the elastic ones, and `A x + B y` the error. With M = `C_re C_ee^+`, it equals
-/// `A (x - M y) + (A M + B) y`. The two terms are independent, so every figure is at least the figure of the first term
-/// (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
+/// Let x be the rigid sources, y the elastic sources, and `A x + B y` the error. With M = `C_re C_ee^+`,
+/// the error equals `A (x - M y) + (A M + B) y`. The two terms are independent, so every figure is at least
+/// the figure of the first term (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176).
 pub(super) fn rigid_factors(sources: &ErrorSources) -> Vec<Vec<(usize, f64)>> {
     let is_elastic = |k: usize| sources.list[k].parameter.is_elastic();
     let mut correlated: Vec<usize> = sources.factors.iter().flatten().map(|&(k, _)| k).collect();
@@ -24,7 +25,7 @@ pub(super) fn rigid_factors(sources: &ErrorSources) -> Vec<Vec<(usize, f64)>> {
         return sources.factors.clone();
     }
     let (elastic, rigid): (Vec<usize>, Vec<usize>) = correlated.iter().partition(|&&k| is_elastic(k));
-    // Entries in units of the standard deviations, because parameters have different units.
+    // The entries are in units of the standard deviations, because parameters have different units.
     let value = |factor: &Vec<(usize, f64)>, k: usize| -> f64 {
         factor.iter().filter(|(source, _)| *source == k).map(|(_, value)| value).sum()
     };

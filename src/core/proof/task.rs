@@ -1,4 +1,5 @@
-//! Task of bounding the value of one operation from below: chain, error and constraints.
+//! Task of bounding the value of one operation from below. It holds the chain, the error and the
+//! constraints.
 
 use super::WhyNot;
 use super::coordinates::{Coordinates, middle};
@@ -31,12 +32,13 @@ pub(super) struct Task<'a> {
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,
-    /// Upper bound, m, of a difference: the value computed from the field `error`, minus the value of the
-    /// operation. The value of the operation is computed with the error model of the cell.
+    /// Upper bound, m, of the value computed from the field `error`, minus the value of the operation. The
+    /// value of the operation is computed with the error model of the cell.
     ///
-    /// This amount is subtracted from the bound.
+    /// This upper bound is subtracted from the lower bound of the value.
     lost: f64,
-    /// Rotations of joints by one unit of each elastic error source, with their largest sizes as factors.
+    /// Rotations of joints by one unit of each elastic error source. The factor of each rotation is its
+    /// largest size.
     deflections: Vec<ScrewMotion>,
     pub constraints: Vec<Constraint>,
 }
@@ -144,19 +146,19 @@ impl<'a> Task<'a> {
         Ok(task)
     }
 
-    /// Returns an upper bound, m, of a difference: the value computed from the [`BoundedError`], minus the
-    /// value of the operation.
+    /// Returns an upper bound, m, of the value computed from the [`BoundedError`], minus the value of the
+    /// operation.
     ///
     /// The value of the operation is computed with the error model of the cell.
     ///
-    /// Let the error at a corner of the tolerance box be L + E + O. L is the linear term, E the terms of even
-    /// order, and O the odd terms from third order on. The opposite corner has the error -L + E - O. So the
-    /// worst case is at least `|L| - |O|`.
+    /// Let the error at a corner of the tolerance box be L + E + O. Here L is the linear term, and E is the
+    /// sum of the terms of even order. O is the sum of the odd terms from third order on. The opposite
+    /// corner has the error -L + E - O. The worst case is therefore at least `|L| - |O|`.
     ///
-    /// A signed sample in the second-order model lacks all terms of the nonlinear model from third order on.
-    /// Let `a_k` be the angle of motion k, and `b_k` the largest displacement that it causes. Then `|O|` and
-    /// the sum of the lacking terms are each at most `sum_k b_k (sum_j a_j)^2 / 2`. The function multiplies
-    /// this bound by the root sum square of the weights of the sense's components.
+    /// In the second-order model, the error of a signed sample lacks all terms of the nonlinear model from
+    /// third order on. Let `a_k` be the angle of motion k, and `b_k` the largest displacement that it
+    /// causes. Then `|O|` and the sum of the missing terms are each at most `sum_k b_k (sum_j a_j)^2 / 2`.
+    /// The function multiplies this bound by the root sum square of the weights of the sense's components.
     fn lost(&self) -> f64 {
         let sizes: Vec<f64> = match (self.evaluator.reading, self.evaluator.model) {
             (Reading::Signed, Model::SecondOrder) => self.evaluator.sources.signed(),
@@ -185,8 +187,9 @@ impl<'a> Task<'a> {
 
     /// Returns an upper bound of the change of the value by the elastic errors of a signed sample, m or rad.
     ///
-    /// The bound ignores these errors, whose size changes with the posture. A deflection by an angle moves the
-    /// point by at most the angle times its distance from the axis in the chain with all other errors.
+    /// The lower bound of the value ignores these errors, because their size changes with the posture. A
+    /// deflection by an angle moves the point whose error counts by at most the angle times the lever. The
+    /// lever is the distance of the point from the axis in the chain with all other errors.
     fn elastic_part(&self) -> f64 {
         if self.evaluator.reading != Reading::Signed || self.deflections.is_empty() {
             return 0.0;
@@ -196,20 +199,20 @@ impl<'a> Task<'a> {
         let size = |m: &ScrewMotion| (m.factor * sizes[m.source]).abs();
         let slid: f64 = motions.iter().filter(|m| !m.turns).map(size).sum();
         let [along, about] = grams(&self.rows).map(|gram| gram.trace().sqrt());
-        // In the second-order model, products of the deflections with other rotations come on top.
+        // In the second-order model, products of the deflections with other rotations are added.
         let turned: f64 = motions.iter().chain(&self.deflections).filter(|m| m.turns).map(size).sum();
         let deflections = self.deflections.iter();
         let moved = deflections.map(|m| size(m) * (along * (self.lever(m) + slid) + about)).sum::<f64>();
         moved * (1.0 + turned)
     }
 
-    /// Returns the nominal chain in the posture with the [`Coordinates`] `y`.
+    /// Returns the nominal chain at the posture with the [`Coordinates`] `y`.
     pub fn place(&self, y: &JointValues) -> PosedScrews {
         self.screws.place(&self.coordinates.theta(y))
     }
 
-    /// Expands the [`ConstrainedQuantity`] of a constraint over a box with the half widths `radii`, as a
-    /// Taylor model.
+    /// Returns the Taylor model of the [`ConstrainedQuantity`] of a constraint over a box with the half
+    /// widths `radii`.
     pub fn constraint(&self, constraint: &Constraint, placed: &PosedScrews, radii: &JointValues) -> Taylor {
         let (gradient, hessian, rest) = match constraint.of {
             ConstrainedQuantity::Height => {
@@ -246,8 +249,8 @@ impl<'a> Task<'a> {
         Taylor { value: constraint.value(&placed.tip, &placed.tool), gradient, hessian, rest: rest / 6.0 }
     }
 
-    /// Expands a lower bound of the value over a box with the half widths `radii` about `y`, as a Taylor
-    /// model.
+    /// Returns the Taylor model of a lower bound of the value over a box with the half widths `radii` about
+    /// `y`.
     ///
     /// Returns None if the value is zero at `y`.
     pub fn worth(&self, y: &JointValues, placed: &PosedScrews, radii: &JointValues) -> Option<Taylor> {
@@ -298,7 +301,12 @@ impl<'a> Task<'a> {
     }
 }
 
-/// Returns an error if the registration, the pick or the equipment errors of an operation prevent a bound.
+/// Checks that neither the registration nor the pick nor the equipment errors of an operation prevent a
+/// bound.
+///
+/// # Errors
+///
+/// Returns the reason that prevents a bound.
 fn refuse(cell: &Cell, operation: usize) -> Result<(), WhyNot> {
     let asked = &cell.operations[operation];
     if asked.relative_to.is_some() {
@@ -354,7 +362,7 @@ fn grams(rows: &[Row]) -> [Matrix3<f64>; 2] {
     [gram(false), gram(true)]
 }
 
-/// Returns whether rotating an error about z never changes the root sum square of its components along
+/// Returns whether a rotation of an error about z never changes the root sum square of its components along
 /// `rows`.
 fn turns_with_z(rows: &[Row]) -> bool {
     grams(rows).iter().all(|g| {
@@ -363,7 +371,7 @@ fn turns_with_z(rows: &[Row]) -> bool {
     })
 }
 
-/// Returns whether rotating an error never changes the root sum square of its components along `rows`.
+/// Returns whether a rotation of an error never changes the root sum square of its components along `rows`.
 fn is_isotropic(rows: &[Row]) -> bool {
     turns_with_z(rows)
         && grams(rows).iter().all(|g| (g[(0, 0)] - g[(2, 2)]).abs() <= DIRECTION_ROUNDING * g.trace())

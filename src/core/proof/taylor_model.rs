@@ -1,11 +1,11 @@
 //! Taylor models: second-order expansions over a box of coordinates, with a bound of the remainder.
 //!
-//! Every expanded function is a sum of products of vectors fixed to links. A joint rotates a product as a whole, one
-//! factor of it, or nothing. So each mixed partial derivative of a product is again a single product, bounded by the
-//! lengths of its factors. The radius of a coordinate is half its range in the box. Let `s` be the length of a
-//! product, and `rho` the sum of the radii of the coordinates that rotate it. Then the third-order term of the
-//! product over the box is at most `s rho^3 / 6`. If a prismatic joint with the radius `r_t` lengthens a factor, `3
-//! rho^2 r_t / 6` is added to this bound.
+//! Every expanded function is a sum of products of vectors fixed to links. A joint rotates a product as a
+//! whole, one factor of the product, or nothing. Each mixed partial derivative of a product is therefore
+//! again a single product, bounded by the lengths of its factors. The radius of a coordinate is half its
+//! range in the box. Let `s` be the length of a product, and `rho` the sum of the radii of the coordinates
+//! that rotate it. Then the third-order term of the product over the box is at most `s rho^3 / 6`. If a
+//! prismatic joint with the radius `r_t` lengthens a factor, `3 rho^2 r_t / 6` is added to this bound.
 
 use super::coordinates::{Coordinates, JointMatrix};
 use crate::cell::{JointKind, MAX_JOINTS};
@@ -20,8 +20,8 @@ pub(super) struct ChainGeometry<'a> {
     pub pieces: &'a RigidPieces,
 }
 
-/// Taylor model of a function: value, derivatives with respect to the coordinates, and a bound of the
-/// remainder over the box.
+/// Taylor model of a function: value and derivatives at the centre of a box, and a bound of the remainder
+/// over the box.
 #[derive(Debug, Clone)]
 pub(super) struct Taylor {
     pub value: f64,
@@ -61,10 +61,10 @@ impl Taylor {
 
     /// Returns a lower bound of the function in a box with the half widths `radii`.
     ///
-    /// Let `t_i` be the deviation of coordinate i from the centre, `r_i` its half width and h an entry of the
-    /// Hessian. A mixed term is bounded by squares:
-    /// `|h t_i t_j| <= |h| (t_i^2 r_j / r_i + t_j^2 r_i / r_j) / 2`. Each square vanishes with its
-    /// coordinate, so the bound remains tight if the minimum is at the centre.
+    /// Let `t_i` be the deviation of coordinate i from the centre, `r_i` its half width, and h an entry of
+    /// the Hessian. A mixed term is bounded by squares: `|h t_i t_j| <= |h| (t_i^2 r_j / r_i + t_j^2 r_i /
+    /// r_j) / 2`. Each square is 0 if its coordinate is at the centre, so the bound remains tight if the
+    /// minimum is at the centre.
     pub fn least(&self, radii: &JointValues, count: usize) -> f64 {
         let one = |i: usize| {
             let r = radii[i];
@@ -80,8 +80,8 @@ impl Taylor {
     }
 }
 
-/// Returns the derivatives of a point, or of the tool axis if `point` is None, with respect to the joint
-/// displacements.
+/// Returns the derivatives of `point` with respect to the joint displacements. If `point` is None, they are
+/// the derivatives of the tool axis.
 pub(super) fn rates(
     screws: &Screws,
     placed: &PosedScrews,
@@ -121,8 +121,8 @@ pub(super) fn along(
     (gradient, hessian)
 }
 
-/// Rigid segments of a chain: segment k leads from joint axis k to the next axis, and the last segment to the
-/// end point.
+/// Rigid segments of a chain. Segment k leads from joint axis k to the next axis, and the last segment
+/// leads to the end point.
 ///
 /// Joints are counted from 1, and segment k belongs to link k, which comes after k joints.
 #[derive(Debug, Clone)]
@@ -158,17 +158,16 @@ impl RigidPieces {
 
     /// Returns an upper bound of the size of a directional derivative of order `power`.
     ///
-    /// Let u be a unit vector fixed to `link`. The function f of the coordinates q is a sum over all segments
-    /// after `link`. Its terms are the products of a segment and u. Let d be a change of the coordinates,
-    /// each by at most its radius. For every such d and every q in the box, the result bounds one derivative:
-    /// the derivative of order `power` of `f(q + t d)` with respect to t, at t = 0.
+    /// Let u be a unit vector fixed to `link`. The function f of the coordinates q is a sum over all
+    /// segments after `link`. Its terms are the products of a segment and u. Let d be a change of the
+    /// coordinates by at most the radius of each. Consider the derivative of order `power` of `f(q + t d)`
+    /// with respect to t, at t = 0. The result bounds its size for every such d and every q in the box.
     ///
-    /// Let `s` be the largest length of a segment, and `rho` the sum of the radii of certain coordinates.
-    /// They are the coordinates that rotate the segment, u or both. Each segment adds `s rho^power` to the
-    /// bound. A segment that a prismatic coordinate with the radius `r` lengthens also adds
-    /// `power rho^(power - 1) r`.
+    /// Let `s` be the largest length of a segment, and `rho` the sum of the radii of the coordinates that
+    /// rotate the segment, u or both. Each segment adds `s rho^power` to the bound. A segment that a
+    /// prismatic coordinate with the radius `r` lengthens also adds `power rho^(power - 1) r`.
     ///
-    /// `own` holds, as bits, the coordinates that rotate u.
+    /// The bits of `own` denote the coordinates that rotate u.
     pub fn turned(
         &self,
         coordinates: &Coordinates,

@@ -12,18 +12,20 @@
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
 //!
-//! Elastic errors have no weight, because their size changes with the posture. The other errors alone give a lower
-//! bound: a farthest corner and a centred distribution only grow with further independent sources. If sources are
-//! correlated, only the part of the other errors that is independent of the elastic errors counts.
+//! Elastic errors have no weight, because their size changes with the posture. The other errors alone give
+//! a lower bound. Further independent sources only increase the distance of a farthest corner and the
+//! spread of a centred distribution. If sources are correlated, only the part of the other errors that is
+//! independent of the elastic errors counts.
 //!
-//! Means of measured errors are ignored, too, and the bound stays valid. The farthest corner about a mean is at least
-//! as far as the farthest corner about 0, because one of two opposite corners lies on the side of the mean. A mean
-//! also enlarges each statistic.
+//! Means of measured errors are also ignored, and the bound remains valid. The farthest corner about a mean
+//! is at least as far as the farthest corner about 0. The reason is that one of two opposite corners lies
+//! on the side of the mean. A mean also enlarges each statistic.
 //!
-//! For the mean of |e| this bound is the tangent of a convex function of the effects. Percentiles have a
+//! For the mean of |e|, this bound is the tangent of a convex function of the effects. Percentiles have a
 //! bound for senses of up to three rows (weighted components). The bound of a percentile assumes that the
-//! squared percentile is a convex function of the covariance S. We know no proof of this assumption.
-//! tests/maths/proof.rs tests it for 95 % and 99 %, and [`super::Proof::in_words`] states it.
+//! squared percentile is a convex function of the covariance S. We know no proof of this assumption. The
+//! file tests/maths/proof.rs tests this assumption for 95 % and 99 %, and [`super::Proof::in_words`] states
+//! it.
 
 use super::WhyNot;
 use super::linear_effects::Effect;
@@ -38,8 +40,8 @@ use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 /// Largest number of rows (weighted components) of a sense for which mean, percentiles and worst case can
 /// have a bound.
 ///
-/// For a sense with more rows, only three values can have a bound: the RMS, the error of the signed sample,
-/// and the worst case in the linear model.
+/// For a sense with more rows, only three values can have a bound. They are the RMS, the error of the
+/// signed sample, and the worst case in the linear model.
 const MAX_ROWS_OF_PERCENTILE: usize = 3;
 /// Step of a numeric derivative with respect to an eigenvalue of the covariance, as a share of the trace.
 const DERIVATIVE_STEP: f64 = 1e-3;
@@ -55,12 +57,12 @@ pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
 /// Way in which a reading combines the effects of all error sources into one value.
 #[derive(Debug, Clone)]
 pub(super) enum EffectSum {
-    /// Signed sample: the value of every error source.
+    /// Signed sample, with the value of every error source.
     Sample(Vec<f64>),
-    /// Worst case: the half width of the tolerance of every error source.
+    /// Worst case, with the half width of the tolerance of every error source.
     Box(Vec<f64>),
-    /// Statistic of independent random factors. A factor is a list of (index of an error source, value of
-    /// this source). The values are for one standard deviation of the factor.
+    /// Statistic of independent random factors. A factor is a list of pairs (index of an error source,
+    /// value of this source). Each value is that at one standard deviation of the factor.
     Random(Vec<Vec<(usize, f64)>>, Quantity),
 }
 
@@ -166,9 +168,9 @@ fn corner(columns: &[Vector6<f64>], widths: &[f64], rows: usize) -> Vec<f64> {
 ///
 /// The symbols are:
 ///
-/// - `e_f`: effect of one standard deviation of the random factor f (`factors`) on the error;
+/// - `e_f`: effect of one standard deviation of the random factor f (in `factors`) on the error;
 /// - `v_kf`: value of source k at one standard deviation of factor f;
-/// - A: the identity matrix for the RMS, otherwise the [`tangent`] at the covariance of the error;
+/// - A: the identity matrix for the RMS; otherwise the [`tangent`] at the covariance of the error;
 /// - s: the square root of the sum of `e_f . A e_f` over all factors.
 ///
 /// The vector of source k is the sum of `v_kf A e_f / s` over all factors. Returns None if s is 0.
@@ -220,7 +222,7 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
         return None;
     }
     let eigen = (covariance / trace).symmetric_eigen();
-    // Unused rows appear as zero eigenvalues with axes of their own.
+    // Unused rows appear as zero eigenvalues with separate axes.
     let used: Vec<usize> =
         (0..3).filter(|&k| eigen.eigenvectors.column(k).iter().skip(rows).all(|v| v.abs() < 0.5)).collect();
     let sizes: Vec<f64> = used.iter().map(|&k| eigen.eigenvalues[k].max(0.0)).collect();
@@ -233,7 +235,8 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
         };
         match sizes[k] > 2.0 * DERIVATIVE_STEP {
             true => (at(DERIVATIVE_STEP) - at(-DERIVATIVE_STEP)) / (2.0 * DERIVATIVE_STEP),
-            // A one-sided difference of second-order accuracy, because eigenvalues must not become negative.
+            // The difference is one-sided, with second-order accuracy, because eigenvalues must not become
+            // negative.
             false => {
                 (4.0 * at(DERIVATIVE_STEP) - 3.0 * value - at(2.0 * DERIVATIVE_STEP))
                     / (2.0 * DERIVATIVE_STEP)
@@ -253,7 +256,7 @@ pub fn tangent(covariance: &Matrix3<f64>, rows: usize, quantity: Quantity) -> Op
     Some(a)
 }
 
-/// Returns the square of `quantity` for the norm of a normal vector with mean zero and these variances.
+/// Returns the square of `quantity` of the norm of a normal vector with mean zero and these variances.
 fn square(variances: &[f64], quantity: Quantity) -> f64 {
     let mut columns = [Vector6::zeros(); 3];
     variances.iter().enumerate().for_each(|(k, l)| columns[k][k] = l.max(0.0).sqrt());

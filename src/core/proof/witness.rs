@@ -11,12 +11,14 @@ use nalgebra::{Matrix4, Vector4};
 /// Largest violation of joint limits and constraints that is accepted in a witness, m or rad.
 const TOLERANCE: f64 = 1e-9;
 
-/// Searches a box of joint coordinates for a posture that keeps joint limits and constraints. Returns the
-/// operation's value in this posture, and the joint coordinates; None if no such posture is found.
+/// Searches a box of joint coordinates for a posture that keeps the joint limits and the constraints.
+/// Returns the value of the operation in this posture, and the joint coordinates. Returns None if no such
+/// posture is found.
 ///
-/// The search starts at the posture `y` and takes least-norm Newton steps. After each step, the posture is
-/// clamped to the box from `low` to `high`. The best posture is often in a corner of the set of allowed
-/// postures. A violation up to [`TOLERANCE`] is therefore accepted. No lower bound depends on this tolerance.
+/// The search starts at the coordinates `y` and takes least-norm Newton steps. After each step, the
+/// coordinates are clamped to the box from `low` to `high`. The best posture is often in a corner of the
+/// set of allowed postures. Therefore a violation of up to [`TOLERANCE`] is accepted. No lower bound
+/// depends on this tolerance.
 pub(super) fn near(
     task: &Task<'_>,
     mut y: JointValues,

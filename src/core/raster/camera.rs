@@ -1,4 +1,4 @@
-//! Camera: projection from the world (m) to the picture (px).
+//! Camera: projection from the world frame (m) to the picture (px).
 
 use nalgebra::{Point2, Vector3};
 
@@ -39,7 +39,7 @@ impl ViewDirection {
             Self::Front => [x, z, -y],
             Self::Side => [y, z, x],
             Self::Iso => {
-                // The view is along a space diagonal of a cube; in perspective the eye is a little higher.
+                // The view is along a space diagonal of a cube. In perspective, the eye is a little higher.
                 let x = if work.x < -1e-9 { -1.0 } else { 1.0 };
                 let y = if work.y > 1e-9 { 1.0 } else { -1.0 };
                 let back = Vector3::new(x, y, if perspective { 1.2 } else { 1.0 }).normalize();
@@ -50,10 +50,10 @@ impl ViewDirection {
     }
 }
 
-/// Projected point: position in the picture (px to the right and down) and nearness to the eye.
+/// Projected point: the position in the picture (px to the right and down) and the nearness to the eye.
 ///
 /// The value `near` is larger for points nearer to the eye. For the points of a plane, `near` is a linear
-/// function of the picture coordinates, so it may be interpolated.
+/// function of the picture coordinates. It may therefore be interpolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenPoint {
     pub at: Point2<f64>,
@@ -74,7 +74,7 @@ pub struct PictureFrame {
 pub struct Camera {
     pub right: Vector3<f64>,
     pub up: Vector3<f64>,
-    /// Direction towards the eye, world frame.
+    /// Direction towards the eye, in the world frame.
     pub back: Vector3<f64>,
     centre: Vector3<f64>,
     /// Distance of the eye from the centre of the scene, m; None for a parallel projection.
@@ -120,7 +120,8 @@ impl Camera {
         let from = p - self.centre;
         let (x, y, z) = (from.dot(&self.right), from.dot(&self.up), from.dot(&self.back));
         let (grown, near) = match self.distance {
-            // 1 / distance is linear over a plane in the picture; the distance itself is not.
+            // The reciprocal of the distance is linear over a plane in the picture, but the distance itself
+            // is not.
             Some(d) => {
                 let away = (d - z).max(0.01 * d);
                 (d / away, d / away)
@@ -139,8 +140,8 @@ impl Camera {
         }
     }
 
-    /// Returns the point `p` shifted towards the eye by `lift` (m); the shift does not move the point in the
-    /// picture.
+    /// Returns the point `p` shifted towards the eye by `lift` (m). The shift does not move the point in
+    /// the picture.
     pub fn before(&self, p: &Vector3<f64>, lift: f64) -> Vector3<f64> {
         p + self.to_eye(p) * lift
     }

@@ -1,4 +1,4 @@
-//! Depth buffer: draws triangles and lines into samples; each sample keeps the nearest surface.
+//! Depth buffer: triangles and lines are drawn into samples, and each sample keeps the nearest surface.
 
 use super::camera::ScreenPoint;
 use nalgebra::{Point2, Vector2};
@@ -9,7 +9,8 @@ use nalgebra::{Point2, Vector2};
 /// covers a sample.
 const PARTS: f64 = 256.0;
 const PART: i64 = 256;
-/// Largest absolute coordinate of a corner, in samples; triangles with a corner beyond it are not drawn.
+/// Largest absolute coordinate of a corner, in samples. Triangles with a corner beyond this coordinate are
+/// not drawn.
 const FARTHEST: f64 = 1e5;
 
 /// Grid of samples, row by row from the top left. Each sample holds a painted value, such as a colour, and
@@ -71,7 +72,8 @@ impl<T: Copy> DepthBuffer<T> {
         }
     }
 
-    /// Paints the parts of a line from `a` to `b` that no surface drawn so far hides; `width` is in samples.
+    /// Paints the parts of a line from `a` to `b` that no surface drawn so far hides. `width` is in
+    /// samples.
     pub fn stroke(&mut self, a: &ScreenPoint, b: &ScreenPoint, width: f64, mut paint: impl FnMut(&mut T)) {
         let along = (b.at - a.at).try_normalize(1e-9).unwrap_or_else(Vector2::x);
         let (side, end) = (Vector2::new(-along.y, along.x) * (width / 2.0), along * (width / 4.0));
@@ -106,7 +108,7 @@ fn range((low, high): (i64, i64), count: usize) -> std::ops::Range<usize> {
     first as usize..last.clamp(first, count.max(first as usize) as i64) as usize
 }
 
-/// Edge function of a side of a triangle: zero on the side, positive inside the triangle.
+/// Edge function of a side of a triangle. It is zero on the side and positive inside the triangle.
 struct TriangleEdge {
     from: [i64; 2],
     along: [i64; 2],
@@ -114,8 +116,8 @@ struct TriangleEdge {
     step: i64,
     /// Least value of the edge function at samples that the triangle covers.
     ///
-    /// The value is 0 if the triangle covers the samples on the edge, otherwise 1. If two neighbouring
-    /// triangles share an edge, `least` is 0 in one of them and 1 in the other.
+    /// The value is 0 if the triangle covers the samples on the edge; otherwise it is 1. If two
+    /// neighbouring triangles share an edge, `least` is 0 in one of them and 1 in the other.
     least: i64,
 }
 

@@ -16,8 +16,8 @@ struct FeatureEdge {
     is_sharp: bool,
 }
 
-/// A body with at least this many sharp edges is drawn without them. Such a body is a scanned surface, on
-/// which nearly every edge is sharp.
+/// Least number of sharp edges at which a body is drawn without sharp edges. Such a body is a scanned
+/// surface, on which nearly every edge is sharp.
 const MAX_SHARP_EDGES: usize = 400;
 
 /// Returns the feature edges of a body for a camera, as segments in the frame of its mesh, m.
@@ -53,7 +53,7 @@ pub fn of(body: &SceneBody, camera: &Camera) -> Vec<[Vector3<f64>; 2]> {
             side.is_outline |= side.faces_eye != faces_eye;
         }
     }
-    // On a scanned surface nearly every edge is sharp, and an arrow is too thin for more than its outline.
+    // On a scanned surface, nearly every edge is sharp. An arrow is too thin for more than its outline.
     let sharp = !body.is_sign && sides.iter().filter(|s| s.is_sharp).count() < MAX_SHARP_EDGES;
     let is_drawn = |s: &FeatureEdge| s.is_outline || s.count == 1 || s.is_sharp && sharp;
     sides.into_iter().filter(is_drawn).map(|s| s.ends).collect()

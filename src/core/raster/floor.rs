@@ -1,4 +1,5 @@
-//! Floor: a plate with grid lines, darkened below solids that stand on it or are close above it.
+//! Floor: a plate with grid lines. The plate is darkened below solids that rest on the floor or are close
+//! above it.
 
 use super::camera::ScreenPoint;
 use super::canvas::DepthBuffer;
@@ -9,12 +10,14 @@ use nalgebra::{Point2, Vector3};
 
 /// Number of tiles of the floor along each side.
 const FIELDS: usize = 160;
-/// Height above the floor, m, at which a solid darkens the floor half as much as a solid that stands on it.
+/// Height above the floor, m, at which a solid darkens the floor half as much as a solid that rests on the
+/// floor.
 const HALF_SHADE_HEIGHT: f64 = 0.35;
 /// Distance between neighbouring grid lines, m.
 const GRID: f64 = 0.5;
 
-/// Adds the floor at `height` (m) to the scene; it extends beyond all bodies that the scene already holds.
+/// Adds the floor at `height` (m) to the scene. The floor extends beyond all bodies that the scene already
+/// holds.
 pub fn lay(scene: &mut RasterScene, palette: &Palette, height: f64) {
     let points: Vec<Vector3<f64>> = scene.bodies.iter().flat_map(|b| &b.mesh.positions).copied().collect();
     let bounds = points.iter().map(|p| (*p, *p)).reduce(|(lo, hi), (p, q)| (lo.inf(&p), hi.sup(&q)));
@@ -102,10 +105,11 @@ fn shade(scene: &RasterScene, low: [f64; 2], high: [f64; 2], floor: f64) -> Vec<
     dark
 }
 
-/// Returns for each value of a square grid the mean of this value and its neighbours along one direction.
+/// Returns, for each value of a square grid, the mean of the value and its two neighbours on either side
+/// along one direction.
 ///
-/// The grid has `across` values per row. The direction is along rows if `step` is 1, along columns if `step`
-/// is `across`.
+/// The grid has `across` values per row. The direction is along rows if `step` is 1, and along columns if
+/// `step` is `across`.
 fn blurred(values: &[f32], across: usize, step: usize) -> Vec<f32> {
     const REACH: isize = 2;
     let place = |k: usize| if step == 1 { k % across } else { k / across };

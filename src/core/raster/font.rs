@@ -1,8 +1,8 @@
-//! Stroke font: letters as polylines, so pictures have text without font files.
+//! Stroke font: letters as polylines, so that pictures have text without font files.
 //!
-//! Each letter is drawn on a grid. The baseline is at height 3; small letters go up to 9, capitals up to 12
-//! (hexadecimal c) and descenders down to 0. Two hexadecimal digits give a point: distance to the right, then
-//! height. A stroke that begins with ~ is a curve; a stroke of one point is a dot.
+//! Each letter is drawn on a grid. The baseline is at height 3. Small letters reach up to 9, capitals up to
+//! 12 (hexadecimal c), and descenders down to 0. Two hexadecimal digits give a point: the distance to the
+//! right, then the height. A stroke that begins with ~ is a curve, and a stroke of one point is a dot.
 
 use nalgebra::Vector2;
 
@@ -120,7 +120,8 @@ fn glyph(c: char) -> &'static str {
     index.and_then(|k| GLYPHS.get(k).copied()).unwrap_or(UNKNOWN)
 }
 
-/// Returns the width of a text without margins, in the unit of `capital`, the height of its capitals.
+/// Returns the width of a text without margins, in the unit of `capital`. The argument `capital` is the
+/// height of the capitals.
 pub fn width(text: &str, capital: f64) -> f64 {
     let all: f64 = text.chars().map(advance).sum();
     (all - LETTER_GAP).max(0.0) * capital / CAPITAL
@@ -131,7 +132,7 @@ fn advance(c: char) -> f64 {
     if c == ' ' { SPACE + LETTER_GAP } else { strokes.map(|p| p.x).fold(0.0, f64::max) + LETTER_GAP }
 }
 
-/// Returns the strokes of a text that starts at the point `at` of the baseline; y points down.
+/// Returns the strokes of a text that starts at the point `at` of the baseline. The y axis points down.
 ///
 /// Capitals have the height `capital`.
 pub fn strokes(text: &str, at: Vector2<f64>, capital: f64) -> Vec<Vec<Vector2<f64>>> {
@@ -153,8 +154,8 @@ fn points(stroke: &str) -> Vec<Vector2<f64>> {
     digits.chunks_exact(2).map(|p| Vector2::new(p[0], p[1])).collect()
 }
 
-/// Returns a line smoothed by two rounds of corner cutting (Chaikin 1974). The ends of an open line stay in
-/// place, and a closed line stays closed.
+/// Returns a line smoothed by two rounds of corner cutting (Chaikin 1974). The ends of an open line do not
+/// move, and a closed line remains closed.
 fn rounded(line: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let closed = line.first() == line.last();
     let mut line = line.to_vec();

@@ -1,11 +1,11 @@
-//! Picture of pixels: averages of the samples, with text and the symbols of the legend drawn on top.
+//! Picture of pixels: averages of the samples, with text and the symbols of the legend on top.
 
 use super::canvas::DepthBuffer;
 use super::font;
 use super::palette::Colour;
 use nalgebra::Vector2;
 
-/// Picture as pixels, row by row from the top left; colour components are from 0 to 1.
+/// Picture as pixels, row by row from the top left. Colour components are from 0 to 1.
 pub struct PixelImage {
     pub width: usize,
     pub height: usize,
@@ -29,7 +29,7 @@ impl PixelImage {
         Self { width, height, pixels }
     }
 
-    /// Draws a polyline with round ends; points and width are in px.
+    /// Draws a polyline with round ends. Points and width are in px.
     pub fn line(&mut self, points: &[Vector2<f64>], width: f64, colour: Colour) {
         let dot = [points.first().copied().unwrap_or_default(); 2];
         let spans: Vec<&[Vector2<f64>]> =
@@ -44,7 +44,7 @@ impl PixelImage {
         });
     }
 
-    /// Fills the rectangle between two corners, px.
+    /// Fills the rectangle between two corners, given in px.
     pub fn rectangle(&mut self, low: Vector2<f64>, high: Vector2<f64>, colour: Colour) {
         self.cover(low, high, 1.0, colour, |p| {
             let inside = |k: usize| (p[k] - low[k] + 0.5).min(high[k] - p[k] + 0.5).clamp(0.0, 1.0);

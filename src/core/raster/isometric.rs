@@ -1,4 +1,4 @@
-//! Picture of the scene as SVG with hidden lines removed, for print and for browsers without WebGL.
+//! SVG picture of the scene with hidden lines removed, for print and for browsers without WebGL.
 //!
 //! As in the PNG, a depth buffer decides what is visible at each sample. Areas of equal tone become outlines
 //! (contour tracing), and lines are cut to their visible parts.
@@ -26,7 +26,7 @@ const MIN_AREA: f64 = 8.0;
 /// Returns the picture as SVG, always in parallel projection.
 ///
 /// # Errors
-/// Fails for the same reasons as [`super::png`].
+/// Returns a message for the same reasons as [`super::png`].
 pub fn isometric(drawing: &Drawing<'_>, shot: &Shot) -> Result<String, String> {
     let shot = &Shot { perspective: false, ..shot.clone() };
     let stage = staged(drawing, shot)?;
@@ -110,7 +110,8 @@ impl VisibilityTest<'_> {
         let seen = sampled(self.camera, p);
         let (width, height) = (self.canvas.width as i64, self.canvas.height as i64);
         let (x, y) = (seen.at.x.floor() as i64, seen.at.y.floor() as i64);
-        // An outline lies between a solid and its background: one visible sample beside it is enough.
+        // An outline lies between a solid and its background, so one visible sample beside the outline is
+        // enough.
         let around = (-1..=1).flat_map(|j| (-1..=1).map(move |i| (x + i, y + j)));
         around.into_iter().any(|(x, y)| {
             let inside = (0..width).contains(&x) && (0..height).contains(&y);
@@ -135,7 +136,7 @@ impl VisibilityTest<'_> {
             if last > first {
                 let [p, q] = [first, last].map(|k| self.camera.seen(&at(k)).at);
                 let start = format!("M{:.1} {:.1}", p.x, p.y);
-                // A line that starts where the last one ended needs no start point.
+                // A line that starts at the end of the last line needs no start point.
                 if !d.ends_with(&start[1..]) {
                     d.push_str(&start);
                 }
@@ -172,7 +173,8 @@ fn draw_lines(out: &mut String, stage: &FittedScene, seeing: &VisibilityTest<'_>
     }
 }
 
-/// Draws each transparent body: first the sides that face away from the eye, then those that face it.
+/// Draws each transparent body. The sides that face away from the eye are drawn first, then the sides that
+/// face the eye.
 fn draw_clear(out: &mut String, stage: &FittedScene, canvas: &DepthBuffer<u32>) {
     for body in stage.scene.bodies.iter().filter(|b| b.opacity < 1.0) {
         for front in [false, true] {
@@ -198,7 +200,7 @@ fn draw_clear(out: &mut String, stage: &FittedScene, canvas: &DepthBuffer<u32>) 
     }
 }
 
-/// Draws the visible nodes, then the arrows; farther arrows are drawn first.
+/// Draws the visible nodes, then the arrows. Farther arrows are drawn first.
 fn draw_nodes(out: &mut String, stage: &FittedScene, seeing: &VisibilityTest<'_>, pixel: f64) {
     let lift = stage.scene.size * 0.006;
     for mark in &stage.scene.nodes {

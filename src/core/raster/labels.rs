@@ -34,8 +34,8 @@ pub fn write(sheet: &mut PixelImage, stage: &FittedScene, shot: &Shot) {
     }
 }
 
-/// Returns all labels with their places in the picture. Labels of spots are placed first, so they get the
-/// better places.
+/// Returns all labels with their places in the picture. Labels of spots are placed first, so that they get
+/// the better places.
 pub fn placed(stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     let place = |p: &nalgebra::Vector3<f64>| stage.camera.seen(p).at.coords;
     let mut taken: Vec<Vector2<f64>> = stage.scene.nodes.iter().map(|n| place(&n.at)).collect();
@@ -53,7 +53,8 @@ pub fn placed(stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     all
 }
 
-/// Returns the possible places of a label. If several places have the least cost, the first of them is used.
+/// Returns the possible places of a label. If several places have the least cost, the first of these places
+/// is used.
 fn choices(label: &Label, stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> {
     let unit = shot.capital();
     let text: String = shown(&label.text);
@@ -104,8 +105,8 @@ fn choices(label: &Label, stage: &FittedScene, shot: &Shot) -> Vec<PlacedLabel> 
 /// Returns the cost of the place `p` of a label.
 ///
 /// The cost grows with the number of points (`taken`) and of labels (`all`) that the label would cover. It
-/// also grows with the distance by which the label would stick out of `frame`. A leader line adds a cost for
-/// its length and for every point of `taken` close to it.
+/// also grows with the distance by which the label would stick out of `frame`. A leader line adds a cost
+/// for its length, and for every point of `taken` close to the line.
 fn cost(p: &PlacedLabel, all: &[PlacedLabel], taken: &[Vector2<f64>], frame: &PictureFrame) -> f64 {
     let inside = |q: &&Vector2<f64>| (0..2).all(|k| p.low[k] < q[k] && q[k] < p.high[k]);
     let nodes = taken.iter().filter(inside).count() as f64;

@@ -38,7 +38,7 @@ pub fn add(
         for arrow in shot.show.arrows(drawing, k, shot.take) {
             let colour = value(field, shot, arrow.node).map_or(palette.ring, |v| colour_of(scale.share(v)));
             let lift = 0.0009 * scene.size;
-            // Arrows are wider than in a CAD file, to be seen from afar.
+            // Arrows are wider than in a CAD file, so that they can be seen from afar.
             let long = (arrow.tip - arrow.tail).norm();
             let wide = Arrow { head: (1.9 * arrow.head).min(0.018 * scene.size).min(0.5 * long), ..arrow };
             scene.bodies.push(SceneBody {

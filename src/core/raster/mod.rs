@@ -1,4 +1,4 @@
-//! 3-D pictures without a browser: PNG by a software rasteriser, SVG with hidden lines removed.
+//! 3-D pictures without a browser: PNG by a software rasteriser, and SVG with hidden lines removed.
 //!
 //! A [`Drawing`] becomes a scene of bodies, lines and labels in the world frame, and a camera is fitted to
 //! the scene. PNG and SVG show the same scene. Equal drawings give equal bytes, because no font file,
@@ -42,7 +42,7 @@ pub struct Shot {
     /// Operation whose error map is shown alone, with the robot at the spot of that operation. If None, the
     /// error maps of all operations are shown.
     pub operation: Option<usize>,
-    /// Operation at whose spot the robot stands if `operation` is None. If both are None, the robot is at
+    /// Operation at whose spot the robot is shown if `operation` is None. If both are None, the robot is at
     /// home.
     pub context: Option<usize>,
     /// Width of the picture, px.
@@ -91,7 +91,8 @@ const MAX_SIDE: usize = 6000;
 const SAMPLES: usize = 3;
 
 impl Shot {
-    /// Checks the size of the picture, and that the drawing contains the operation and the errors to show.
+    /// Checks the size of the picture, and checks that the drawing contains the operation and the errors to
+    /// show.
     ///
     /// # Errors
     /// Returns a message if the size is out of range. The function also returns a message if the drawing
@@ -99,13 +100,13 @@ impl Shot {
     fn check(&self, drawing: &Drawing<'_>) -> Result<(), String> {
         if !(64..=MAX_SIDE).contains(&self.width) || !(64..=MAX_SIDE).contains(&self.height) {
             return Err(format!(
-                "a picture has 64 to {MAX_SIDE} px a side, not {} by {}",
+                "the width and the height of a picture must be 64 to {MAX_SIDE} px, not {} by {}",
                 self.width, self.height
             ));
         }
         if self.take >= drawing.lenses.len() {
             return Err(format!(
-                "there are {} combinations of model and reading, none numbered {}",
+                "there are {} combinations of model and reading, but none has the number {}",
                 drawing.lenses.len(),
                 self.take
             ));
@@ -116,7 +117,7 @@ impl Shot {
         }
     }
 
-    /// Returns the height of capital letters in this picture, px; other sizes are multiples of this height.
+    /// Returns the height of capital letters in this picture, px. Other sizes are multiples of this height.
     fn capital(&self) -> f64 {
         ((self.width as f64).min(1.6 * self.height as f64) / 125.0).clamp(7.0, 22.0)
     }
@@ -223,7 +224,7 @@ fn paint(canvas: &mut DepthBuffer<[u8; 3]>, body: &SceneBody, camera: &Camera, l
     }
 }
 
-/// Paints the triangles of transparent bodies; farther triangles are painted first.
+/// Paints the triangles of transparent bodies. Farther triangles are painted first.
 fn paint_clear(canvas: &mut DepthBuffer<[u8; 3]>, bodies: &[&SceneBody], camera: &Camera) {
     let mut faces = Vec::new();
     for body in bodies {
@@ -256,6 +257,6 @@ fn encoded(sheet: &PixelImage) -> Result<Vec<u8>, String> {
         writer.write_image_data(&data)?;
         writer.finish()
     };
-    write(encoder).map_err(|e| format!("cannot make PNG: {e}"))?;
+    write(encoder).map_err(|e| format!("cannot encode the picture as PNG: {e}"))?;
     Ok(out)
 }

@@ -69,23 +69,24 @@ impl Palette {
         mixed(colour, [0.0, 0.0, 0.05], if self.is_dark { 0.62 } else { 0.58 })
     }
 
-    /// Returns the colour of the rim of an arrow; the rim contrasts with the background.
+    /// Returns the colour of the rim of an arrow of the colour `colour`. The rim contrasts with the
+    /// background.
     pub fn rim(&self, colour: Colour) -> Colour {
         if self.is_dark { mixed(colour, [1.0; 3], 0.4) } else { mixed(colour, [0.0; 3], 0.35) }
     }
 }
 
-/// Returns the colour of a code 0xRRGGBB.
+/// Returns the colour of the code 0xRRGGBB.
 pub fn rgb(code: u32) -> Colour {
     [16, 8, 0].map(|shift| (code >> shift & 0xff) as f32 / 255.0)
 }
 
-/// Returns the colour of the error scale at a position from 0 (least error) to 1 (greatest).
+/// Returns the colour of the error scale at a position from 0 (least error) to 1 (greatest error).
 pub fn scale(share: f64) -> Colour {
     colours::viridis(share).map(|c| f32::from(c) / 255.0)
 }
 
-/// Returns a mixture of two colours; share 0 gives `a`, share 1 gives `b`.
+/// Returns a mixture of two colours. The share 0 gives `a`, and the share 1 gives `b`.
 pub fn mixed(a: Colour, b: Colour, share: f32) -> Colour {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share)
 }

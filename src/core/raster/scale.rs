@@ -60,8 +60,8 @@ impl Show {
 pub struct ErrorScale {
     /// Names of the senses whose values the colours show.
     pub senses: Vec<String>,
-    /// Least and greatest value of the shown error maps: m, rad, or a share from 0 to 1; None without usable
-    /// nodes.
+    /// Least and greatest value of the shown error maps (m, rad, or a share from 0 to 1); None without
+    /// usable nodes.
     pub range: Option<(f64, f64)>,
     pub unit: Unit,
 }
@@ -87,13 +87,14 @@ impl ErrorScale {
         Self { senses, range, unit }
     }
 
-    /// Returns the position of a value on the scale: 0 for the least value, 1 for the greatest.
+    /// Returns the position of a value on the scale, from 0 for the least value to 1 for the greatest
+    /// value.
     pub fn share(&self, value: f64) -> f64 {
         let (low, high) = self.range.unwrap_or((0.0, 1.0));
         if high > low { (value - low) / (high - low) } else { 0.5 }
     }
 
-    /// Returns a value (SI) as text in the unit of reports, with the name of that unit.
+    /// Returns a value, given in SI units, as text in the unit of reports, with the name of that unit.
     pub fn said(&self, value: f64) -> String {
         format!("{:.3} {}", self.unit.from_si(value), self.unit.word())
     }
@@ -105,7 +106,8 @@ pub fn sense(field: &Field, shot: &Shot) -> usize {
     shot.sense.as_deref().and_then(named).unwrap_or(field.sense)
 }
 
-/// Returns the value of a node in the sense, model and reading that the picture shows.
+/// Returns the value of a node in the sense, model and reading that the picture shows; None without a
+/// usable posture.
 pub fn value(field: &Field, shot: &Shot, node: usize) -> Option<f64> {
     *field.takes.get(shot.take)?.values[sense(field, shot)].get(node)?
 }

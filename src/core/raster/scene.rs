@@ -44,11 +44,12 @@ impl SceneBody {
     }
 }
 
-/// Polyline of the scene, world frame.
+/// Polyline of the scene, in the world frame.
 pub struct SceneLine {
     pub points: Vec<Vector3<f64>>,
     pub closed: bool,
-    /// Whether the line is dashed: two segments are drawn, the next two are left out, and so on.
+    /// Whether the line is dashed. In a dashed line, two segments are drawn, the next two are left out, and
+    /// so on.
     pub dashed: bool,
     pub colour: Colour,
     /// Width of the line, in tenths of the height of capital letters.
@@ -69,7 +70,7 @@ impl SceneLine {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelSide {
     Above,
-    /// Below the object's top: centred under the two top points that are lowest in the picture.
+    /// Below the top of the object, centred under the two top points that are lowest in the picture.
     Below,
     /// Beside a spot, to which a leader line is drawn.
     Spot,
@@ -78,21 +79,21 @@ pub enum LabelSide {
 /// Text that names an object or states its value.
 pub struct Label {
     pub text: String,
-    /// Points of the labelled object, world frame, m.
+    /// Points of the labelled object, in the world frame, m.
     pub points: Vec<Vector3<f64>>,
     pub side: LabelSide,
 }
 
-/// Node of an error map, as SVG draws it.
+/// Node of an error map in the form in which SVG draws it.
 pub struct NodeMark {
     pub at: Vector3<f64>,
     /// Colour of a usable node; None if the node is unusable.
     pub colour: Option<Colour>,
-    /// Text of the node's tooltip: the value, or why the node cannot be used.
+    /// Text of the node's tooltip: the value, or the reason why the node cannot be used.
     pub title: String,
 }
 
-/// Scene of a picture, world frame, m.
+/// Scene of a picture, in the world frame, m.
 pub struct RasterScene {
     pub bodies: Vec<SceneBody>,
     pub lines: Vec<SceneLine>,
@@ -101,12 +102,12 @@ pub struct RasterScene {
     pub arrows: Vec<(Arrow, Colour)>,
     /// Diagonal of the bounding box of all bodies, m.
     pub size: f64,
-    /// Horizontal direction to the right of the picture, world frame.
+    /// Horizontal direction to the right of the picture, in the world frame.
     pub right: Vector3<f64>,
 }
 
 impl RasterScene {
-    /// Returns a scene with solids and working envelopes only; error maps and names are added later.
+    /// Returns a scene with solids and working envelopes only. Error maps and names are added later.
     pub fn of(drawing: &Drawing<'_>, shot: &Shot, palette: &Palette) -> Self {
         let context = shot.operation.or(shot.context);
         let frames = drawing.movement.frames(context);
@@ -133,7 +134,7 @@ impl RasterScene {
         scene
     }
 
-    /// Returns all points of bodies and lines, world frame, m; the camera is fitted to them.
+    /// Returns all points of bodies and lines, in the world frame, m. The camera is fitted to these points.
     pub fn points(&self) -> Vec<Vector3<f64>> {
         let bodies = self.bodies.iter().flat_map(|b| &b.mesh.positions);
         bodies.chain(self.lines.iter().flat_map(|l| &l.points)).copied().collect()

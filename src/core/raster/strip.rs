@@ -45,9 +45,9 @@ impl LegendSign {
 pub struct LegendTexts {
     pub title: String,
     pub line: String,
-    /// Texts of the colour scale: heading, least value and greatest value; None without a colour scale.
+    /// Texts of the colour scale (heading, least value and greatest value); None without a colour scale.
     pub colours: Option<[String; 3]>,
-    /// Scale bar of the arrows: its length (m in the world) and its text; None without arrows.
+    /// Scale bar of the arrows, with its length (m in the world) and its text; None without arrows.
     pub arrows: Option<(f64, String)>,
     pub signs: Vec<LegendSign>,
 }
@@ -98,7 +98,7 @@ pub fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<LegendSign> {
     let mut signs: Vec<LegendSign> = Vec::new();
     if shot.show != Show::Nothing {
         signs.extend(NodeSign::ALL.into_iter().filter(occurs).map(|sign| match sign.is_usable() {
-            // Usable nodes are dots in the colours of the scale; the best of them has a ring.
+            // Usable nodes are dots in the colours of the scale. A ring marks the best of them.
             true => LegendSign::Spot,
             false => LegendSign::Node(sign),
         }));
@@ -129,7 +129,7 @@ pub fn items(drawing: &Drawing<'_>, stage: &FittedScene, shot: &Shot) -> Vec<Leg
     let words = LegendTexts::of(drawing, stage, shot);
     let top = shot.height as f64 / unit - HEIGHT;
     let at = |x: f64, y: f64| Vector2::new(x * unit, y * unit);
-    // In a small picture the columns move closer together, and the letters keep their size.
+    // In a small picture, the columns move closer together, and the letters keep their size.
     let narrow = (shot.width as f64 / unit / 125.0).min(1.0);
     let [first, second, third] = [COLUMNS[0], COLUMNS[1] * narrow, COLUMNS[2] * narrow];
     let bar = BAR * narrow;

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 /// Corner of grid cells: column and row.
 type GridPoint = [i32; 2];
 
-/// Returns for each value the closed outlines of all areas that have this value, as corners of grid cells.
+/// Returns, for each value, the closed outlines of all areas that have this value, as corners of grid
+/// cells.
 ///
 /// Outlines that enclose less than `least_area` are left out. The other outlines are simplified within
 /// `tolerance`, in cells.
@@ -25,10 +26,10 @@ pub fn outlines(
     loops.filter(|(_, rings): &(u32, Vec<_>)| !rings.is_empty()).collect()
 }
 
-/// Returns for each value the boundary sides of the cells that have this value.
+/// Returns, for each value, the boundary sides of the cells that have this value.
 ///
 /// A boundary side borders on a cell of another value or on the outside of the grid. It is directed so that
-/// in the picture the cell with this value is on the right.
+/// the cell with this value is on the right of the side in the picture.
 fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoint)>> {
     let height = values.len() / width.max(1);
     let at = |x: i32, y: i32| {
@@ -53,8 +54,8 @@ fn sides(values: &[u32], width: usize) -> BTreeMap<u32, Vec<(GridPoint, GridPoin
     sides
 }
 
-/// Joins directed sides into closed rings. Where two areas of equal value meet only in a corner, their rings
-/// stay separate.
+/// Joins directed sides into closed rings. Where two areas of equal value meet only in a corner, their
+/// rings remain separate.
 fn rings(sides: &[(GridPoint, GridPoint)]) -> Vec<Vec<GridPoint>> {
     let way = |k: usize| {
         let (a, b) = sides[k];
@@ -67,7 +68,7 @@ fn rings(sides: &[(GridPoint, GridPoint)]) -> Vec<Vec<GridPoint>> {
     join_edges(sides, sharpest).into_iter().map(|line| line.corners).collect()
 }
 
-/// Returns the area that a ring encloses; the sign depends on the direction of the ring.
+/// Returns the area that a ring encloses. The sign depends on the direction of the ring.
 fn area(ring: &[GridPoint]) -> f64 {
     let pairs = ring.iter().zip(ring.iter().cycle().skip(1));
     pairs.map(|(a, b)| f64::from(a[0]) * f64::from(b[1]) - f64::from(a[1]) * f64::from(b[0])).sum::<f64>()
@@ -76,8 +77,8 @@ fn area(ring: &[GridPoint]) -> f64 {
 
 /// Returns a ring with fewer points (Douglas and Peucker 1973).
 ///
-/// The ring is first split at its leftmost point and at the point farthest from there. Of several leftmost
-/// points the uppermost is taken, because it is always a corner.
+/// The ring is first split at its leftmost point and at the point farthest from this point. If several
+/// points are leftmost, the uppermost of them is taken, because it is always a corner.
 fn simplified(ring: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };
     let ring: Vec<GridPoint> = ring[start..].iter().chain(&ring[..=start]).copied().collect();

@@ -141,7 +141,7 @@ fn budget_and_explain_refuse_bad_nodes() {
             (&["--at", "1,2,3"], 2, "expected `best`, or"),
             (&["--at", "99999999999999999999,1"], 2, "expected `best`, or"),
             (&["--at", "18446744073709551615,18446744073709551615"], 2, "i goes from 0"),
-            (&["--at", "0,0"], 1, "needs -32.07 deg, its limit is -25 deg"),
+            (&["--at", "0,0"], 1, "needs -32.07 deg, but its limit is -25 deg"),
         ] {
             let ran = shop.run(&[&[command, CELL][..], &one, args].concat());
             assert_eq!((ran.code, ran.out.as_str()), (Some(code), ""), "{command} {args:?}: {}", ran.err);

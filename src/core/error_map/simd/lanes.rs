@@ -44,7 +44,7 @@ impl<S: Simd> Lanes<S> {
         self.of
     }
 
-    /// Puts one number into every lane, with the lane count of `self`.
+    /// Puts one number into every lane, with as many lanes as `self`.
     #[inline(always)]
     pub fn like(self, value: f64) -> Self {
         Self::all(self.simd, value)
@@ -62,32 +62,35 @@ impl<S: Simd> Lanes<S> {
         Self { of: self.simd.div_f64s(self.simd.splat_f64s(1.0), self.of), ..self }
     }
 
-    /// Returns in every lane the larger of its number and `other`.
+    /// Returns, in every lane, the larger of the number in the lane and `other`.
     #[inline(always)]
     pub fn max(self, other: f64) -> Self {
         Self { of: self.simd.max_f64s(self.of, self.simd.splat_f64s(other)), ..self }
     }
 
-    /// Returns every number limited to the range from `low` to `high`.
+    /// Returns, in every lane, the number limited to the range from `low` to `high`.
     #[inline(always)]
     pub fn clamp(self, low: f64, high: f64) -> Self {
         let up = self.simd.max_f64s(self.of, self.simd.splat_f64s(low));
         Self { of: self.simd.min_f64s(up, self.simd.splat_f64s(high)), ..self }
     }
 
-    /// Computes `self * by + plus`, rounded only once if the processor has a fused instruction.
+    /// Computes `self * by + plus`. The result is rounded only once if the processor has a fused
+    /// instruction.
     #[inline(always)]
     pub fn times_plus(self, by: Self, plus: Self) -> Self {
         Self { of: self.simd.mul_add_e_f64s(self.of, by.of, plus.of), ..self }
     }
 
-    /// Returns a mask: true in the lanes whose number is greater than `other`, false if either number is NaN.
+    /// Returns a mask that is true in the lanes whose number is greater than `other`. It is false if either
+    /// number is NaN.
     #[inline(always)]
     pub fn is_above(self, other: f64) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.greater_than_f64s(self.of, self.simd.splat_f64s(other)) }
     }
 
-    /// Returns a mask: true in the lanes whose number is less than that of `other`, false if either is NaN.
+    /// Returns a mask that is true in the lanes whose number is less than the number of `other`. It is
+    /// false if either number is NaN.
     #[inline(always)]
     pub fn is_below(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.less_than_f64s(self.of, other.of) }

@@ -1,4 +1,4 @@
-//! Check of joint limits for several postures at once, in SIMD lanes.
+//! Check of the joint limits of several postures at once, in SIMD lanes.
 
 use super::lanes::{CosSin, Mask};
 use crate::reach::LimitCone;
@@ -10,7 +10,8 @@ use pulp::Simd;
 /// nodes.
 const SLACK: f64 = 1e-9;
 
-/// Returns the lanes in which a joint, given by cosine and sine of its angle, surely lies outside its range.
+/// Returns the lanes in which a joint surely lies outside its range. The joint is given by the cosine and
+/// the sine of its angle.
 #[inline(always)]
 pub fn is_passed<S: Simd>(cone: &LimitCone, (cos, sin): CosSin<S>) -> Mask<S> {
     let along = cos * cone.axis.0 + sin * cone.axis.1;

@@ -1,10 +1,10 @@
-//! The chain as built, with its errors: eqs. (4)-(6) of the seed paper as a product of constant motions and
-//! joint rotations.
+//! Chain with its errors: eqs. (4)-(6) of the seed paper as a product of constant motions and joint
+//! rotations.
 //!
 //! The pose of the TCP is `T' = B_0 Rz(theta_1) B_1 Rz(theta_2) B_2 ... B_N`, where `Rz(theta_i)` is the
-//! rotation of joint i about its axis, and N the number of joints. The constant motions `B_i` contain all
-//! errors and are computed once. The error is then the difference of two positions some metres from the base.
-//! It is accurate to 1e-14 m, which is enough to rank nodes.
+//! rotation of joint i about its axis, and N is the number of joints. The constant motions `B_i` contain
+//! all errors and are computed once. The error is then the difference between two positions a few metres
+//! from the base. It is accurate to 1e-14 m, which is enough to rank nodes.
 
 use super::lanes::{CosSin, Lanes};
 use crate::cell::JointKind;
@@ -14,14 +14,14 @@ use crate::robot::Chain;
 use nalgebra::{Rotation3, Vector3};
 use pulp::Simd;
 
-/// A chain with a signed sample of its errors.
+/// Chain with a signed sample of its errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerturbedChain {
-    /// Constant motion before the first joint (`B_0` in the formula of the module), base frame.
+    /// Constant motion before the first joint (`B_0` in the formula of the module), in the base frame.
     pub base: Pose,
     /// Constant motions from each joint to the next (`B_1` to `B_(N-1)` in the formula of the module).
     between: Vec<ConstantMotion>,
-    /// TCP in the frame that the last joint rotates, m.
+    /// Position of the TCP in the frame that the last joint rotates, m.
     tip: Vector3<f64>,
 }
 
@@ -29,13 +29,14 @@ pub struct PerturbedChain {
 #[derive(Debug, Clone, PartialEq)]
 struct ConstantMotion {
     pose: Pose,
-    /// Whether the rotation of the motion is about x alone. This holds for most links: those without errors
-    /// dtheta and dbeta, if the next joint frame has no rotational error.
+    /// Whether the rotation of the motion is about x alone. This holds for a link without the errors dtheta
+    /// and dbeta, if the next joint frame has no rotational error.
     twists: bool,
 }
 
 impl PerturbedChain {
-    /// Prepares a chain; None if a joint is prismatic or elastic, because its motions are then not constant.
+    /// Prepares a chain. Returns None if a joint is prismatic or elastic, because the motions between
+    /// joints are then not constant.
     pub fn new(chain: &Chain, errors: &Perturbation) -> Option<Self> {
         if errors.elastic.is_some() || chain.links.iter().any(|l| l.kind == JointKind::Prismatic) {
             return None;
@@ -107,7 +108,7 @@ impl ConstantMotion {
 
 /// Returns the pose of a frame that has errors, relative to the same frame without errors.
 ///
-/// The errors are applied in the order translation, rotation about z, about y, about x.
+/// The errors are applied in the order translation, rotation about z, rotation about y, rotation about x.
 fn moved(error: &FrameError) -> Pose {
     let axes = [Vector3::z(), Vector3::y(), Vector3::x()];
     let slide = Pose { translation: Vector3::from(error.slides), ..Pose::identity() };

@@ -1,9 +1,10 @@
-//! Inverse kinematics of the planar arm with four axes, in lanes: every branch, and whether it exceeds a
-//! joint limit.
+//! Inverse kinematics of the planar arm with four axes, in SIMD lanes: every branch, and whether the branch
+//! exceeds a joint limit.
 //!
 //! The formulas and their order equal those of `reach::closed_form::planar` wherever a rounding error could
-//! grow: near the stretched arm, and for targets near the base axis. The joint limits are a little wider
-//! here. So no branch that [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
+//! grow. Rounding errors could grow if the arm is nearly stretched, and for targets near the base axis. The
+//! joint limits are a little wider here. Therefore no branch that
+//! [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
 
 use super::lanes::{CosSin, Lanes, Mask};
 use super::limits::{any_passed, is_passed};
@@ -13,13 +14,13 @@ use pulp::Simd;
 
 const STRETCHED: f64 = PlanarGeometry::STRETCHED;
 
-/// A planar arm with four axes, solved for several targets at once.
+/// Planar arm with four axes, solved for several targets at once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanarLanes {
     arm: PlanarGeometry,
 }
 
-/// Targets at one height, base frame, m.
+/// Targets at one height, in the base frame, m.
 pub struct Level<S: Simd> {
     pub x: Lanes<S>,
     pub y: Lanes<S>,
@@ -35,17 +36,18 @@ pub struct TargetLanes<S: Simd> {
     along: Lanes<S>,
     /// Reciprocal of the squared distance of the target from the base axis, 1/m^2.
     inverse2: Lanes<S>,
-    /// Lanes with a target nearer to the base axis than the tool can come.
+    /// Lanes whose target is nearer to the base axis than the tool can come.
     beside: Mask<S>,
 }
 
-/// Wrist positions for one attitude of the tool, with the arm reaching either forwards or backwards.
+/// Wrist positions for one attitude of the tool. The arm reaches either forwards or backwards in all lanes.
 pub struct WristLanes<S: Simd> {
     yaw: CosSin<S>,
-    /// Component of `w / |w|^2` perpendicular to the base axis, 1/m; `w` is the vector from shoulder to
-    /// wrist.
+    /// Component of `w / |w|^2` perpendicular to the base axis, 1/m. The vector `w` leads from the shoulder
+    /// to the wrist.
     u: Lanes<S>,
-    /// Component of `w / |w|^2` along the base axis, 1/m; `w` is the vector from shoulder to wrist.
+    /// Component of `w / |w|^2` along the base axis, 1/m. The vector `w` leads from the shoulder to the
+    /// wrist.
     v: Lanes<S>,
     k1: Lanes<S>,
     cos3: Lanes<S>,
@@ -56,13 +58,13 @@ pub struct WristLanes<S: Simd> {
 }
 
 impl PlanarLanes {
-    /// Prepares an arm; None if it is not planar with four axes.
+    /// Prepares an arm; None if the arm is not planar with four axes.
     pub fn new(inverse: &Inverse) -> Option<Self> {
         inverse.planar_geometry().map(|arm| Self { arm })
     }
 }
 
-// The compiler would not use the SIMD instructions inside closures, so these functions contain none.
+// The compiler would not use SIMD instructions inside closures, so these functions contain no closures.
 impl PlanarLanes {
     /// Transforms targets from the base frame to D-H frame 0, which precedes the first joint.
     #[inline(always)]
@@ -71,14 +73,15 @@ impl PlanarLanes {
         let radius2 = x * x + y * y;
         let lateral = self.arm.lateral;
         let along2 = radius2 - lateral * lateral;
-        // On the base axis every yaw is a solution. NaN stands for it here, because no test refuses NaN.
+        // On the base axis, every yaw is a solution. NaN represents an arbitrary yaw here, because no test
+        // refuses NaN.
         let on_axis = radius2.is_below(radius2.like(1e-24));
         let inverse2 = on_axis.choose(radius2.like(f64::NAN), radius2.reciprocal());
         let beside = (along2 + radius2 * (2.0 * STRETCHED)).is_below(radius2.like(0.0));
         TargetLanes { x, y, z, along: along2.max(0.0).sqrt(), inverse2, beside }
     }
 
-    /// Computes the position of the wrist for every target; None if no lane has a posture.
+    /// Computes the position of the wrist for every target. Returns None if no lane has a posture.
     #[inline(always)]
     pub fn wrist<S: Simd>(
         &self,

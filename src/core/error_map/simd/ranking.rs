@@ -1,9 +1,9 @@
 //! Lower bounds of the error at the nodes of a surface, and the nodes in ascending order of these bounds.
 //!
-//! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding. So no
-//! posture at the node has a value ([`ErrorEvaluator::value`]) below its bound. The scalar code judges single
-//! nodes in this order until the least value is below the bounds of all other nodes. The spot is therefore
-//! bit-identical to the spot found by judging every node.
+//! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding.
+//! Therefore no posture at the node has a value ([`ErrorEvaluator::value`]) below its bound. The scalar
+//! code judges single nodes in this order until the least value is below the bounds of all other nodes. The
+//! spot is therefore bit-identical to the spot found by judging every node.
 
 use super::lanes::{CosSin, Lanes, MAX_LANES};
 use super::perturbed_chain::PerturbedChain;
@@ -19,11 +19,12 @@ use pulp::{Arch, Simd, WithSimd};
 /// Relative and absolute margin by which a bound is lowered.
 ///
 /// The relative margin is this share of the bound. The absolute margin (m) is this number times the sum of
-/// the lengths of the sense's directions. Rounding errors are typically 1e-14 m; next to a singular posture
+/// the lengths of the sense's directions. Rounding errors are typically 1e-14 m. Near a singular posture,
 /// they are 1e-10 m.
 const BOUND_MARGIN: f64 = 1e-9;
 
-/// Number of nodes in a group: [`Ranking::pop`] finds the best group first, then the best node in this group.
+/// Number of nodes in a group. [`Ranking::pop`] finds the best group first, then the best node in this
+/// group.
 const GROUP: usize = 2 * MAX_LANES;
 
 /// Ranker of the nodes of one operation by lower bounds of their errors.
@@ -31,10 +32,10 @@ const GROUP: usize = 2 * MAX_LANES;
 pub struct Ranker {
     arm: PlanarLanes,
     chain: PerturbedChain,
-    /// Directions of the sense, world frame.
+    /// Directions of the sense, in the world frame.
     rows: Vec<Vector3<f64>>,
-    /// Coordinate x of every node in the frame of the equipment, m; `ys` holds y. The last node is repeated
-    /// to fill the last group.
+    /// Coordinate x of every node in the frame of the equipment, m. The field `ys` holds the coordinates y.
+    /// The last node is repeated to fill the last group.
     xs: Vec<f64>,
     ys: Vec<f64>,
     count: usize,
@@ -43,9 +44,10 @@ pub struct Ranker {
 
 /// One direction of the sense, prepared for one layout.
 ///
-/// The error in this direction is `built . p - (wanted . target - offset)`, where `p` is the TCP, computed by
-/// [`PerturbedChain::tip`]. Here `wanted` is the direction in the base frame, and `built` is the direction in
-/// the frame of `p`. The scalar `offset` is the component of the origin of that frame along the direction, m.
+/// The error in this direction is `built . p - (wanted . target - offset)`. Here `p` is the position of the
+/// TCP, computed by [`PerturbedChain::tip`]. The vector `wanted` is the direction in the base frame, and
+/// `built` is the direction in the frame of `p`. The scalar `offset` is the component of the origin of that
+/// frame along the direction, m.
 #[derive(Debug, Clone, Copy)]
 struct RankingRow {
     built: Vector3<f64>,
@@ -63,7 +65,8 @@ pub struct Ranking {
 }
 
 impl Ranker {
-    /// Prepares an operation; None if the ranker does not support its arm, reading, model or sense.
+    /// Prepares an operation; None if the ranker does not support the arm, or the reading, model or sense
+    /// of the operation.
     pub fn new(inverse: &Inverse, evaluator: &ErrorEvaluator, grid: &Grid) -> Option<Self> {
         let (errors, rows) = evaluator.plain()?;
         if rows.is_empty() {
@@ -78,7 +81,7 @@ impl Ranker {
         Some(Self { arm, chain, rows, xs, ys, count, standoff: grid.standoff() })
     }
 
-    /// Returns whether the nodes can be ranked for these attitudes of an operation.
+    /// Returns whether the nodes can be ranked for these attitudes of the operation.
     pub fn takes(&self, attitudes: &ToolAttitudes) -> bool {
         !attitudes.is_judged_by_posture()
     }
@@ -160,7 +163,7 @@ impl WithSimd for RankingPass<'_> {
 }
 
 impl Ranker {
-    /// Computes the squared error of the postures; 0 in place of NaN, so that the node is judged first.
+    /// Computes the squared error of the postures. NaN is replaced by 0, so that the node is judged first.
     #[inline(always)]
     fn size2<S: Simd>(&self, turns: &[CosSin<S>; 4], rows: &[RankingRow], wanted: &[Lanes<S>]) -> Lanes<S> {
         let [x, y, z] = self.chain.tip(turns);
@@ -172,7 +175,7 @@ impl Ranker {
         size2.is_above(-1.0).choose(size2, x.like(0.0))
     }
 
-    /// Prepares a row from the direction `wanted`, base frame.
+    /// Prepares a row from the direction `wanted` in the base frame.
     fn row(&self, wanted: &Vector3<f64>) -> RankingRow {
         let Pose { rotation, translation } = &self.chain.base;
         RankingRow { built: rotation.transpose() * wanted, offset: wanted.dot(translation), wanted: *wanted }
