@@ -146,7 +146,10 @@ fn the_study_recommends_the_default_solver() {
     let table = table(&rows, &study);
     println!("{table}");
     if is_full {
-        let budget = format!("The budget is {} evaluations, with {} seeds. This command makes the table:\n\n", study.budget, study.seeds);
+        let budget = format!(
+            "The budget is {} evaluations, with {} seeds. This command makes the table:\n\n",
+            study.budget, study.seeds
+        );
         let command = "    SWEETSPOT_STUDY=full cargo test --test maths solvers:: -- --nocapture\n\n";
         let folder = root().join("results/solvers");
         std::fs::create_dir_all(&folder).unwrap();
