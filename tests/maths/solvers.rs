@@ -128,11 +128,12 @@ fn table(rows: &[SolverRow], study: &Study) -> String {
 }
 
 const README: &str = "# Which solver\n\n\
-    Layout evaluations until the best layout found is within 1 % or 1 um of the best known (the best of all\n\
-    runs of all solvers on that cell): the median over the seeds, and how many of the seeds came there within the\n\
-    budget. The random cells are those of tests/common/random_cells.rs with three free coordinates and more.\n\
-    Left out are the other cells of cells/: thousands of searches in them take hours (hitachi_paper has\n\
-    nothing to search, hitachi_urdf is the same arm again).\n\n";
+    The table has the number of layout evaluations until the best layout found is within 1 % or 1 um of the best known\n\
+    layout. The best known layout is the best of all runs of all solvers on that cell. Each entry is the median over the\n\
+    seeds, with the number of seeds that came there within the budget. The random cells are those of\n\
+    tests/common/random_cells.rs with three or more free coordinates. The other cells of cells/ are left out, because\n\
+    thousands of searches in them take hours. Two of them would add nothing: hitachi_paper has nothing to search for, and\n\
+    hitachi_urdf has the same arm as hitachi_cell.\n\n";
 
 #[test]
 fn the_study_recommends_the_default_solver() {
@@ -145,7 +146,10 @@ fn the_study_recommends_the_default_solver() {
     let table = table(&rows, &study);
     println!("{table}");
     if is_full {
-        let budget = format!("Budget {} evaluations, {} seeds. Made by\n\n", study.budget, study.seeds);
+        let budget = format!(
+            "The budget is {} evaluations, with {} seeds. This command makes the table:\n\n",
+            study.budget, study.seeds
+        );
         let command = "    SWEETSPOT_STUDY=full cargo test --test maths solvers:: -- --nocapture\n\n";
         let folder = root().join("results/solvers");
         std::fs::create_dir_all(&folder).unwrap();

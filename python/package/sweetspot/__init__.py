@@ -1,7 +1,7 @@
 """Layouts of robot workcells with the least kinematic error.
 
-Numbers are those of the command `sweetspot`, bit for bit: lengths in mm, angles in degrees, each under a name that
-states its unit. Joint coordinates of measurements are in rad or m, and arrays are those of numpy.
+All numbers equal those of the command `sweetspot` bit for bit. Lengths are in mm and angles in degrees, and names state
+the unit. Joint coordinates of measurements are in rad or m. Arrays are numpy arrays.
 """
 
 from sweetspot._native import (

@@ -55,7 +55,7 @@ _Floats = npt.NDArray[np.float64]
 _Session = tuple[npt.ArrayLike, npt.ArrayLike]
 
 class _Question(TypedDict, total=False):
-    """The flags of the commands that choose errors and their interpretation."""
+    """Flags of the commands that choose errors and their interpretation."""
 
     errors: str | None
     model: Literal["nonlinear", "linear", "second-order"] | None
@@ -66,7 +66,7 @@ class _Question(TypedDict, total=False):
     registration: Literal["none", "best-fit", "taught"] | None
 
 class _SearchFlags(_Question, total=False):
-    """The flags of `sweetspot search`."""
+    """Flags of `sweetspot search`."""
 
     seed: int | None
     ideal: bool | None
@@ -80,7 +80,7 @@ class _SearchFlags(_Question, total=False):
 
 @final
 class Cell:
-    """Cell with its settings, valid by construction. It does not change: `with_` makes another one."""
+    """Cell with its settings, valid by construction. A cell is immutable: `with_` makes another one."""
 
     @staticmethod
     def read(path: _Path, *, packages: _Packages | None = None) -> Cell:
@@ -91,17 +91,17 @@ class Cell:
     ) -> Cell:
         """Reads a cell from the text of a cell file; the files that it refers to are in `folder`."""
     def with_(self, *sets: str | Mapping[str, Any], **question: Unpack[_Question]) -> Cell:
-        """Returns the cell with settings: `PATH=VALUE` as after `--set`, or a dict of paths and values; and the flags
-        that choose errors."""
+        """Returns the cell with other settings: `PATH=VALUE` as after `--set`, dicts of paths and values, or flags that
+        choose errors."""
     def with_errors(self, errors: Errors) -> Cell:
-        """Returns the cell with identified errors of its robot, and with the reading that suits them."""
+        """Returns the cell with identified errors of the robot, and with the reading that suits these errors."""
     def map(
         self, operation: str | None = None, *, senses: Literal["all", "own"] = "all", **question: Unpack[_Question]
     ) -> Map:
         """Maps the error over the surface of an operation, or of all operations.
 
-        `senses="own"` leaves out the figures in other senses than that of the operation: several times faster, and
-        half the memory.
+        `senses="own"` leaves out the figures in other senses than that of the operation. This is several times faster,
+        and takes half the memory.
         """
     def search(
         self,
@@ -111,20 +111,20 @@ class Cell:
         progress: Callable[[int, int, float | None], object] | None = None,
         **settings: Unpack[_SearchFlags],
     ) -> Search:
-        """Searches for the layout of least error. Ctrl-C ends the search, which then returns what it has found.
+        """Searches for the layout of least error. Ctrl-C ends the search, which then returns the best layout so far.
 
-        `progress` gets the evaluations so far, the budget, and the best objective.
+        `time` is in seconds. `progress` gets the evaluations so far, the budget, and the best objective.
         """
     def budget(
         self, operation: str | None = None, *, at: tuple[int, int] | None = None, **question: Unpack[_Question]
     ) -> BudgetDocument:
-        """Returns the shares of all parameters in the error at the spot of an operation, or at a node."""
+        """Returns the share of each parameter in the error at the spot of an operation, or at a node."""
     def robust(self, **question: Unpack[_Question]) -> RobustDocument:
         """Returns the sensitivity to misplaced equipment, and the largest misplacement that keeps the limits."""
     def report(self, path: _Path) -> VerdictDocument:
-        """Writes one HTML page about the layout as drawn, and returns its verdict. An existing page is replaced."""
+        """Writes one HTML page about the layout as drawn, and returns the verdict. An existing page is replaced."""
     def view(self, *, port: int = 0, open: bool = False) -> View:
-        """Serves a page on this machine that edits the layout."""
+        """Serves a page on this machine on which the layout can be edited."""
     def evaluator(self) -> Evaluator:
         """Returns a function from layouts to costs, for an optimiser of the user's own."""
     @property
@@ -141,7 +141,7 @@ class Cell:
         """Caveats on the interpretation of the errors."""
     @property
     def warnings(self) -> tuple[Fault, ...]:
-        """Warnings of the reader."""
+        """Warnings about the files of the cell."""
     def _repr_html_(self) -> str: ...
     @staticmethod
     def _restored(path: Any, packages: Any, files: Any, settings: Any) -> Cell: ...
@@ -152,17 +152,17 @@ class Map:
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
     def __getitem__(self, name: str, /) -> npt.NDArray[Any]:
-        """Returns a column of the nodes as a numpy array; a missing number is NaN."""
+        """Returns a column of the table of nodes as a numpy array, in which a missing number is NaN."""
     def __len__(self) -> int: ...
     @property
     def columns(self) -> list[str]:
         """Names of the columns."""
     @property
     def nbytes(self) -> int:
-        """Memory of the nodes, bytes."""
+        """Memory that the nodes take, in bytes."""
     @property
     def document(self) -> MapDocument:
-        """The record of `sweetspot map --json`, without the nodes."""
+        """Record of `sweetspot map --json`, without the nodes."""
     @property
     def operations(self) -> Table[OperationMapEntry]: ...
     @property
@@ -173,7 +173,7 @@ class Map:
     def unit(self) -> str: ...
     @property
     def svg(self) -> str:
-        """The picture of the map, the text of an SVG file."""
+        """Picture of the map as the text of an SVG file."""
     def _repr_html_(self) -> str: ...
 
 @final
@@ -190,41 +190,41 @@ class Search:
         """Proven lower bound of the objective of every layout, in `unit`."""
     @property
     def gap(self) -> float | None:
-        """How far the best layout lies above the bound: 0.01 is 1 %."""
+        """Relative distance of the best layout from the proven lower bound: 0.01 is 1 %."""
     @property
     def cell(self) -> Cell:
-        """The cell at the best layout."""
+        """Cell at the best layout."""
     @property
     def cells(self) -> list[Cell]:
-        """The cells at the layouts of the front or the shortlist, the best first."""
+        """Cells at the layouts of the Pareto front or the shortlist, the best first."""
     @property
     def trace(self) -> _Floats:
-        """Improvements of the best layout, shape (n, 2): number of evaluations, and objective in `unit`."""
+        """Improvements of the search, shape (n, 2): number of evaluations, and least objective so far in `unit`."""
     @property
     def document(self) -> SearchResult:
-        """The record of `sweetspot search --json`."""
+        """Record of `sweetspot search --json`."""
     @property
     def operations(self) -> Table[SpotEntry]:
         """Spots of the operations in the best layout."""
     @property
     def front(self) -> Table[AlternativeEntry] | None:
-        """The Pareto front or the shortlist; None if the search was not asked to keep layouts."""
+        """Pareto front or shortlist of layouts; None without `pareto` and `keep`."""
     @property
     def layout(self) -> dict[str, PlacementEntry]:
         """Placement of every piece of equipment in the best layout."""
     @property
     def ended(self) -> str:
-        """Why the search ended."""
+        """Reason why the search ended, such as `interrupted`."""
     @property
     def evaluations(self) -> int:
         """Number of layouts evaluated."""
     def report(self, path: _Path) -> VerdictDocument:
-        """Writes one HTML page about the result, and returns its verdict. An existing page is replaced."""
+        """Writes one HTML page about the result, and returns the verdict. An existing page is replaced."""
     def _repr_html_(self) -> str: ...
 
 @final
 class Evaluator:
-    """Function from layouts to costs. A layout is a point of the unit cube, or its free coordinates in mm and degrees."""
+    """Function from layouts to costs. A layout is a point of the unit cube, or free coordinates in mm and degrees."""
 
     @property
     def dim(self) -> int:
@@ -237,24 +237,25 @@ class Evaluator:
         """Unit of the costs."""
     @property
     def bounds(self) -> _Floats:
-        """Least and largest value of every free coordinate, mm or degrees, shape (dim, 2)."""
+        """Least and greatest value of every free coordinate in mm or degrees, shape (dim, 2)."""
     @property
     def start(self) -> _Floats:
-        """The layout as drawn, a point of the unit cube."""
+        """Point of the unit cube for the layout as drawn."""
     @property
     def cell(self) -> Cell:
-        """The cell whose layouts are evaluated."""
+        """Cell whose layouts are evaluated."""
     def __call__(self, /, layouts: npt.ArrayLike, *, units: bool = False) -> Any:
         """Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
 
-        A layout that misses a limit costs more than 100 times the weight of the objective, in m, rad or shares. An infeasible layout costs at least 1000 times that weight, and the more, the farther it is from feasibility.
+        A layout that misses a limit costs more than 100 times the weight of the objective, in m, rad or shares. An
+        infeasible layout costs at least 1000 times that weight. Its cost increases with its distance from feasibility.
         """
     def evaluate(self, layouts: npt.ArrayLike, *, units: bool = False, reasons: bool = False) -> Evaluations:
-        """Evaluates layouts: costs, objectives, values of the operations, and on request reasons."""
+        """Evaluates layouts: costs, objectives, values of the operations, and reasons if `reasons` is True."""
     def to_units(self, points: npt.ArrayLike) -> _Floats:
-        """Returns the coordinates, mm and degrees, of the layouts at points of the unit cube."""
+        """Returns the coordinates in mm and degrees of the layouts at points of the unit cube."""
     def from_units(self, layouts: npt.ArrayLike) -> _Floats:
-        """Returns the points of the unit cube of layouts whose coordinates, mm and degrees, are inside the bounds."""
+        """Returns the points of the unit cube for layouts in mm and degrees, which must be inside the bounds."""
     def cell_at(self, layout: npt.ArrayLike, *, units: bool = False) -> Cell:
         """Returns the cell at one layout."""
 
@@ -276,7 +277,7 @@ class Evaluations:
         """Value of every operation at its spot, shape (n, operations); NaN without a spot."""
     @property
     def reasons(self) -> list[list[str]] | None:
-        """Why each layout is not feasible; None unless reasons were asked for."""
+        """Reasons why each layout is not feasible; None without `reasons=True`."""
     @property
     def operations(self) -> list[str]:
         """Names of the operations."""
@@ -298,45 +299,48 @@ class Robot:
     def errors(self) -> list[str]:
         """Names of the error sets."""
     def sheet(self) -> RobotSheetDocument:
-        """Returns the data sheet, the record of `sweetspot robot --json`."""
+        """Returns the data sheet of the robot, which is the record of `sweetspot robot --json`."""
 
 @final
 class Errors:
-    """Error set of a robot, the table `errors.NAME` of a robot file."""
+    """Error set of a robot: the table `errors.NAME` of a robot file."""
 
     @property
     def name(self) -> str: ...
     @property
     def toml(self) -> str:
-        """The table for a robot file."""
+        """Text of the table `errors.NAME` for a robot file."""
 
 @final
 class Calibration:
-    """Identified errors of a robot with their uncertainty."""
+    """Identified errors of a robot, with their uncertainty."""
 
     @property
     def errors(self) -> Errors:
-        """The identified errors, for `Cell.with_errors`."""
+        """Identified errors, for `Cell.with_errors`."""
     @property
     def document(self) -> CalibrationDocument:
-        """The record of `sweetspot calibrate --json`."""
+        """Record of `sweetspot calibrate --json`."""
     @property
     def parameters(self) -> Table[IdentifiedParameter]:
-        """The identified parameters."""
+        """Table of the identified parameters."""
     @property
     def covariance(self) -> _Floats:
-        """Covariance of the unknowns in m, rad and rad/m, harmonics last."""
+        """Covariance of the unknowns, in products of m, rad and rad/m; harmonics are last."""
     @property
     def residual_mm(self) -> float | None:
-        """Root mean square of the residuals per axis, mm."""
+        """Root mean square of the residuals per axis, in mm."""
 
 @final
 class View:
-    """Server of a page on this machine that edits a layout. It ends at `stop`, at the end of its `with` block, or with the process."""
+    """Server of a page on this machine on which a layout can be edited.
+
+    The server ends at `stop`, at the end of the `with` block, or with the process.
+    """
 
     @property
     def url(self) -> str:
-        """Address of the page, which contains its secret."""
+        """Address of the page. It contains the secret that admits a browser."""
     def stop(self) -> None:
         """Ends the server."""
     def __enter__(self) -> Self: ...
@@ -359,16 +363,16 @@ def calibrate(
 ) -> Calibration:
     """Identifies the kinematic errors of a robot from measured positions of its tool.
 
-    `q` has the joint coordinates (n, axes) in rad (m for a prismatic joint), `measured` the positions (n, 3) or poses
-    (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the standard deviation of the
-    instrument per axis, in `unit`. `test` has positions that are not part of the fit.
+    `q` has the joint coordinates (n, axes) in rad (m for a prismatic joint). `measured` has the positions (n, 3) or the
+    poses (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the standard deviation of the
+    instrument per axis, in `unit`. `test` is a pair (q, measured) that is not part of the fit.
 
-    For several sessions, each with a frame of the instrument and a tool of its own, give a list of arrays as `q` and
-    one as `measured`. `test` may be a list of pairs (q, measured).
+    Several sessions may have different frames of the instrument and different tools. For these, `q` is a list of
+    arrays, and so is `measured`. `test` may be a list of pairs (q, measured).
     """
 
 def compare(*layouts: Cell | Search, names: list[str] | None = None) -> ComparisonDocument:
-    """Compares the layouts of cells and searches side by side; the first one is the reference."""
+    """Compares the layouts of cells and searches. The first layout is the reference."""
 
 def evaluator(cell: Cell) -> Evaluator:
     """Returns a function from layouts to costs, for an optimiser of the user's own."""
@@ -377,7 +381,7 @@ def robot(name: _Path, *, packages: _Packages | None = None) -> Robot:
     """Returns a built-in robot by its name, or reads a robot file or a URDF."""
 
 def robots() -> RobotsDocument:
-    """Returns the built-in robots, the record of `sweetspot robots --json`."""
+    """Returns the list of built-in robots, which is the record of `sweetspot robots --json`."""
 
 def schema(kind: str = "cell") -> dict[str, Any]:
     """Returns the JSON Schema of a kind of file or document."""

@@ -1,4 +1,4 @@
-"""What all records share: reading JSON, comparison, display, and tables for data frames."""
+"""Base of all records: reading JSON, comparison, display, and tables for data frames."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Row = TypeVar("Row", bound="Record", covariant=True)
 
 
 class Record:
-    """Record of the library with typed fields. It does not change."""
+    """Record of the library with typed fields. A record is immutable."""
 
-    # For each field that is not a plain value: how to read it, and the name of its class.
+    # Fields that are not plain values, each with how to read it and with the name of its class.
     _nested: ClassVar[dict[str, tuple[str, str]]] = {}
     _data: dict[str, Any]
 
@@ -30,7 +30,7 @@ class Record:
         for name, value in data.items():
             how = self._nested.get(name)
             setattr(self, _attribute(name), value if how is None or value is None else _read(value, *how))
-        # A field that the document leaves out has no value.
+        # A field that the document leaves out is None.
         for name in type(self).__annotations__:
             if name not in self.__dict__ and not name.startswith("_"):
                 setattr(self, name, None)
@@ -66,12 +66,12 @@ class Record:
 
 
 class Table(Generic[Row]):
-    """Rows of one kind. A data frame takes it as it is: `polars.DataFrame(table)`, `pyarrow.table(table)`.
+    """Rows of one kind. Data frames read a table directly: `polars.DataFrame(table)`, `pyarrow.table(table)`.
 
-    A column of a nested record has its path as name, such as `before.rms_mm`. Nested rows are left out.
+    The name of a column from a nested record is its path, such as `before.rms_mm`. Nested rows are left out.
     """
 
-    # No subclass of Sequence, because polars would then not ask for Arrow.
+    # This is not a subclass of Sequence, because polars would then not ask for Arrow.
 
     def __init__(self, rows: Sequence[Row]) -> None:
         self._rows = tuple(rows)

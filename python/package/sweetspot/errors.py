@@ -7,9 +7,9 @@ from typing import Any, Iterable, NamedTuple
 
 
 class Fault(NamedTuple):
-    """Fault in one file: where it is, what is wrong and what to do. Lines and columns count from 1.
+    """Fault in one file: where it is, what is wrong, and what to do. Lines and columns are counted from 1.
 
-    A fault of a setting or of a question has the line 0; `file` then states the setting or the cell.
+    The line of a fault in a setting or in a question is 0. The field `file` then states the setting or the cell.
     """
 
     severity: str
@@ -25,7 +25,7 @@ class Fault(NamedTuple):
 
 
 class SweetspotError(Exception):
-    """Error that carries faults. The properties are those of the first error."""
+    """Exception that carries faults. The properties are those of the first fault that is an error."""
 
     faults: tuple[Fault, ...]
 
@@ -66,7 +66,7 @@ class SweetspotError(Exception):
 
 
 class InputError(SweetspotError, ValueError):
-    """Invalid cell, robot or question; `faults` lists all faults of all files."""
+    """Invalid cell, robot or question. The attribute `faults` lists all faults of all files."""
 
 
 class UnreadableError(InputError):
@@ -78,7 +78,7 @@ class NoAnswerError(SweetspotError):
 
 
 class InputWarning(UserWarning):
-    """Warning of the reader of a cell or robot file."""
+    """Warning about a cell file or a robot file."""
 
 
 def _listed(faults: Iterable[tuple[Any, ...]]) -> tuple[Fault, ...]:

@@ -12,12 +12,12 @@ use sweetspot::cell::{Cell, Interpretation, Objective, Quantity, Reading, Unit};
 use sweetspot::layout::{Workcell, evaluate};
 
 const HEAD: &str = "# What the cheapest tolerances save\n\n\
-    `sweetspot allocate` on every cell in cells/, as drawn, with the error set of the cell read as tolerances. The limit\n\
-    of each operation is a share of its present worst case or 95th percentile: at its spot, or at the worst of all\n\
-    usable nodes. Every tolerance costs 1 at present and 1 / scale otherwise, with scales from 0.1 to 3. Uniform\n\
-    tightening gives all tolerances the same scale. Both keep the limits by the error model of the cell, and\n\
-    percentiles also by samples. \"Gap\" is the duality gap. Seconds are of one run on 2 cores that others used too,\n\
-    maps and samples included. Made by\n\n\
+    This table applies `sweetspot allocate` to every cell in cells/, as drawn. The error set of the cell is read as\n\
+    tolerances. The limit of each operation is a share of the present worst case or 95th percentile, at the spot or at\n\
+    the worst of all usable nodes. Every tolerance costs 1 at present and 1 / scale otherwise, with scales from 0.1 to 3.\n\
+    Uniform tightening gives all tolerances the same scale. Both solutions keep the limits by the error model of the cell,\n\
+    and limits of percentiles also by samples. \"Gap\" is the duality gap. The times are those of one run on 2 cores that\n\
+    other jobs used, too. They include maps and samples. This command makes the table:\n\n\
     \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths allocation::figures -- --nocapture\n\n\
     | cell | reading | limits at | of present | tolerances | uniform | cheapest | saved | rounds | gap | seconds |\n\
     |---|---|---|---|---|---|---|---|---|---|---|\n";
@@ -174,8 +174,8 @@ fn figures() {
             put(row(name, Asked { reading, nodes, share: 0.7 }));
         }
     }
-    put("\nTimes of `allocation::allocate` alone, on one core: median of five. The arms are random; a third of the\n\
-         costs each are reciprocal, reciprocal powers and exponential.\n\n\
+    put("\nThe next table has the times of `allocation::allocate` alone on one core (median of five). The arms are random. One\n\
+         third of the costs are reciprocal, one third reciprocal powers, and one third exponential.\n\n\
          | tolerances | nodes | requirement | milliseconds | cone programs |\n|---|---|---|---|---|\n".into());
     for (nodes, rows, statistical, what) in [
         (1, 1, false, "worst case in an axis"),
@@ -191,10 +191,11 @@ fn figures() {
             put(format!("| {parameters} | {nodes} | {what} | {:.2} | {programs} |\n", seconds * 1e3));
         }
     }
-    put("\nSearches of hitachi_cell with seed 1 and the limits of the table at both operations, by cost and by error.\n\
-         \"Cost\" is what `allocate` finds for a layout by the linear model, at the spots of the search. An ideal layout\n\
-         need only work as drawn; one to build must work within its placement tolerances and has room. Seconds are of\n\
-         both searches, one after the other, on two cores.\n\n\
+    put("\nThe last table compares searches for the least cost with searches for the least error. The cell is hitachi_cell, the\n\
+         seed is 1, and both operations have the limit of the row. The costs are those that `allocate` finds for a layout by\n\
+         the linear model, at the spots of the search. An ideal layout need only work as drawn. A layout to build must work\n\
+         within the placement tolerances, and has room. The last two columns are the times of the two searches in seconds, one\n\
+         after the other, on two cores.\n\n\
          | reading | limit mm | layout | cost at the start | least error | cheapest | s by error | s by cost |\n\
          |---|---|---|---|---|---|---|---|\n".into());
     for (reading, quantity, limit_mm) in
