@@ -22,7 +22,7 @@ const PERIOD_PER_WRITE: u32 = 50;
 
 /// State of a search, and the proven bound of its objective, so that the proof is not repeated.
 #[derive(Serialize, Deserialize)]
-pub struct SearchState<S = Checkpoint> {
+pub struct StoredSearch<S = Checkpoint> {
     pub bound: Option<f64>,
     pub state: S,
 }
@@ -51,7 +51,7 @@ impl<'f> CombinationCheckpoint<'f> {
 
     /// Reads the state from which the search continues; None if no checkpoint fits. `bound` is the
     /// proven bound if the caller knows it.
-    pub fn read(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Option<SearchState> {
+    pub fn read(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Option<StoredSearch> {
         if !self.path().is_file() {
             return None;
         }
@@ -67,10 +67,10 @@ impl<'f> CombinationCheckpoint<'f> {
         stored.ok()
     }
 
-    fn stored(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Result<SearchState, String> {
+    fn stored(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Result<StoredSearch, String> {
         let bytes = read_inside(self.folder, &self.name(), "the sweep")?;
         let text = unsealed(&bytes).ok_or(DAMAGED)?;
-        let mut stored: SearchState = serde_json::from_slice(&text).map_err(|e| e.to_string())?;
+        let mut stored: StoredSearch = serde_json::from_slice(&text).map_err(|e| e.to_string())?;
         stored.bound = bound.unwrap_or(stored.bound);
         let rules = Stopping::new(&workcell.cell.search, stored.bound);
         let fit = stored.state.check(SearchSpace::new(&workcell.cell).dimensions(), &rules);
@@ -88,7 +88,7 @@ impl<'f> CombinationCheckpoint<'f> {
 
     /// Writes the state if a checkpoint is due. A checkpoint only saves time, so a failed write is
     /// ignored here. The later writing of the results reports such a failure.
-    pub fn keep(&self, state: &SearchState<&Checkpoint>, moment: Moment) {
+    pub fn keep(&self, state: &StoredSearch<&Checkpoint>, moment: Moment) {
         let mut due = self.due.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let now = Instant::now();
         let is_due = match moment {

@@ -548,7 +548,7 @@ fn a_wall_between_two_spots_blocks_every_transfer() {
     let assessed = Assessment::new("start", &workcell, start.clone());
     let reasons = assessed.reasons();
     assert!(
-        reasons.iter().any(|r| r.starts_with("no free transfer from pick to place: direct: ")),
+        reasons.iter().any(|r| r.starts_with("no collision-free transfer from pick to place: direct: ")),
         "{reasons:?}"
     );
     assert_eq!(evaluation, evaluate(&workcell, &start));

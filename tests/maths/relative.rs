@@ -57,8 +57,11 @@ fn a_note_names_the_pick_that_is_chosen_alone() {
     let cell = from_text(text).unwrap_or_else(|f| panic!("{f:#?}")).cell;
     let notes = caveats(&cell);
     assert_eq!(notes.len(), 1, "{notes:?}");
-    assert!(notes[0].starts_with("picking is relative to assembly, whose spot is chosen first"), "{notes:?}");
-    assert!(notes[0].ends_with("the objective with an error of 0 at picking"), "{notes:?}");
+    assert!(
+        notes[0].starts_with("picking is relative to assembly. The spot of assembly is chosen first"),
+        "{notes:?}"
+    );
+    assert!(notes[0].ends_with("its value with an error of 0 at picking"), "{notes:?}");
     assert!(caveats(&shipped("hitachi_cell.toml")).is_empty());
     // A pick at every node leaves no choice.
     let mut all = cell;

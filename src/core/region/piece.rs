@@ -145,7 +145,7 @@ impl<'a> MovablePiece<'a> {
     /// Judges the layout with some coordinates of the piece changed to `at`, m and rad. Returns its
     /// objective.
     ///
-    /// With `uncarried`, the result is an estimate.
+    /// The result is an estimate if `uncarried` is given.
     fn judge(
         &self,
         at: &[(usize, f64)],

@@ -1,6 +1,6 @@
 //! Conversion of joint axes to standard Denavit-Hartenberg rows (Denavit and Hartenberg 1955).
 //!
-//! With all joint coordinates at 0, the joint axes are fixed lines. Row k has the angle theta, the axial
+//! The joint axes are fixed lines while all joint coordinates are 0. Row k has the angle theta, the axial
 //! offset r, the common normal l and the twist alpha. The row leads from a frame with z along axis k to
 //! a frame with z along the next axis. The x axis of the second frame lies along the common normal of
 //! the two axes. If this definition leaves a choice, the following rules apply:

@@ -65,7 +65,7 @@ fn the_text_tells_costs_limits_and_what_to_do_next() {
         "uniform tightening",
         "the cheapest set saves",
         "0.1 mm more would save",
-        "by the nonlinear model",
+        "according to the nonlinear model",
         "may be loosened: ",
         "duality gap at most",
     ] {
@@ -290,7 +290,11 @@ fn measured_errors_stay_as_they_are() {
         assert!(document["duality_gap"].as_f64().unwrap() < 1e-6, "{document}");
     }
     let ran = shop.done(&["allocate", "cells/measured.toml"]);
-    assert!(ran.out.contains("not to order, because measured or correlated: dr1, dl2, dl3"), "{}", ran.out);
+    assert!(
+        ran.out.contains("not allocated, because they are measured or correlated: dr1, dl2, dl3"),
+        "{}",
+        ran.out
+    );
     shop.write(
         "cells/known.toml",
         &MEASURED.replace("[equipment.worktable.errors]", "[equipment.conveyor.errors]"),

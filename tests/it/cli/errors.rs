@@ -91,7 +91,7 @@ fn presets_are_listed_and_wrong_questions_refused() {
     for (args, words) in [
         (&["errors", "ur5e", "--preset", "skara"][..], &["no preset `skara`", "did you mean scara?"][..]),
         (&["errors", "ur5e", "--errors", "factory"], &["no error set `factory`", "placeholder"]),
-        (&["errors", "ur10e", "--errors", "factory"], &["has signs", "--preset"]),
+        (&["errors", "ur10e", "--errors", "factory"], &["is signed, so it describes one robot", "--preset"]),
         (&["errors", "ur5e", "--ap", "0"], &["more than 0"]),
         (&["errors", "ur5e", "--ap", "nan"], &["--ap"]),
         (&["errors", "ur5e", "--ap", "100000"], &["AP"]),

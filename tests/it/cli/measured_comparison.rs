@@ -257,7 +257,12 @@ fn a_comparison_says_whether_to_calibrate_to_move_or_both() {
     );
     // No remedy keeps a limit of 1 um, and every layout keeps one of 1 m.
     let never = shop.run(&[&args[..], &["--limit", "0.001"]].concat());
-    assert!(never.code == Some(1) && never.out.contains("Neither calibrating"), "{}{}", never.out, never.err);
+    assert!(
+        never.code == Some(1) && never.out.contains("No remedy keeps every limit"),
+        "{}{}",
+        never.out,
+        never.err
+    );
     let always = shop.done(&[&args[..], &["--limit", "1000"]].concat());
     assert!(always.out.contains("keeps every limit as it stands"), "{}", always.out);
 }

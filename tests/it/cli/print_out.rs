@@ -11,7 +11,7 @@ const TITLE_BLOCK: &str = "\n[title_block]\nowner = \"Example Automation\"\ntitl
 /// Writes the shipped cell with a title block, placement tolerances and these further lines.
 fn titled(shop: &Sandbox, more: &str) {
     let cell = shop.text(CELL);
-    let untitled = cell.split("\n# What the drawings").next().unwrap();
+    let untitled = cell.split("\n[title_block]").next().unwrap();
     let cell = untitled.replace(
         "[equipment.worktable]\n",
         "[equipment.worktable]\nplacement_tolerance = { x_mm = 2, y_mm = 2, yaw_deg = 0.05 }\n",

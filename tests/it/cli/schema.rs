@@ -164,5 +164,9 @@ fn a_result_folder_is_read_by_its_settings_and_not_by_its_command() {
     shop.write("found/manifest.json", &resealed(&manifest.replace("\"budget\": 60", "\"budget\": 61")));
     let ran = shop.run(&["report", "found"]);
     assert_eq!(ran.code, Some(2));
-    assert!(ran.err.contains("manifest.json: this program reads other settings"), "{}", ran.err);
+    assert!(
+        ran.err.contains("manifest.json: the settings that this program reads from inputs/ differ"),
+        "{}",
+        ran.err
+    );
 }

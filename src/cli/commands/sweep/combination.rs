@@ -2,7 +2,7 @@
 
 use crate::assess::Assessment;
 use crate::cell::SearchSettings;
-use crate::cli::combination_checkpoint::{CombinationCheckpoint, SearchState};
+use crate::cli::combination_checkpoint::{CombinationCheckpoint, StoredSearch};
 use crate::cli::commands::workcell;
 use crate::cli::json_text::{line, sealed};
 use crate::cli::loading::FileSnapshot;
@@ -79,7 +79,7 @@ fn searched(
         }
     };
     let (settings, watch) = (&workcell.cell.search, Watch { progress: &|_| {}, stop });
-    let keep = |state: &Checkpoint, moment| checkpoint.keep(&SearchState { bound, state }, moment);
+    let keep = |state: &Checkpoint, moment| checkpoint.keep(&StoredSearch { bound, state }, moment);
     let search_from = |from: Option<&Checkpoint>| {
         search::search_job(workcell, settings, &watch, &SearchJob { bound, from, keep: &keep })
     };
