@@ -266,6 +266,10 @@ pub struct Cell {
     pub assumed: Vec<Assumption>,
 }
 
+/// Reason why errors that compensate each other ([`Cell::errors_compensate`]) have no worst case and no statistics.
+pub const NO_TOLERANCES: &str =
+    "the errors compensate each other in one calibrated arm, so they are no tolerances";
+
 impl Cell {
     /// Returns the chosen error set of the robot.
     pub fn error_set(&self) -> &ErrorSet {
@@ -275,7 +279,8 @@ impl Cell {
     /// Returns whether the errors of a signed sample compensate each other, which holds if one of them exceeds the
     /// reach of the arm.
     ///
-    /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are not tolerances.
+    /// Some factory calibrations have rows of kilometres. The magnitudes of such errors are not tolerances:
+    /// [`NO_TOLERANCES`] says so.
     pub fn errors_compensate(&self) -> bool {
         let ErrorSet::Signed(sample) = self.error_set() else { return false };
         sample.dr.iter().chain(&sample.dl).any(|length| length.abs() > self.robot.reach())
