@@ -1,7 +1,7 @@
 //! The document of `budget --json`.
 
 use super::map::MonteCarloEntry;
-use super::numbers::{in_unit, joints, nine_digits, percent, position_mm};
+use super::numbers::{in_unit, joints, known_in_unit, nine_digits, percent, position_mm};
 use super::parameter_names as names;
 use super::parameter_unit::ParameterUnit;
 use super::words::{VALUE_WORDS, reading_word};
@@ -46,8 +46,9 @@ pub struct OperationBudget {
     pub node: Option<[usize; 2]>,
     pub position_mm: [f64; 3],
     pub joints_deg: Vec<f64>,
-    /// Whether the linear worst case is exact; otherwise it is an upper bound.
-    pub worst_linear_exact: bool,
+    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors are no
+    /// tolerances: they compensate each other in one calibrated arm.
+    pub worst_linear_exact: Option<bool>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
     /// has no limit, or if the quantity is the yield.
@@ -56,26 +57,28 @@ pub struct OperationBudget {
     pub monte_carlo: Option<MonteCarloEntry>,
     /// Shares of the parameters, the largest first.
     pub parameters: Vec<ShareEntry>,
-    /// Gains from halving the tolerances of the parameters with the largest shares.
+    /// Gains from halving the tolerances of the parameters with the largest shares. Empty if the errors are no
+    /// tolerances.
     pub tighten: Vec<TightenEntry>,
-    /// Worst case of the linear model, in the unit of the sense.
-    pub linear_worst: f64,
-    /// Standard deviation of the linear model, in the unit of the sense.
-    pub linear_rms: f64,
+    /// Worst case of the linear model, in the unit of the sense. Null if the errors are not tolerances.
+    pub linear_worst: Option<f64>,
+    /// Standard deviation of the linear model, in the unit of the sense. Null if the errors are not tolerances.
+    pub linear_rms: Option<f64>,
 }
 
-/// Error figures of a posture, measured in the sense of the operation.
+/// Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null if
+/// the errors are not tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TotalEntry {
     pub unit: Unit,
     pub error: f64,
-    pub worst_linear: f64,
-    pub worst: f64,
-    pub rms: f64,
-    pub mean: f64,
-    pub p95: f64,
-    pub p99: f64,
+    pub worst_linear: Option<f64>,
+    pub worst: Option<f64>,
+    pub rms: Option<f64>,
+    pub mean: Option<f64>,
+    pub p95: Option<f64>,
+    pub p99: Option<f64>,
     /// Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit.
     pub r#yield: Option<f64>,
 }
@@ -93,8 +96,10 @@ pub struct ShareEntry {
     pub linear_term_mm: [f64; 3],
     /// Linear error in the sense of the operation if this parameter is at its tolerance and all others are 0.
     pub alone: f64,
-    pub share_of_worst: f64,
-    pub share_of_variance: f64,
+    /// Null if the errors are not tolerances.
+    pub share_of_worst: Option<f64>,
+    /// Null if the errors are not tolerances.
+    pub share_of_variance: Option<f64>,
 }
 
 /// Gain from halving the tolerances of the parameters in `halved`.
@@ -140,14 +145,14 @@ impl OperationBudget {
             node: context.node.map(|(i, j)| [i, j]),
             position_mm: position_mm(&context.position),
             joints_deg: joints(context.cell, &context.joints),
-            worst_linear_exact: a.worst.exact,
+            worst_linear_exact: a.worst.map(|worst| worst.exact),
             total: TotalEntry::new(context, &a.judged),
             margin: context.requirement(a.judged.value).map(|r| in_unit(unit, r.margin)),
             monte_carlo: a.check.as_ref().map(|c| MonteCarloEntry::of(&c.samples, unit, Some(c.confirmed))),
-            parameters: a.budget.shares.iter().map(|s| ShareEntry::new(context, s)).collect(),
+            parameters: a.budget.shares.iter().map(|s| ShareEntry::new(a, s)).collect(),
             tighten: a.tighter.iter().map(|t| TightenEntry::new(a, t)).collect(),
-            linear_worst: in_unit(unit, a.budget.worst),
-            linear_rms: in_unit(unit, a.budget.deviation),
+            linear_worst: known_in_unit(unit, a.budget.worst),
+            linear_rms: known_in_unit(unit, a.budget.deviation),
         }
     }
 }
@@ -157,15 +162,18 @@ impl TotalEntry {
         let unit = context.evaluator.sense.unit;
         let Figures { error, worst_linear, worst, rms, mean, p95, p99 } =
             judged.figures[context.evaluator.own()];
-        let [error, worst_linear, worst, rms, mean, p95, p99] =
-            [error, worst_linear, worst, rms, mean, p95, p99].map(|v| in_unit(unit, v));
+        let [worst_linear, worst, rms, mean, p95, p99] =
+            [worst_linear, worst, rms, mean, p95, p99].map(|v| known_in_unit(unit, v));
+        let error = in_unit(unit, error);
         let r#yield = judged.success.map(nine_digits);
         Self { unit, error, worst_linear, worst, rms, mean, p95, p99, r#yield }
     }
 }
 
 impl ShareEntry {
-    fn new(context: &PostureContext<'_>, s: &Share) -> Self {
+    fn new(a: &BudgetReport<'_>, s: &Share) -> Self {
+        let context = &a.context;
+        let share = |of: f64| a.worst.map(|_| rounded(of, 12));
         let unit = ParameterUnit::new(context.cell, s.parameter);
         Self {
             parameter: names::parameter(context.cell, s.parameter),
@@ -174,8 +182,8 @@ impl ShareEntry {
             plus_minus: unit.shown(s.plus_minus),
             linear_term_mm: position_mm(&s.term),
             alone: in_unit(context.evaluator.sense.unit, s.alone),
-            share_of_worst: rounded(s.of_worst, 12),
-            share_of_variance: rounded(s.of_variance, 12),
+            share_of_worst: share(s.of_worst),
+            share_of_variance: share(s.of_variance),
         }
     }
 }

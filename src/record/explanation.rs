@@ -79,8 +79,9 @@ pub struct ExplanationDocument {
     pub guard: PostureGuardEntry,
     /// Rows of the sense: weighted components of the error, with their values.
     pub sense_rows: Vec<SenseRowEntry>,
-    /// Sign of every parameter at the worst corner of the tolerance box.
-    pub worst_corner: ByName<i8>,
+    /// Sign of every parameter at the worst corner of the tolerance box. Null if the errors are not tolerances:
+    /// they compensate each other in one calibrated arm.
+    pub worst_corner: Option<ByName<i8>>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
     /// has no limit, or if the quantity is the yield.
@@ -370,10 +371,10 @@ impl SenseRowEntry {
     }
 }
 
-fn corner(e: &Explanation<'_>) -> ByName<i8> {
-    let signs = e.lines.iter().zip(e.worst.corner);
+fn corner(e: &Explanation<'_>) -> Option<ByName<i8>> {
+    let signs = e.lines.iter().zip(e.worst?.corner);
     let sign = |(line, sign): (&ParameterEffect, f64)| {
         (names::parameter(e.context.cell, line.source.parameter), if sign < 0.0 { -1 } else { 1 })
     };
-    signs.map(sign).collect()
+    Some(signs.map(sign).collect())
 }

@@ -29,6 +29,11 @@ pub fn in_unit(unit: Unit, si: f64) -> f64 {
     nine_digits(unit.from_si(si))
 }
 
+/// Converts an SI value to `unit` as [`in_unit`] does; None if the value is infinite, which means unknown.
+pub fn known_in_unit(unit: Unit, si: f64) -> Option<f64> {
+    si.is_finite().then(|| in_unit(unit, si))
+}
+
 /// Converts a position to millimetres.
 pub fn position_mm(v: &Vector3<f64>) -> [f64; 3] {
     v.map(millimetres).into()

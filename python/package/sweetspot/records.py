@@ -732,8 +732,10 @@ class ExplanationDocument(Record):
     guard: PostureGuardEntry
     sense_rows: Table[SenseRowEntry]
     """Rows of the sense: weighted components of the error, with their values."""
-    worst_corner: Dict[str, int]
-    """Sign of every parameter at the worst corner of the tolerance box."""
+    worst_corner: Optional[Dict[str, int]]
+    """Sign of every parameter at the worst corner of the tolerance box. Null if the errors are not tolerances:
+    they compensate each other in one calibrated arm.
+    """
     total: TotalEntry
     margin: Optional[float]
     """Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation has
@@ -1302,8 +1304,10 @@ class OperationBudget(Record):
     node: Optional[List[int]]
     position_mm: _Numbers
     joints_deg: _Numbers
-    worst_linear_exact: bool
-    """Whether the linear worst case is exact; otherwise it is an upper bound."""
+    worst_linear_exact: Optional[bool]
+    """Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors are no
+    tolerances: they compensate each other in one calibrated arm.
+    """
     total: TotalEntry
     margin: Optional[float]
     """Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation has
@@ -1314,11 +1318,13 @@ class OperationBudget(Record):
     parameters: Table[ShareEntry]
     """Shares of the parameters, the largest first."""
     tighten: Table[TightenEntry]
-    """Gains from halving the tolerances of the parameters with the largest shares."""
-    linear_worst: float
-    """Worst case of the linear model, in the unit of the sense."""
-    linear_rms: float
-    """Standard deviation of the linear model, in the unit of the sense."""
+    """Gains from halving the tolerances of the parameters with the largest shares. Empty if the errors are no
+    tolerances.
+    """
+    linear_worst: Optional[float]
+    """Worst case of the linear model, in the unit of the sense. Null if the errors are not tolerances."""
+    linear_rms: Optional[float]
+    """Standard deviation of the linear model, in the unit of the sense. Null if the errors are not tolerances."""
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -2169,8 +2175,10 @@ class ShareEntry(Record):
     """
     alone: float
     """Linear error in the sense of the operation if this parameter is at its tolerance and all others are 0."""
-    share_of_worst: float
-    share_of_variance: float
+    share_of_worst: Optional[float]
+    """Null if the errors are not tolerances."""
+    share_of_variance: Optional[float]
+    """Null if the errors are not tolerances."""
 
     _nested = {
         'linear_term_mm': ('numbers', ''),
@@ -2601,16 +2609,18 @@ class ToolSheet(Record):
 
 
 class TotalEntry(Record):
-    """Error figures of a posture, measured in the sense of the operation."""
+    """Error figures of a posture, measured in the sense of the operation. Worst case and statistics are null if
+    the errors are not tolerances.
+    """
 
     unit: Literal['share', 'cost', 'mm', 'deg']
     error: float
-    worst_linear: float
-    worst: float
-    rms: float
-    mean: float
-    p95: float
-    p99: float
+    worst_linear: Optional[float]
+    worst: Optional[float]
+    rms: Optional[float]
+    mean: Optional[float]
+    p95: Optional[float]
+    p99: Optional[float]
     yield_: Optional[float]
     """Yield: share of random arms, drawn from the tolerances, whose error does not exceed the limit."""
 

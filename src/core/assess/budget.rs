@@ -24,13 +24,16 @@ pub struct BudgetReport<'a> {
     pub judged: PostureErrors,
     /// Monte Carlo check of the posture; None unless the reading is statistical.
     pub check: Option<PostureCheck>,
-    pub worst: WorstCase,
+    /// Worst case in the sense of the operation; None if the errors are not tolerances
+    /// ([`ErrorEvaluator::has_tolerances`]).
+    pub worst: Option<WorstCase>,
     /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, or the
-    /// worst case in any other reading.
+    /// worst case in any other reading. It is infinite if the errors are not tolerances.
     pub figure: f64,
     /// Results of trials with halved tolerances. The trials concern up to three parameters: those with the
     /// largest shares of the budget. Each trial halves the tolerance of one of these parameters. If there are
-    /// several parameters, a last trial halves the tolerances of all of them.
+    /// several parameters, a last trial halves the tolerances of all of them. There are no trials
+    /// if the errors are not tolerances.
     pub tighter: Vec<Tighter>,
 }
 
@@ -41,6 +44,17 @@ impl<'a> BudgetReport<'a> {
         let mut memory = evaluator.memory();
         let budget = Budget::new(evaluator, situation, frames, &mut memory);
         let (judged, check) = PostureCheck::judged(&context, &mut memory);
+        if !evaluator.has_tolerances() {
+            return Self {
+                budget,
+                judged,
+                check,
+                worst: None,
+                figure: f64::INFINITY,
+                tighter: Vec::new(),
+                context,
+            };
+        }
         evaluator.prepare(situation, frames, &mut memory);
         let worst = evaluator.worst(&evaluator.sense, situation, frames, &mut memory);
         let first: Vec<Parameter> = budget.shares.iter().take(TIGHTENED).map(|s| s.parameter).collect();
@@ -54,7 +68,7 @@ impl<'a> BudgetReport<'a> {
         });
         let tighter = tighter.collect();
         let figure = figure(evaluator, &context, &mut memory);
-        Self { budget, judged, check, worst, figure, tighter, context }
+        Self { budget, judged, check, worst: Some(worst), figure, tighter, context }
     }
 
     /// Returns the unit of [`Self::figure`], which is in m, rad or a share.

@@ -1,7 +1,7 @@
 //! Monte Carlo distribution of the error at a spot; the spot may have been chosen under any reading.
 
 use super::{Assessment, SAMPLES};
-use crate::cell::{Interpretation, Model, Quantity, Reading, Unit};
+use crate::cell::{Interpretation, Model, NO_TOLERANCES, Quantity, Reading, Unit};
 use crate::error_map::PostureRecord;
 use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
@@ -30,9 +30,7 @@ impl ErrorDistribution {
     pub fn at_spot(a: &Assessment<'_>, operation: usize) -> Result<Self, String> {
         let cell = a.cell;
         if cell.errors_compensate() {
-            return Err(
-                "the errors compensate each other in one calibrated arm, so they are not tolerances".into()
-            );
+            return Err(NO_TOLERANCES.into());
         }
         let (_, posture) = a.spot(operation).ok_or("the operation has no usable node")?;
         let judged = |model, reading| judged(a, operation, posture, model, reading);

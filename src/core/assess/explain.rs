@@ -77,7 +77,9 @@ pub struct Explanation<'a> {
     pub judged: PostureErrors,
     /// Monte Carlo check of the posture; None unless the reading is statistical.
     pub check: Option<PostureCheck>,
-    pub worst: WorstCase,
+    /// Worst case in the sense of the operation; None if the errors are not tolerances
+    /// ([`crate::reading::ErrorEvaluator::has_tolerances`]).
+    pub worst: Option<WorstCase>,
     /// Nonlinear error of the robot alone. Registration, the error at the pick of the part and errors of
     /// the equipment are ignored.
     pub robot: Displacement,
@@ -95,12 +97,15 @@ impl<'a> Explanation<'a> {
         let mut memory = evaluator.memory();
         let (judged, check) = PostureCheck::judged(&context, &mut memory);
         evaluator.prepare(situation, frames, &mut memory);
-        let worst = evaluator.worst(&evaluator.sense, situation, frames, &mut memory);
+        let has_worst = evaluator.has_tolerances();
+        let worst = has_worst.then(|| evaluator.worst(&evaluator.sense, situation, frames, &mut memory));
         let sources = &evaluator.sources;
         let mut values = [0.0; MAX_SOURCES];
-        match evaluator.reading {
-            Reading::Signed => values.iter_mut().zip(sources.signed()).for_each(|(v, s)| *v = s),
-            _ => evaluator.corner(&worst.corner, &mut values),
+        match &worst {
+            Some(worst) if evaluator.reading != Reading::Signed => {
+                evaluator.corner(&worst.corner, &mut values);
+            }
+            _ => values.iter_mut().zip(sources.signed()).for_each(|(v, s)| *v = s),
         }
         let theory = evaluator.propagation();
         let line = |(k, source): (usize, &ErrorSource)| {

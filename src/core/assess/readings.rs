@@ -4,7 +4,9 @@
 //! the signed reading chooses. The regret is the value at the signed spot divided by the least value, both under R.
 
 use super::posture_context::no_spot;
-use crate::cell::{About, Cell, Interpretation, Quantity, Reading, Registration, Unit};
+use crate::cell::{
+    About, Cell, Interpretation, NO_TOLERANCES, Operation, Quantity, Reading, Registration, Unit,
+};
 use crate::error_map::OperationMap;
 use crate::kinematic_error::NEGLIGIBLE;
 use crate::layout::Workcell;
@@ -82,6 +84,11 @@ impl<'a> Readings<'a> {
             let mut signed: Option<Maps> = None;
             for interpretation in answerable(cell, registration) {
                 let (reading, quantity) = (interpretation.reading, interpretation.quantity);
+                if reading != Reading::Signed && cell.errors_compensate() {
+                    let each = operations.iter_mut().zip(&cell.operations);
+                    each.for_each(|(rows, operation)| rows.push(unanswered(&interpretation, operation)));
+                    continue;
+                }
                 let workcell = own.interpreted_apart(&interpretation)?;
                 let maps = workcell.maps(&cell.start());
                 let by_signed = if reading == Reading::Signed { Some(&maps) } else { signed.as_ref() };
@@ -163,7 +170,6 @@ fn row(
         value: posture.value,
         moved: there.map(|t| (node.position - t.position).norm()),
     });
-    let share = cell.reading == Reading::Statistical && cell.quantity == Quantity::Yield;
     ReadingRow {
         reading: cell.reading,
         quantity: cell.quantity,
@@ -171,7 +177,29 @@ fn row(
         choice: choice.ok_or_else(|| no_spot(cell, &maps[k])),
         at_signed: signed.and_then(|chosen| value_at_choice(workcell, maps, chosen, k)),
         at_unregistered: plain.and_then(|chosen| value_at_choice(workcell, maps, chosen, k)),
-        unit: if share { Unit::Share } else { cell.operations[k].sense.unit },
+        unit: unit_of(cell.reading, cell.quantity, &cell.operations[k]),
+    }
+}
+
+/// Returns the row of a reading of tolerances for errors that are none ([`Cell::errors_compensate`]).
+fn unanswered(interpretation: &Interpretation, operation: &Operation) -> ReadingRow {
+    let Interpretation { reading, quantity, registration, .. } = *interpretation;
+    ReadingRow {
+        reading,
+        quantity,
+        registration,
+        choice: Err(NO_TOLERANCES.into()),
+        at_signed: None,
+        at_unregistered: None,
+        unit: unit_of(reading, quantity, operation),
+    }
+}
+
+/// Returns the unit of the values of an operation under a reading.
+fn unit_of(reading: Reading, quantity: Quantity, operation: &Operation) -> Unit {
+    match (reading, quantity) {
+        (Reading::Statistical, Quantity::Yield) => Unit::Share,
+        _ => operation.sense.unit,
     }
 }
 

@@ -268,6 +268,10 @@ pub struct Cell {
     pub assumed: Vec<Assumption>,
 }
 
+/// Reason why errors that compensate each other ([`Cell::errors_compensate`]) have no worst case and no statistics.
+pub const NO_TOLERANCES: &str =
+    "the errors compensate each other in one calibrated arm, so they are not tolerances";
+
 impl Cell {
     /// Returns the chosen error set of the robot.
     pub fn error_set(&self) -> &ErrorSet {
@@ -279,6 +283,7 @@ impl Cell {
     ///
     /// Some factory calibrations have Denavit-Hartenberg rows of kilometres. The magnitudes of such errors
     /// are not tolerances.
+    /// The text [`NO_TOLERANCES`] states this.
     pub fn errors_compensate(&self) -> bool {
         let ErrorSet::Signed(sample) = self.error_set() else { return false };
         sample.dr.iter().chain(&sample.dl).any(|length| length.abs() > self.robot.reach())

@@ -129,7 +129,7 @@ impl OperationQuery<'_> {
         let (arm, PostureMemory { scratch, frames, .. }) = (&self.placed.mapper.arm, memory);
         let branch = arm.inverse.branch_at(&candidate.target, &self.attitudes, candidate.spot.branch)?;
         arm.chain.place(&branch.posture, frames);
-        let judged = self.setup.evaluator.judge_for_map(context, frames, &mut scratch.evaluator);
+        let judged = self.setup.evaluator.judge(context, frames, &mut scratch.evaluator);
         let to_world = context.site.world.transpose();
         let world = |d: &Displacement| d.turned(&to_world);
         let off = |model: &Displacement| deviation(&judged.nonlinear.position, &model.position);

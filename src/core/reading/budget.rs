@@ -24,18 +24,24 @@ pub struct Share {
     /// rad.
     pub alone: f64,
     /// Share of this source in the linear worst case; the shares of all sources add up to 1.
+    ///
+    /// This share and [`Self::of_variance`] are 0 if the errors are not tolerances
+    /// ([`ErrorEvaluator::has_tolerances`]).
     pub of_worst: f64,
     /// Share of this source in the variance of the linear error; the shares of all sources add up to 1.
     pub of_variance: f64,
 }
 
 /// Error budget of one posture, sorted by share, the largest first.
+///
+/// If the errors are not tolerances ([`ErrorEvaluator::has_tolerances`]), it is sorted by [`Share::alone`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
     pub shares: Vec<Share>,
-    /// Linear worst case of the error in the operation's sense, m or rad.
+    /// Linear worst case of the error in the operation's sense, m or rad; infinite if the errors are not tolerances.
     pub worst: f64,
-    /// Standard deviation of the linear error in the operation's sense, m or rad.
+    /// Standard deviation of the linear error in the operation's sense, m or rad; infinite if the errors are no
+    /// tolerances.
     pub deviation: f64,
 }
 
@@ -49,6 +55,7 @@ impl Budget {
     ) -> Self {
         evaluator.prepare(context, frames, memory);
         let measure = evaluator.measure(&evaluator.sense, context, frames);
+        let has_tolerances = evaluator.has_tolerances();
         let (worst, corner) = evaluator.linear_corner(&measure, memory);
         let sources = &evaluator.sources;
         let unit: Vec<Vector6<f64>> =
@@ -57,7 +64,7 @@ impl Budget {
             sources.list.iter().zip(&unit).zip(&corner).map(|((s, g), sign)| g * s.at(*sign)).sum();
         let variances = variances(sources, &unit);
         let total: f64 = variances.iter().sum();
-        let of = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        let of = |part: f64, whole: f64| if has_tolerances && whole > 0.0 { part / whole } else { 0.0 };
         let mut shares: Vec<Share> = sources
             .list
             .iter()
@@ -76,10 +83,14 @@ impl Budget {
                 }
             })
             .collect();
-        let key =
-            |s: &Share| if evaluator.reading == Reading::Statistical { s.of_variance } else { s.of_worst };
+        let key = |s: &Share| match evaluator.reading {
+            Reading::Statistical => s.of_variance,
+            _ if has_tolerances => s.of_worst,
+            _ => s.alone,
+        };
         shares.sort_by(|a, b| key(b).total_cmp(&key(a)));
-        Self { shares, worst: worst.value, deviation: total.sqrt() }
+        let known = |figure: f64| if has_tolerances { figure } else { f64::INFINITY };
+        Self { shares, worst: known(worst.value), deviation: known(total.sqrt()) }
     }
 }
 

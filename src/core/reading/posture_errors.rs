@@ -10,19 +10,21 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 
 impl ErrorEvaluator {
-    /// Returns the error figures of a posture that a map shows.
+    /// Returns whether the errors of the posture have a worst case and statistics.
     ///
-    /// They are the figures of [`Self::judge`]. However, the worst case and the statistics are infinite if
-    /// the errors of the signed sample compensate each other ([`crate::cell::Cell::errors_compensate`]).
-    pub fn judge_for_map(
+    /// They have none in the signed reading if they compensate each other
+    /// ([`crate::cell::Cell::errors_compensate`]).
+    pub fn has_tolerances(&self) -> bool {
+        self.reading != Reading::Signed || !self.errors_compensate
+    }
+
+    /// Returns the error figures of a signed sample that has neither a worst case nor statistics.
+    fn judge_sample(
         &self,
         context: &WorkContext,
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> PostureErrors {
-        if self.reading != Reading::Signed || !self.errors_compensate {
-            return self.judge(context, frames, memory);
-        }
         self.prepare(context, frames, memory);
         let [nonlinear, linear, second_order] = [Model::Nonlinear, Model::Linear, Model::SecondOrder]
             .map(|model| self.error_of(&self.signed_values, context, frames, model, memory));
@@ -43,12 +45,17 @@ impl ErrorEvaluator {
     }
 
     /// Returns all error figures of a posture, in every sense of [`ErrorEvaluator::reported`].
+    ///
+    /// The worst case and the statistics are infinite unless [`Self::has_tolerances`].
     pub fn judge(
         &self,
         context: &WorkContext,
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> PostureErrors {
+        if !self.has_tolerances() {
+            return self.judge_sample(context, frames, memory);
+        }
         self.prepare(context, frames, memory);
         let each = |sense: &Sense| self.worst(sense, context, frames, memory);
         let worst: Vec<_> = self.reported.iter().map(each).collect();

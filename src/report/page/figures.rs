@@ -7,7 +7,7 @@ use super::places::titled;
 use super::quantities::{down, quantity};
 use super::subject::{Subject, si};
 use crate::assess::{Assessment, BudgetReport, ErrorDistribution, NodeChoice, PostureContext};
-use crate::cell::{Goal, Model, Reading};
+use crate::cell::{Goal, Model, NO_TOLERANCES, Reading};
 use crate::drawing::Drawing;
 use crate::files::shown;
 use crate::raster;
@@ -99,7 +99,13 @@ const MAX_PARAMETERS_SHOWN: usize = 12;
 
 fn budget(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The budget lists the contribution of every parameter to the error at the spot. Tighten the tolerances of the first parameters first. The shares of the worst case add up to 100 %, and so do the shares of the variance.";
+    let text = match a.cell.errors_compensate() && a.cell.reading == Reading::Signed {
+        true => "The budget lists the contribution of every parameter to the error at the spot.",
+        false => {
+            "The budget lists the contribution of every parameter to the error at the spot. Tighten the tolerances of the first parameters \
+             first. The shares of the worst case add up to 100 %, and so do the shares of the variance."
+        }
+    };
     let mut section = Section::new("budget", "Error budget", vec![text.into()]);
     for k in 0..a.maps.len() {
         let Ok(context) = PostureContext::at(a.workcell, &a.layout, &a.maps, k, NodeChoice::Best) else {
@@ -107,7 +113,9 @@ fn budget(subject: &Subject<'_>) -> Section {
         };
         let account = BudgetReport::new(context);
         let title = titled(a, &shown(&a.cell.operations[k].name));
-        section.figures.push(PageFigure::new(title, "", chart::tornado(&account)));
+        if account.worst.is_some() {
+            section.figures.push(PageFigure::new(title, "", chart::tornado(&account)));
+        }
         section.tables.push(budget_table(a, k, &account).folded());
     }
     section
@@ -117,7 +125,10 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> Pag
     let unit = account.context.evaluator.sense.unit;
     let row = |share: &Share| {
         let own = ParameterUnit::new(a.cell, share.parameter);
-        let percent = |share: f64| format!("{:.1}", rounded(percent_from_share(share), 1));
+        let percent = |share: f64| match account.worst {
+            Some(_) => format!("{:.1}", rounded(percent_from_share(share), 1)),
+            None => "–".into(),
+        };
         vec![
             names::parameter(a.cell, share.parameter),
             format!("{} {}", rounded(own.from_si(share.plus_minus), 6), own.word()),
@@ -131,7 +142,11 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> Pag
     let head = ["parameter", "plus or minus", &alone, "share of worst case %", "share of variance %"];
     let left = account.budget.shares.len().saturating_sub(MAX_PARAMETERS_SHOWN);
     let more = if left > 0 { format!("{left} more parameters contribute less. ") } else { String::new() };
-    let cut = account.tighter.first().map_or(String::new(), |t| {
+    let unknown = || match account.worst {
+        Some(_) => String::new(),
+        None => format!("There are no shares: {NO_TOLERANCES}."),
+    };
+    let cut = account.tighter.first().map_or_else(unknown, |t| {
         let name = names::parameter(a.cell, t.parameters[0]);
         let percent = rounded(percent_from_share(account.cut(t)), 1);
         let unit = account.unit();

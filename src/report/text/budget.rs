@@ -2,7 +2,7 @@
 
 use super::check::{requirement_line, samples_line};
 use super::table::TextTable;
-use super::{amount, fixed, percent1, place_words};
+use super::{amount, fixed, no_tolerances, percent1, place_words};
 use crate::assess::{BudgetReport, Tighter};
 use crate::cell::Reading;
 use crate::kinematic_error::NEGLIGIBLE;
@@ -29,11 +29,11 @@ pub fn budget(a: &BudgetReport<'_>) -> String {
         });
         return out;
     }
-    let _ = writeln!(
-        out,
-        "  in {}, largest share of the {by} first; linear terms {at}, world axes",
-        evaluator.sense.name
-    );
+    let order = match a.worst {
+        Some(_) => format!("largest share of the {by} first"),
+        None => "largest effect first".into(),
+    };
+    let _ = writeln!(out, "  in {}, {order}; linear terms {at}, world axes", evaluator.sense.name);
     out.push_str(&shares(a));
     out.push_str(&totals(a));
     out.push_str(&verdicts(a));
@@ -55,7 +55,8 @@ fn shares(a: &BudgetReport<'_>) -> String {
         ];
         row.extend(terms(&share.term));
         row.push(fixed(unit.from_si(share.alone), 4));
-        row.extend([share.of_worst, share.of_variance].map(percent1));
+        let part = |of: f64| a.worst.map_or_else(|| "-".into(), |_| percent1(of));
+        row.extend([share.of_worst, share.of_variance].map(part));
         table.row(row);
     }
     if a.context.evaluator.reading == Reading::Signed {
@@ -75,12 +76,13 @@ fn value(unit: ParameterUnit, si: f64) -> String {
 }
 
 fn totals(a: &BudgetReport<'_>) -> String {
+    let Some(found) = &a.worst else { return format!("  {}\n", no_tolerances()) };
     let evaluator = &a.context.evaluator;
     let unit = evaluator.sense.unit;
     let Figures { worst_linear, worst, rms, mean, p95, p99, .. } = a.judged.figures[evaluator.own()];
     let [worst_linear, worst, rms, mean, p95, p99] =
         [worst_linear, worst, rms, mean, p95, p99].map(|v| fixed(unit.from_si(v), 4));
-    let bound = if a.worst.exact { "" } else { " at most" };
+    let bound = if found.exact { "" } else { " at most" };
     let word = unit.word();
     let success = a.judged.success.map_or(String::new(), |s| format!(", yield {s:.6}"));
     let by = if a.check.as_ref().is_some_and(|c| !c.confirmed) { "by samples" } else { "to first order" };

@@ -2,7 +2,7 @@
 
 use super::check::{requirement_line, samples_line};
 use super::table::TextTable;
-use super::{fixed, percent, place_words};
+use super::{fixed, no_tolerances, percent, place_words};
 use crate::assess::{Explanation, MotionFrame, ParameterEffect, ParameterMotion};
 use crate::cell::{Convention, Frame, JointKind, Reading, Registration};
 use crate::pose::Displacement;
@@ -237,18 +237,20 @@ fn risk(e: &Explanation<'_>) -> String {
     let [worst_linear, worst, rms, mean, p95, p99] =
         [f.worst_linear, f.worst, f.rms, f.mean, f.p95, f.p99].map(|v| fixed(unit.from_si(v), 5));
     let sign = |s: f64| if s < 0.0 { "-" } else { "+" };
-    let corner = e.lines.iter().zip(e.worst.corner);
+    let corner = e.worst.iter().flat_map(|worst| e.lines.iter().zip(worst.corner));
     let corner: Vec<String> = corner
         .map(|(l, s)| format!("{}{}", sign(s), names::parameter(e.context.cell, l.source.parameter)))
         .collect();
     let word = unit.word();
     let by = if e.check.as_ref().is_some_and(|c| !c.confirmed) { "by samples" } else { "to first order" };
-    let mut out = format!(
-        "\n7. As plus-or-minus tolerances\n  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
+    let figures = format!(
+        "  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
          {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}, {by}\n",
         evaluator.model.name(),
         corner.join(" ")
     );
+    let figures = e.worst.map_or_else(|| format!("  {}\n", no_tolerances()), |_| figures);
+    let mut out = format!("\n7. As plus-or-minus tolerances\n{figures}");
     if let Some(success) = e.judged.success {
         let _ = writeln!(out, "  yield {success:.6}");
     }

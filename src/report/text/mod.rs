@@ -53,7 +53,7 @@ pub use sweep::sweep;
 pub use sweep_status::sweep_status;
 pub use urdf::derived;
 
-use crate::cell::{Cell, Quantity, Reading, Registration, Unit};
+use crate::cell::{Cell, NO_TOLERANCES, Quantity, Reading, Registration, Unit};
 use crate::error_map::NodeSign;
 
 use crate::assess::PostureContext;
@@ -126,6 +126,11 @@ fn amount(unit: Unit, si: f64) -> String {
         Unit::Share => format!("{} %", fixed(percent_from_share(si), 4)),
         _ => format!("{} {}", fixed(unit.from_si(si), 4), unit.word()),
     }
+}
+
+/// Returns why errors that compensate each other have no worst case and no statistics, in one line.
+pub fn no_tolerances() -> String {
+    format!("worst case and statistics: -, because {NO_TOLERANCES}")
 }
 
 /// Returns operation, surface, node and position in one line.

@@ -316,7 +316,7 @@ fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
     assert_eq!(set["operations"], file["operations"]);
 }
 
-/// The factory calibration of the UR10e has rows of hundreds of metres, which are no tolerances.
+/// The factory calibration of the UR10e has rows of hundreds of metres, which are not tolerances.
 #[test]
 fn errors_that_compensate_each_other_are_no_tolerances() {
     let shop = Sandbox::new();
@@ -338,5 +338,17 @@ fn errors_that_compensate_each_other_are_no_tolerances() {
         for figure in ["worst_mm", "rms_mm", "p95_mm", "p99_mm"] {
             assert_eq!(node[figure].is_null(), has_none, "{cell}: {figure}");
         }
+    }
+    let budget = &shop.json(&["budget", "cells/coarse.toml"])["operations"][0];
+    assert!(budget["total"]["error"].as_f64().is_some() && budget["tighten"] == serde_json::json!([]));
+    assert!(["worst", "p95"].iter().all(|figure| budget["total"][figure].is_null()), "{budget}");
+    assert!(budget["parameters"][0]["share_of_worst"].is_null(), "{budget}");
+    let explained = shop.json(&["explain", "cells/coarse.toml"]);
+    assert!(explained["worst_corner"].is_null() && explained["total"]["worst"].is_null(), "{explained}");
+    let compared = &shop.json(&["readings", "cells/coarse.toml"])["operations"][0];
+    for row in items(&compared["readings"]) {
+        assert_eq!(row["value"].is_null(), row["reading"] != "signed", "{row}");
+        let reason = row["reason"].as_str().unwrap_or_default();
+        assert_eq!(reason.contains("no tolerances"), row["reading"] != "signed", "{row}");
     }
 }
