@@ -27,23 +27,23 @@ class AccuracyQuantiles(Record):
 
     median_mm: float
     p5_mm: float
-    """5 % of the robots are better."""
+    """5th percentile: 5 % of the robots are better."""
     p95_mm: float
-    """95 % of the robots are better."""
+    """95th percentile: 95 % of the robots are better."""
     worst_pose_mm: float
     """Median over the robots of the worst of the five poses."""
 
 
 class AllocatedEntry(Record):
-    """Tolerance of one parameter, before and after."""
+    """Tolerance of one parameter before and after the allocation."""
 
     parameter: str
     unit: Literal['deg/m', 'deg/Nm', '1', 'mm', 'deg']
     cost_kind: Literal['reciprocal', 'exponential', 'grades']
     before: float
-    """Half width of the error set."""
+    """Half width of the tolerance in the error set."""
     after: Optional[float]
-    """Cheapest half width; null if infeasible."""
+    """Half width of the cheapest tolerance; null if infeasible."""
     scale: Optional[float]
     """`after` divided by `before`."""
     scale_range: _Numbers
@@ -81,8 +81,8 @@ class AllocationDocument(Record):
     cost: Optional[float]
     """Least cost found; null if the limits cannot be kept."""
     lower_bound: Optional[float]
-    """Proven lower bound of the cost, by the linear model scaled to the figures of the full error model; null if
-    infeasible.
+    """Proven lower bound of the cost; null if infeasible. The proof uses the linear model, scaled to the figures
+    of the full error model.
     """
     duality_gap: Optional[float]
     """Duality gap: relative distance of the cost from its lower bound; null if infeasible."""
@@ -90,7 +90,9 @@ class AllocationDocument(Record):
     """Uniform tightening for comparison; null if no common scale keeps the limits."""
     parameters: Table[AllocatedEntry]
     fixed: List[str]
-    """Names of the errors that stay as they are, because they are measured or correlated."""
+    """Names of the error parameters that the allocation does not change, because they are measured or
+    correlated.
+    """
     requirements: Table[AllocationRequirement]
     shortfalls: Table[ShortfallEntry]
     """Limits that even the tightest tolerances exceed."""
@@ -122,7 +124,7 @@ class AllocationRequirement(Record):
     shadow_price: Optional[float]
     """Decrease of the cost per unit of a larger limit."""
     sampled: Optional[float]
-    """Figure by Monte Carlo samples of the nonlinear model; null if it was not sampled."""
+    """Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled."""
 
 
 class AlternativeEntry(Record):
@@ -219,14 +221,14 @@ class CalibrationDocument(Record):
     sessions: Table[CalibratedFile]
     """Files from which the parameters are identified."""
     tests: Table[TestedFile]
-    """Files that were not part of the fit. Base and reflector are fitted to each."""
+    """Files that were not part of the fit. Base and reflector are fitted to each file."""
     held_out: Optional[AccuracyEntry]
     """Errors of predictions for blocks of the joint space that were left out of the fit. Null if the data do not
     allow such a fit.
     """
     parameters: Table[IdentifiedParameter]
     harmonics: Table[HarmonicsEntry]
-    """Periodic errors of the joints; empty if they were not asked for."""
+    """Periodic errors of the joints; empty if none were requested."""
     rank: int
     """Number of combinations of parameters whose standard deviation the data reduce to less than half."""
     unidentified: List[str]
@@ -274,7 +276,7 @@ class CheckDocument(Record):
     valid: bool
     faults: Table[Fault]
     self_collision: Table[OwnPairEntry]
-    """Pairs of the robot's solids, with the reason for each pair that may touch. Empty if self-collision is not
+    """Pairs of the robot's solids, with a reason if the two solids may touch. Empty if self-collision is not
     checked.
     """
     operations: Table[OperationOrderEntry]
@@ -320,11 +322,11 @@ class ComparedFile(Record):
     """Measured minus predicted errors."""
     coverage_95: Optional[float]
     """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part. The
-    random errors are constant: the fit of base and reflectors absorbs a part of them.
+    random errors are taken as constant over the poses. The fit of base and reflectors absorbs a part of them.
     """
     coverage_95_varying: Optional[float]
-    """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose, as the
-    misfit of a calibration does. Null unless the errors are measured.
+    """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
+    misfit of a calibration changes like this. Null unless the errors are measured.
     """
     rank_correlation: Optional[float]
     """Spearman correlation of predicted and measured sizes over all positions. Null if all are equal."""
@@ -456,11 +458,11 @@ class CorrectionEntry(Record):
     """Position of the target, world frame."""
     state: Literal['corrected', 'joint-limit', 'not-converged', 'unusable']
     reason: Optional[str]
-    """Reason why the target is not corrected; null if it is."""
+    """Reason why the target is not corrected; null if the target is corrected."""
     nominal_joints: Optional[_Numbers]
     """Joint coordinates without correction: degrees, or mm for a prismatic joint."""
     joints: Optional[_Numbers]
-    """Joint command: corrected coordinates, degrees, or mm for a prismatic joint."""
+    """Corrected joint coordinates, the joint command: degrees, or mm for a prismatic joint."""
     command: Optional[PoseEntry]
     """Pose command for a controller without calibration: the nominal pose at the joint command, base frame."""
     before_mm: Optional[float]
@@ -491,14 +493,16 @@ class CycleStepEntry(Record):
 
     phase: Literal['approach', 'dwell', 'retract', 'transfer', 'direct-move']
     operation: str
-    """Operation; of a move between operations, the one before it."""
+    """Operation of the step; for a move between operations, the operation before the move."""
     next: Optional[str]
-    """Operation after the move; null if the step is no move between operations."""
+    """Operation after the move; null if the step is not a move between operations."""
     time_s: float
 
 
 class CycleTimeEntry(Record):
-    """Least time of a layout for its operations, under the greatest speeds and accelerations of the joints."""
+    """Least time of the operations and motions of a layout, at the greatest speeds and accelerations of the
+    joints.
+    """
 
     total_s: Optional[float]
     """Sum of the times of all steps; null if a joint has no greatest speed."""
@@ -507,7 +511,7 @@ class CycleTimeEntry(Record):
     is_estimate: bool
     """Whether an acceleration is assumed, so that the times are estimates."""
     steps: Table[CycleStepEntry]
-    """Steps in their order; empty if a joint has no greatest speed."""
+    """Steps in the order of execution; empty if a joint has no greatest speed."""
     missing_speeds: List[str]
     """Joints whose greatest speed is missing."""
 
@@ -600,8 +604,8 @@ class ErrorSetEntry(Record):
 
 
 class ErrorsDocument(Record):
-    """Tolerances of a robot with the pose accuracy (ISO 9283) that they give. They are a guess, not a
-    measurement.
+    """Tolerances of a robot, with the pose accuracy (ISO 9283) that these tolerances give. Guessed tolerances
+    are not a measurement of the robot.
     """
 
     schema: Literal['sweetspot/errors/1']
@@ -609,7 +613,9 @@ class ErrorsDocument(Record):
     name: str
     """Name of the error set in the table for the robot file."""
     guess: bool
-    """Whether the tolerances are guessed from a preset or a data sheet. If not, they are those of the robot."""
+    """Whether the tolerances are guessed from a preset or a data sheet. If not, they are the tolerances of an
+    error set of the robot.
+    """
     source: str
     """Origin of the numbers in words, as in the table for the robot file."""
     origin: Literal['robot', 'preset']
@@ -618,24 +624,24 @@ class ErrorsDocument(Record):
     base: Literal['fitted', 'nominal']
     """Frame to which the accuracy refers."""
     wanted_ap_mm: Optional[float]
-    """Pose accuracy of the data sheet."""
+    """Pose accuracy AP that the data sheet states; null if none is stated."""
     wanted_rp_mm: Optional[float]
-    """Pose repeatability of the data sheet."""
+    """Pose repeatability RP that the data sheet states; null if none is stated."""
     scale: float
     """Factor by which the tolerances of the origin are multiplied."""
     steps: int
     """Number of predictions that the search for the factor took."""
     ap: AccuracyQuantiles
-    """Predicted accuracy of the constant errors."""
+    """Predicted pose accuracy AP from the constant errors alone."""
     ap_of_set: AccuracyQuantiles
     """Predicted accuracy of the tolerances as printed, random errors included."""
     joint_scatter: Optional[_Numbers]
     """Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a prismatic
-    joint; null without a repeatability.
+    joint. Null without a repeatability.
     """
     cube: TestCubeEntry
     parameters: Table[SpreadEntry]
-    """Tolerances, without those that are 0."""
+    """Tolerances that are not 0."""
 
     _nested = {
         'ap': ('record', 'AccuracyQuantiles'),
@@ -655,8 +661,8 @@ class EstimateEntry(Record):
 
 
 class ExpectedEntry(Record):
-    """Expected root mean square error of predicted positions at the operations. The base is registered anew. The
-    part of the error that the unknowns do not explain is not counted.
+    """Expected root mean square error of predicted positions at the operations. The base is assumed to be
+    registered again. The part of the error that the unknowns do not explain is not counted.
     """
 
     nodes: int
@@ -706,8 +712,8 @@ class ExplanationDocument(Record):
     convention: str
     """Denavit-Hartenberg convention of the rows in the robot file."""
     dh: Table[DhEntry]
-    """Rows of the Denavit-Hartenberg table at the posture, always in standard convention. If the robot file has
-    modified rows, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file. `l_mm` and `alpha_deg` of
+    """Rows of the Denavit-Hartenberg table at the posture, always in standard convention. For modified rows in
+    the robot file, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file. `l_mm` and `alpha_deg` of
     row 1 of the file are part of frame 0. In the last row of this table, both are 0.
     """
     frames: Table[FrameEntry]
@@ -791,8 +797,8 @@ class FactEntry(Record):
 
 
 class FailedCombination(Record):
-    """Combination whose last worker did not finish it. A worker that looks for work takes it over, unless it is
-    given up.
+    """Combination that its last worker did not finish. A worker that looks for work takes the combination over,
+    unless it is given up.
     """
 
     index: int
@@ -874,10 +880,10 @@ class HarmonicsEntry(Record):
     joint: str
     prior_deg: float
     """Standard deviation of a coefficient of the highest order before the measurement, found by the fit. Orders
-    up to 4 have twice the standard deviation of the others.
+    up to 4 have twice the standard deviation of higher orders.
     """
     rms_deg: float
-    """Root mean square of the identified error over a turn of the joint."""
+    """Root mean square of the identified error over one revolution of the joint."""
     cos_deg: _Numbers
     sin_deg: _Numbers
 
@@ -915,7 +921,9 @@ class IdentifiedParameter(Record):
     prior: Optional[float]
     """Standard deviation before the measurement. Null if a file states the parameter."""
     sigma: Optional[float]
-    """Standard deviation after the measurement. Null if a file states the parameter without it."""
+    """Standard deviation after the measurement. Null if a file states the parameter without a standard
+    deviation.
+    """
     identified: bool
     """Whether the data reduce the standard deviation to less than half."""
 
@@ -925,7 +933,9 @@ class IslandEntry(Record):
 
     seed: int
     is_best: bool
-    """Whether the best layout is of this island: the one with the least objective, the first one among equals."""
+    """Whether this island found the best layout, the one with the least objective. Among equals, the first
+    island counts.
+    """
     least_value: Optional[float]
     """Least objective found, in `unit`; null if no layout is feasible and keeps every limit."""
     evaluations: int
@@ -969,7 +979,9 @@ class JudgementEntry(Record):
     """Judgement of the tolerances by the full error model."""
 
     missed_percent: float
-    """How much the first solution exceeds a limit by the full model, percent; negative if it keeps all."""
+    """Largest excess of the first solution over a limit by the full error model, percent. Negative if the
+    solution keeps all limits.
+    """
     rounds: int
     """Number of rounds that adapted the linear requirements to the full model."""
     sampled_rounds: int
@@ -977,7 +989,7 @@ class JudgementEntry(Record):
     excess_percent: float
     """Largest excess over a limit at the end, percent; negative if all limits are kept."""
     programs: int
-    """Number of cone programs of the last solution."""
+    """Number of cone programs that the last solution took."""
 
 
 class LargestEntry(Record):
@@ -1054,10 +1066,10 @@ class MapDocument(Record):
     notes: List[str]
     """Caveats on the interpretation of the errors."""
     overlaps: List[str]
-    """Pairs of objects whose floor spaces overlap, or are nearer than the clearance."""
+    """Pairs of objects whose floor spaces overlap, or are nearer to each other than the clearance."""
     cell_yield: Optional[CellYieldEntry]
     """Share of arms that keep the limits of all operations, and of each operation alone. Left out unless the
-    reading is statistical, every operation has a spot and at least one has a limit.
+    reading is statistical, every operation has a spot, and an operation has a limit.
     """
     assumed: Table[AssumedEntry]
     """Values that the cell file leaves out and that were assumed."""
@@ -1072,7 +1084,7 @@ class MapDocument(Record):
     them. Left out if the cell does not check motions.
     """
     cycle_time: Optional[CycleTimeEntry]
-    """Cycle time of the layout; left out if it is not feasible."""
+    """Cycle time of the layout; left out if the layout is not feasible."""
     layout: Dict[str, PlacementEntry]
     """Placement of every piece of equipment, without obstacles."""
     operations: Table[OperationMapEntry]
@@ -1104,7 +1116,7 @@ class MapNode(Record):
     """Target position of the TCP."""
     status: Literal['out-of-reach', 'joint-limit', 'attitude', 'not-converged', 'collision', 'singular', 'approach', 'retract', 'unjudged', 'ok']
     reason: str
-    """Reason why the node cannot be used; empty if it can."""
+    """Reason why the node cannot be used; empty if the node is usable."""
     joints_deg: Optional[_Numbers]
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     error_mm: Optional[_Numbers]
@@ -1183,9 +1195,9 @@ class MeasuringPlanDocument(Record):
     unknowns: int
     """Number of unknowns of the calibration, including those of base and reflector."""
     reflector_mm: _Numbers
-    """Place of the reflector in the frame of the mechanical interface."""
+    """Position of the reflector in the frame of the mechanical interface."""
     tracker_mm: Optional[_Numbers]
-    """Place of the instrument in the world frame; null if visibility was not checked."""
+    """Position of the instrument in the world frame; null if visibility was not checked."""
     seed: int
 
     _nested = {
@@ -1201,7 +1213,7 @@ class MisfitEntry(Record):
     """Standard deviations of the errors that the parameters do not explain."""
 
     joints: _Numbers
-    """Standard deviation of every joint: deg for a revolute joint, mm for a prismatic one."""
+    """Standard deviation of the error of every joint: degrees, or mm for a prismatic joint."""
     position_mm: float
     """Standard deviation of a position per axis, mm."""
 
@@ -1252,7 +1264,8 @@ class MonteCarloEntry(Record):
     first_order_holds: Optional[bool]
     """Whether the samples confirm the first-order figures. If they do not, the figures of the samples replace
     the first-order figures of the spot. The value and margin of the operation are then also computed from the
-    samples. An exception is a value that is robust or combines several nodes: it stays first-order.
+    samples. An exception is a value that is robust or combines several nodes: such a value remains first-
+    order.
     """
 
     _nested = {
@@ -1273,7 +1286,9 @@ class MotionEntry(Record):
     """Axis of `frame` along or about which the motion happens: x, y or z."""
     frame: str
     factor: float
-    """Amount of the motion per unit of the parameter; for an elastic parameter, a lever in m or a torque in N m."""
+    """Amount of the motion per unit of the parameter. For an elastic parameter, this is a lever in m or a torque
+    in N m.
+    """
     axis_base: _Numbers
     lever_base_mm: _Numbers
     """Vector from the origin of `frame` to the TCP, base frame."""
@@ -1373,7 +1388,7 @@ class OperationMapEntry(Record):
     """Monte Carlo check of the spot; null unless the reading is statistical."""
     best: Optional[MapNode]
     """Spot: the usable node with the least value; null if no node is usable. For an operation at every node, the
-    spot is the node with the greatest value. It is then null if any node is unusable.
+    spot is the node with the greatest value. For such an operation, the spot is null if any node is unusable.
     """
     refined: Optional[RefinedEntry]
     """Spot refined between the nodes of the grid."""
@@ -1394,8 +1409,8 @@ class OperationOrderEntry(Record):
 
     name: str
     judges: str
-    """Postures that the search judges: "ranked-nodes", "spin-families" or "bounded-postures" if lower bounds of
-    the error leave some of them out, otherwise "every-posture".
+    """Postures that the search judges. If lower bounds of the error leave some postures out, this is "ranked-
+    nodes", "spin-families" or "bounded-postures". Otherwise, it is "every-posture".
     """
     why: Optional[str]
     """Reason why every posture is judged; null if lower bounds leave some postures out."""
@@ -1502,9 +1517,9 @@ class PlannedPoseEntry(Record):
     pose: int
     """Number of the pose, counted from 1."""
     joints: _Numbers
-    """Joint coordinates, degrees or mm."""
+    """Joint coordinates: degrees, or mm for a prismatic joint."""
     reflector_mm: _Numbers
-    """Nominal place of the reflector in the world frame."""
+    """Nominal position of the reflector in the world frame."""
 
     _nested = {
         'joints': ('numbers', ''),
@@ -1542,7 +1557,7 @@ class ProofEntry(Record):
     """Lower bounds that hold for every layout of a cell."""
 
     covers: Literal['everything', 'part', 'nothing', 'infeasible']
-    """Whether the bound covers all operations, some or none, or proves that no layout is feasible."""
+    """Whether the bound covers all operations, some operations or none, or proves that no layout is feasible."""
     operations: Table[ProvenOperation]
 
     _nested = {
@@ -1626,8 +1641,8 @@ class RefinedEntry(Record):
     value: float
     """Value of the operation at the refined spot, in the unit of the objective."""
     worst_value: Optional[float]
-    """Certified upper bound of the value over all misplacements inside the placement tolerances, in the unit of
-    the objective; absent if the layout need not withstand misplacements, or if no bound is known.
+    """Certified upper bound of the value over all misplacements within the placement tolerances, in the unit of
+    the objective. Absent if the layout need not withstand misplacements, or if no bound is known.
     """
     node_value: float
     """Value of the operation at the best node, in the unit of the objective."""
@@ -1643,17 +1658,18 @@ class RefinedEntry(Record):
 
 
 class RegionEntry(Record):
-    """Region of one piece: where it may stand while all other pieces stay as found and every operation keeps its
-    spot and branch. World frame. Everywhere in the region, the layout still works within the placement
-    tolerances, and the objective is at most `indifference_percent` above that of the layout.
+    """Region in which one piece may stand, world frame. All other pieces keep the placements that the search
+    found, and every operation keeps its spot and branch. Everywhere in the region, the layout still works
+    within the placement tolerances. The objective is at most `indifference_percent` above the objective of
+    the layout.
     """
 
     equipment: str
     """Name of the equipment, or `robot base`."""
     outline_mm: List[List[float]]
     """Closed rings of points x, y in plan, at the z and yaw of the layout. A point is inside if it lies in an
-    odd number of rings. A line of two points if the search moves the piece along one axis only; empty if it
-    moves the piece along neither.
+    odd number of rings. If the search moves the piece along one axis only, the only ring is a line of two
+    points. The list is empty if the search moves the piece along neither axis.
     """
     rim_mm: float
     """Width of the rim along the outline that is not resolved."""
@@ -1662,13 +1678,15 @@ class RegionEntry(Record):
     yaw_deg: _Numbers
     """Least and greatest yaw, at the x, y and z of the layout."""
     room_mm: Optional[float]
-    """Largest distance by which the piece may be displaced in every direction in plan; null if the search does
-    not displace it in plan.
+    """Largest distance by which the piece may be displaced in every direction in plan. Null if the search does
+    not displace the piece in plan.
     """
     room_deg: Optional[float]
-    """Largest angle by which the piece may be turned in both directions; null if the search does not turn it."""
+    """Largest angle by which the piece may be rotated in both directions. Null if the search does not rotate the
+    piece.
+    """
     ends_with: str
-    """What limits the room in plan, or the room to turn if there is none in plan."""
+    """Reason that limits the room in plan, or the room to rotate if the piece has no room in plan."""
 
     _nested = {
         'z_mm': ('numbers', ''),
@@ -1710,7 +1728,7 @@ class RemediesDocument(Record):
     remedies: Table[RemedyEntry]
     """One entry for each remedy: as drawn, calibrated, moved, both."""
     advised: List[Literal['as-drawn', 'calibrated', 'moved', 'both']]
-    """Remedies that are each enough; empty if none helps."""
+    """Remedies each of which is sufficient alone; empty if no remedy helps."""
     advice: str
     """Advice in one sentence."""
 
@@ -1727,7 +1745,7 @@ class RemedyEntry(Record):
     objective: Optional[float]
     """Objective in the unit of the document; null if the layout is not feasible."""
     gain_percent: Optional[float]
-    """By how much the objective is lower than as drawn, percent."""
+    """Reduction of the objective against the layout as drawn, percent."""
     within_limits: Optional[bool]
     """Whether every operation keeps its limit; null if no operation has one."""
     reasons: List[str]
@@ -1749,14 +1767,14 @@ class RepeatedPostureEntry(Record):
     """One posture that was visited several times."""
 
     row: int
-    """Row of the first visit."""
+    """Row of the file with the first visit, counted from 1 without the header."""
     visits: int
     position_mm: _Numbers
     """Position of the reflector for the nominal robot, base frame."""
     ap_mm: float
-    """Distance of the barycentre from the command position."""
+    """Distance of the barycentre of the measured positions from the command position."""
     rp_mm: float
-    """Mean distance from the barycentre plus three standard deviations."""
+    """Mean distance of the measured positions from the barycentre, plus three standard deviations."""
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -1790,7 +1808,7 @@ class RequirementEntry(Record):
     withstand misplacements, `worst` takes the place of the value.
     """
     met: bool
-    """Whether the limit is kept. It counts as missed if `worst` is needed but no bound is known."""
+    """Whether the limit is kept. The limit counts as missed if `worst` is needed but no bound is known."""
 
 
 class ResolvedOperation(Record):
@@ -1822,7 +1840,7 @@ class ResolvedSettings(Record):
     budget: int
     """Largest number of layouts to evaluate."""
     ideal: bool
-    """Whether placement tolerances do not count."""
+    """Whether the layout need only work exactly as drawn."""
     robust: bool
     """Whether the worst case over the placement tolerances is minimized."""
     gap: Optional[float]
@@ -1878,7 +1896,9 @@ class RobotSheetDocument(Record):
     """Names of the solids of the links."""
     errors: Table[ErrorSetEntry]
     envelope: Optional[EnvelopeSize]
-    """Null for a redundant arm and for numeric inverse kinematics; `sweetspot envelope` computes it."""
+    """Size of the working envelope; null for a redundant arm and for numeric inverse kinematics. The command
+    `sweetspot envelope` computes the envelope of such an arm.
+    """
 
     _nested = {
         'joints': ('table', 'JointSheet'),
@@ -1993,7 +2013,7 @@ class RunningCombination(Record):
     host: str
     process: int
     seconds: float
-    """Time since the worker began the combination, at its last heartbeat."""
+    """Time from the start of the combination to the last heartbeat of the worker."""
     seconds_since_heartbeat: float
     """Time since the last heartbeat, by the clock of the file server."""
 
@@ -2037,7 +2057,7 @@ class SearchResult(Record):
     objective: Literal['lexicographic', 'tolerance-cost', 'sum', 'max']
     solver: Literal['cma-es', 'particle-swarm', 'simulated-annealing']
     seed: int
-    """Seed of the random numbers; of several islands, the seed of the first one."""
+    """Seed of the random numbers; for several islands, the seed of the first one."""
     budget: int
     """Largest number of layouts to evaluate, or to evaluate on each island."""
     robust: bool
@@ -2055,14 +2075,14 @@ class SearchResult(Record):
     the reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
     """
     least_value: Optional[float]
-    """Least objective found, in `unit`. Among the layouts within `indifference_percent` of it, the best layout
-    is one with much room. Null if no layout is feasible and keeps every limit.
+    """Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective, the
+    best layout is one with much room. Null if no layout is feasible and keeps every limit.
     """
     regions: Table[RegionEntry]
-    """Where each piece that the search places may stand instead."""
+    """Regions in which each piece that the search places may stand instead."""
     whole_cell: Optional[TurnEntry]
     """Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be
-    turned.
+    rotated.
     """
     reasons: List[str]
     """Reasons why the best layout is not feasible."""
@@ -2197,7 +2217,7 @@ class ShortfallEntry(Record):
     excess: float
     """`least` minus `limit`."""
     in_the_way: Table[BoundEntry]
-    """Tightest permitted tolerances that prevent the limit, the most effective first."""
+    """Tightest permitted tolerances that keep the figure above the limit, the most effective first."""
 
     _nested = {
         'in_the_way': ('table', 'BoundEntry'),
@@ -2305,9 +2325,9 @@ class SpotRankingEntry(Record):
     mean_mm: float
     """Mean of the measured errors of all spots."""
     least_mm: float
-    """Least measured error of a spot."""
+    """Least measured error over all spots."""
     greatest_mm: float
-    """Greatest measured error of a spot."""
+    """Greatest measured error over all spots."""
 
     _nested = {
         'predicted_best': ('record', 'MeasuredSpotEntry'),
@@ -2484,7 +2504,7 @@ class SweepStatus(Record):
     combinations: int
     done: int
     free: int
-    """Number of combinations that nobody has begun."""
+    """Number of combinations that no worker has begun."""
     running: Table[RunningCombination]
     failed: Table[FailedCombination]
     seconds_left: Optional[float]
@@ -2492,7 +2512,7 @@ class SweepStatus(Record):
     runs, or if none has finished a combination yet.
     """
     hosts: Table[HostWork]
-    """What each host has done. Only workers of `sweep --claim` leave this information."""
+    """Work that each host has done. Only workers of `sweep --claim` leave this information."""
     complete: bool
     """Whether the table is written."""
 
@@ -2529,12 +2549,12 @@ class TestCubeEntry(Record):
 
     edge_mm: float
     is_standard: bool
-    """Whether the standard names a cube of this size."""
+    """Whether ISO 9283 names a cube of this size."""
     centre_mm: _Numbers
     bend_deg: float
     """Elevation of the tool axis."""
     spin_deg: Optional[float]
-    """Spin of the tool; null if the arm cannot keep it the same at all poses."""
+    """Spin of the tool; null if the arm cannot keep one spin at all poses."""
     poses: Table[TestPoseEntry]
     """The poses P1 to P5."""
 
@@ -2551,7 +2571,7 @@ class TestPoseEntry(Record):
     joints: _Numbers
     """Joint coordinates: degrees, or mm for a prismatic joint."""
     ap_mm: float
-    """Median accuracy at this pose."""
+    """Median over the robots of the accuracy at this pose."""
 
     _nested = {
         'position_mm': ('numbers', ''),
@@ -2645,7 +2665,7 @@ class TriedEntry(Record):
     candidates: int
     """Number of postures among which the plan chose."""
     colliding: int
-    """Number of postures that touch something or come nearer than the clearance."""
+    """Number of postures at which the robot touches something or comes nearer to it than the clearance."""
     hidden: int
     """Number of other postures at which the tracker does not see the reflector."""
 
@@ -2656,7 +2676,7 @@ class TurnEntry(Record):
     turn_deg: _Numbers
     """Least and greatest angle."""
     ends_with: str
-    """What limits the rotation at its nearer end."""
+    """Reason that limits the rotation at the nearer end of its range."""
 
     _nested = {
         'turn_deg': ('numbers', ''),
@@ -2731,10 +2751,10 @@ class VerdictDocument(Record):
     statistical, every operation has a spot, and at least one operation has a limit.
     """
     placements: Table[VerdictPlacement]
-    """Where everything stands; empty if the layout is not feasible."""
+    """Placements of the equipment and of the robot base; empty if the layout is not feasible."""
     operations: Table[VerdictSpot]
     whole_cell: Optional[TurnEntry]
-    """Rotation of all pieces together about the base axis; null if a piece cannot be turned."""
+    """Rotation of all pieces together about the base axis; null if a piece cannot be rotated."""
     reasons: List[str]
     """Reasons why the answer is no."""
 
@@ -2753,13 +2773,15 @@ class VerdictPlacement(Record):
 
     equipment: str
     at: PlacementEntry
-    """Placement in the frame of the robot base; that of the robot base itself is in the world frame."""
+    """Placement in the frame of the robot base; the placement of the robot base itself is in the world frame."""
     room_mm: Optional[float]
-    """Largest distance by which the piece may be displaced in every direction in plan; null if it is not known."""
+    """Largest distance by which the piece may be displaced in every direction in plan. Null if the distance is
+    not known.
+    """
     room_deg: Optional[float]
-    """Largest angle by which the piece may be turned in both directions; null if it is not known."""
+    """Largest angle by which the piece may be rotated in both directions; null if the angle is not known."""
     ends_with: Optional[str]
-    """What limits the room; null if the room is not known."""
+    """Reason that limits the room; null if the room is not known."""
 
     _nested = {
         'at': ('record', 'PlacementEntry'),
