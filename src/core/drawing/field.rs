@@ -48,7 +48,8 @@ impl ErrorView {
 
 /// Returns the combinations of model and reading under which a cell can be evaluated.
 ///
-/// The first is the combination that the cell states.
+/// The first is the combination that the cell states. Errors that compensate each other are not tolerances, so
+/// the others are then signed.
 pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     let own = ErrorView::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
@@ -57,7 +58,8 @@ pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     let readings: Vec<Reading> = readings.collect();
     let all =
         models.flat_map(|model| readings.iter().map(move |&reading| ErrorView { model, reading, quantity }));
-    let answers = |lens: &ErrorView| cell.faults_of(&lens.interpretation(cell)).is_empty();
+    let is_known = |lens: &ErrorView| lens.is_signed() || !cell.errors_compensate();
+    let answers = |lens: &ErrorView| is_known(lens) && cell.faults_of(&lens.interpretation(cell)).is_empty();
     let mut lenses = vec![own];
     let is_other = |lens: &ErrorView| (lens.reading, lens.model) != (own.reading, own.model);
     lenses.extend(all.filter(is_other).filter(answers));
@@ -168,7 +170,7 @@ pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorVi
         .enumerate()
         .skip(1)
         .map(|(l, lens)| {
-            let workcell = a.workcell.interpreted(&lens.interpretation(a.cell))?;
+            let workcell = a.workcell.interpreted(&lens.interpretation(a.cell))?.in_own_reading();
             let maps = workcell.maps(&a.layout);
             Ok(fields.iter().zip(&maps).map(|(f, map)| take(f, map, l, &workcell.cell)).collect::<Vec<_>>())
         })
