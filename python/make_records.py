@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 class Types:
-    """Types of Python for the definitions of all schemas."""
+    """Python types of the definitions in all schemas."""
 
     def __init__(self, definitions: dict[str, Any]) -> None:
         self.definitions = definitions

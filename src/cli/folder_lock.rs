@@ -65,7 +65,7 @@ impl FolderLock {
                 Err(TryLockError::Error(e)) => {
                     let folder = path_word(folder);
                     output::talk(&format!(
-                        "note: {folder} is not locked, because its file system refuses: {e}"
+                        "note: {folder} is not locked, because its file system refuses the lock: {e}"
                     ));
                     return Ok(Self { path, file: None, sweeps: false });
                 }

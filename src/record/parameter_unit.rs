@@ -74,7 +74,7 @@ impl ParameterUnit {
         nine_digits(self.from_si(value))
     }
 
-    /// Converts an effect per SI unit of a parameter to the effect per unit in documents, in mm.
+    /// Converts an effect per SI unit of a parameter to the effect, in mm, per unit that documents use.
     pub fn effect_mm(self, effect: &Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Length => *effect,

@@ -53,7 +53,7 @@ fn partition(text: &str) -> Result<String, String> {
     if !text.is_empty() && text.chars().all(is_plain) {
         Ok(text.into())
     } else {
-        Err("the name of a partition has only letters, digits and _ - . ,".into())
+        Err("the name of a partition may contain only letters, digits and the characters '_', '-', '.' and ','".into())
     }
 }
 

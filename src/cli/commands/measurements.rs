@@ -150,7 +150,7 @@ fn remarks(
         let is_angle = names.len() == 3;
         let unit = if is_angle { format!(" in {}", angles_in_words(of.degrees)) } else { String::new() };
         said.push(format!(
-            "orientation {}{unit}: {}; the rms distance of the nominal arm is {} deg",
+            "orientation {}{unit}: {}; the orientations of the nominal arm differ from the measured ones by {} deg rms",
             names.join(", "),
             of.convention.name(),
             rounded(deg_from_rad(of.rms), 3)

@@ -77,7 +77,7 @@ source = "the table is where the arm can reach it, chosen by sweetspot init; the
 errors = "{errors}"
 
 # How errors are read: "worst-case" (the worst corner of the tolerances) or "statistical" (random variables, of
-# which `quantity` is minimized: "rms", "mean", "p95", "p99" or "yield"). A measured sample is read "signed".
+# which `quantity` is minimized: "rms", "mean", "p95", "p99" or "yield"). A measured sample has the reading "signed".
 {reading}
 
 # A distance below this counts as a collision.

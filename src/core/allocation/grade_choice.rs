@@ -229,7 +229,7 @@ impl GradeSearch<'_> {
     }
 }
 
-/// Returns the loosest permitted scale of a domain that is not looser than `u`.
+/// Returns the loosest scale in a domain that is at most `u`, or the tightest scale of the domain if all are greater.
 fn tighter(cost: &ToleranceCost, domain: &ScaleDomain, u: f64) -> f64 {
     match domain {
         ScaleDomain::Range(low, high) => u.clamp(*low, *high),

@@ -15,8 +15,8 @@ const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 /// feasible.
 ///
 /// Each tolerance is reduced alone. If no single tolerance suffices, all tolerances of each body (robot base
-/// or piece of equipment) are reduced together. Finally, the tolerances of all bodies are reduced. The list
-/// is empty if the layout is infeasible even as drawn.
+/// or piece of equipment) are reduced together. If no single body suffices, the tolerances of all bodies are
+/// reduced together. The list is empty if the layout is infeasible even as drawn.
 pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     if !workcell.certifies() || evaluate(workcell, layout).is_accepted() {
         return Vec::new();

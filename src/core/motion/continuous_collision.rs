@@ -1,6 +1,6 @@
 //! Continuous collision checking of a path of straight moves in joint coordinates.
 //!
-//! The distance of every pair of solids is computed in the middle of an interval of the path. The interval
+//! The distance between any two solids is computed in the middle of an interval of the path. The interval
 //! is collision-free if every distance exceeds the required clearance by a sufficient margin. The margin is
 //! the amount by which the pair can approach within half the interval. Otherwise the interval is halved (F.
 //! Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and multiple

@@ -30,7 +30,7 @@ pub(super) enum SpinBound {
     WorstCase,
 }
 
-/// Bound of the figure of normal parameters.
+/// Lower bound of a figure of the error if all parameters are normal.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NormalBound {
     /// For each independent random factor, whether a rotation of the tool leaves its effect unchanged.

@@ -109,7 +109,7 @@ key_table! {
 
 key_table! {
     elastic_term, "an elastic term", "Deflection of a joint by the weight at and beyond the end of a link: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
-        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number from 1 or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
         LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its row: the row of the joint or a later one. The link leads from the frame before the row to the frame after it.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
         VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
     }

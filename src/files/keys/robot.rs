@@ -174,7 +174,7 @@ key_table! {
     robot_in_cell, "`robot`", "Robot of a cell and the placement of its base.", {
         BASE = table("base", &placement::TABLE, "Placement of the robot base in the world; if left out, the origin.");
         BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base: the layout must work everywhere within it. If left out, it is 2 mm and 0.2 degrees for a base that a search places.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
-        PEDESTAL = Key::new("pedestal", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&rectangle::TABLE)]), "Whether a robot base above the floor stands on a pedestal, which is checked for collision and drawn; or its cross-section in the base frame. If true, it is as large as the footprint of the robot. A base on a wall or a gantry has none.").default(Literal::Boolean(true));
+        PEDESTAL = Key::new("pedestal", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&rectangle::TABLE)]), "Whether a robot base above the floor stands on a pedestal, or the cross-section of the pedestal in the base frame. The pedestal is drawn and checked for collision. If true, it is as large as the footprint of the robot. A base on a wall or a gantry has none.").default(Literal::Boolean(true));
     }
     extends super::robot::TABLE;
     rules [Rule::Needs("schema", "units")];

@@ -30,7 +30,7 @@ pub struct FoundColumns {
     pub uncertainty: Option<(Vec<usize>, f64)>,
     /// Column that names the reflector of a row.
     pub reflector: Option<usize>,
-    /// Unit of the joints that names or a line of units state.
+    /// Unit of the joints, if the column names or a line of units state it.
     pub angle_unit: Option<StatedUnit>,
     /// Unit of the positions that names or a line of units state.
     pub length_unit: Option<StatedUnit>,

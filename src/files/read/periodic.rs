@@ -43,7 +43,7 @@ fn read_one(t: &mut Table, arm: ErrorRows<'_>, given: &mut Vec<usize>) -> Option
     let [cos, sin] = [cos?, sin?].map(|list| list.into_iter().map(rad_from_deg).collect::<Vec<_>>());
     if cos.len() != sin.len() {
         let message = format!("`cos_deg` has {} numbers and `sin_deg` has {}", cos.len(), sin.len());
-        t.error(node.at, message, "write one number in each list for every order from 1");
+        t.error(node.at, message, "write one number for each order, beginning with order 1, in both lists");
         return None;
     }
     Some(PeriodicError { joint, cos, sin })

@@ -87,7 +87,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
     let lever = t.get(&any_term::LEVER);
     let [(way, node)] = given[..] else {
         if given.is_empty() {
-            t.miss_one_of(ways, "add for example of = \"xy\", or direction = [0, 0, 1]");
+            t.miss_one_of(ways, "add one of these keys, such as of = \"xy\" or direction = [0, 0, 1]");
         } else {
             let names: Vec<_> = given.iter().map(|(key, _)| key.name).collect();
             let message = format!("a term may have only one of the keys `{}`", names.join("` and `"));

@@ -40,7 +40,7 @@ const LAYERS: [(&str, u16); 19] = [
     (VIEWPORT, 8),
 ];
 
-/// Number of faces from which their layer is frozen, because drawing them would be slow.
+/// Least number of faces at which their layer is frozen, because drawing so many faces would be slow.
 const MANY_FACES: usize = 2000;
 
 /// Returns the layers to write. The layers of obstacles, fence, keep-out spaces and regions are left out if they

@@ -65,7 +65,7 @@ fn map(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Section {
         for (k, field) in drawing.fields.iter().enumerate() {
             let caption = match field.every {
                 1 => String::new(),
-                every => format!("One node of {every} is drawn along each axis."),
+                every => format!("Along each axis, one in {every} nodes is drawn."),
             };
             let title = titled(a, &shown(&a.cell.operations[field.operation].name));
             section.figures.push(PageFigure::new(
@@ -183,7 +183,7 @@ fn rests_on_linearized(a: &Assessment<'_>) -> bool {
 /// Returns the section on the error distribution of arms that are built within the tolerances.
 fn distributions(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "A Monte Carlo simulation draws arms with random errors within the tolerances. The nonlinear model gives the \
+    let text = "A Monte Carlo simulation samples arms whose errors have the distributions of the tolerances. The nonlinear model gives the \
                 error of each arm; the chart shows the distribution of these errors at the spot.";
     let mut section = Section::new("distribution", "Distribution at the spots", vec![text.into()]);
     for k in 0..a.maps.len() {

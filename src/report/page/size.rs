@@ -26,6 +26,6 @@ pub fn sized(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Result<
         }
     }
     let note =
-        format!("warning: the page is {} MB large; use coarser meshes to make it smaller", html.len() >> 20);
+        format!("warning: the page has {} MB; use coarser meshes to make it smaller", html.len() >> 20);
     Ok(SizedPage { html, note: Some(note) })
 }

@@ -98,7 +98,10 @@ fn motions(e: &Explanation<'_>) -> String {
             ]);
         }
     }
-    format!("\n3. Each error is a small motion of all links from its frame to the TCP\n{}", table.render())
+    format!(
+        "\n3. Each error is a small motion of everything beyond its frame, up to the TCP\n{}",
+        table.render()
+    )
 }
 
 fn motion_words(motion: &ParameterMotion) -> String {

@@ -151,7 +151,7 @@ pub fn extrapolation(cell: &Cell, map: &OperationMap) -> Option<String> {
     let found = Extrapolation::of(cell, map)?;
     let joints = found.joints.iter().map(|&joint| shown(&cell.robot.joints[joint].name));
     Some(format!(
-        "the errors of {} of {} usable nodes{} are extrapolated: the calibration did not measure these angles of {}",
+        "the errors of {} of {} usable nodes{} are extrapolated: there, the calibration did not measure the angles of {}",
         found.nodes,
         found.usable,
         if found.has_spot { ", the spot among them," } else { "" },

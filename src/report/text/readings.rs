@@ -89,7 +89,7 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
         return vec!["choosing the spot by the signed sample costs nothing in any other reading".into()];
     }
     vec![format!(
-        "choosing the spot by the signed sample costs up to {} times the least {} ({}, {})",
+        "the spot that the signed sample chooses has up to {} times the least value of the {} ({}, {})",
         fixed(ratio, 2),
         row.quantity_name(),
         shown(&r.cell.operations[k].name),

@@ -318,7 +318,7 @@ fn set_changes_any_key_of_the_cell_and_flags_go_through_the_same_validation() {
 
 /// The factory calibration of the UR10e has rows of hundreds of metres, which are not tolerances.
 #[test]
-fn errors_that_compensate_each_other_are_no_tolerances() {
+fn errors_that_compensate_each_other_are_not_tolerances() {
     let shop = Sandbox::new();
     // A nonlinear worst case of every node would take most of the time.
     let coarse =
@@ -349,6 +349,6 @@ fn errors_that_compensate_each_other_are_no_tolerances() {
     for row in items(&compared["readings"]) {
         assert_eq!(row["value"].is_null(), row["reading"] != "signed", "{row}");
         let reason = row["reason"].as_str().unwrap_or_default();
-        assert_eq!(reason.contains("no tolerances"), row["reading"] != "signed", "{row}");
+        assert_eq!(reason.contains("not tolerances"), row["reading"] != "signed", "{row}");
     }
 }
