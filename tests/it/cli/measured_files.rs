@@ -302,7 +302,10 @@ fn the_convention_of_orientations_is_found() {
         let text = table(&header, ",", |shot| [joints_and_position(shot), numbers(shot)].concat());
         let said = explained(&shop, &format!("rotations{k}.csv"), text.as_bytes(), &[], 60);
         assert!(said.contains(words), "{names}: {said}");
-        assert!(said.contains("the orientations of the nominal arm differ from the measured ones by 0 deg rms"), "{names}: {said}");
+        assert!(
+            said.contains("the orientations of the nominal arm differ from the measured ones by 0 deg rms"),
+            "{names}: {said}"
+        );
     }
     let header = format!("{PLAIN},rx,ry,rz");
     let noise = table(&header, ",", |shot| [joints_and_position(shot), shot.q[..3].to_vec()].concat());
