@@ -89,7 +89,7 @@ impl<'a> Readings<'a> {
                     each.for_each(|(rows, operation)| rows.push(unanswered(&interpretation, operation)));
                     continue;
                 }
-                let workcell = own.interpreted_apart(&interpretation)?.in_own_senses().in_own_reading();
+                let workcell = own.interpreted_apart(&interpretation)?.in_own_senses();
                 let maps = workcell.maps(&cell.start());
                 let by_signed = if reading == Reading::Signed { Some(&maps) } else { signed.as_ref() };
                 let same = |(r, q, _): &&(Reading, Quantity, Maps)| (*r, *q) == (reading, quantity);

@@ -170,7 +170,7 @@ pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorVi
         .enumerate()
         .skip(1)
         .map(|(l, lens)| {
-            let workcell = a.workcell.interpreted(&lens.interpretation(a.cell))?.in_own_reading();
+            let workcell = a.workcell.interpreted(&lens.interpretation(a.cell))?;
             let maps = workcell.maps(&a.layout);
             Ok(fields.iter().zip(&maps).map(|(f, map)| take(f, map, l, &workcell.cell)).collect::<Vec<_>>())
         })

@@ -125,11 +125,6 @@ impl Mapper {
         self.setups.iter_mut().for_each(|setup| setup.evaluator.report_own_sense());
     }
 
-    /// Restricts the reported figures to those of the cell's own reading.
-    pub fn report_own_reading(&mut self) {
-        self.setups.iter_mut().for_each(|setup| setup.evaluator.report_own_reading());
-    }
-
     /// Switches off the ranking of nodes, so that every node is judged.
     pub fn forget_ranks(&mut self) {
         self.rankers.fill(None);

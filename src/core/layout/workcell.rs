@@ -103,14 +103,6 @@ impl Workcell {
         self
     }
 
-    /// Restricts each map to the figures of the cell's own reading, which is several times faster. All other
-    /// figures of a posture are infinite, and the share of successes is None unless the reading needs it.
-    #[must_use]
-    pub fn in_own_reading(mut self) -> Self {
-        self.mapper.report_own_reading();
-        self
-    }
-
     /// Returns whether the nodes of every operation are ranked before they are judged.
     pub fn is_ranked(&self) -> bool {
         self.mapper.is_ranked()

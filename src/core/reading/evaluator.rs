@@ -45,8 +45,6 @@ pub struct ErrorEvaluator {
     ignores_spin: bool,
     /// Whether the errors of the signed sample are not tolerances ([`Cell::errors_compensate`]).
     pub(super) errors_compensate: bool,
-    /// Whether [`ErrorEvaluator::judge`] computes only the figures of the reading.
-    pub(super) reports_own_reading: bool,
 }
 
 /// Working memory of an [`ErrorEvaluator`], reused between postures.
@@ -108,7 +106,6 @@ impl ErrorEvaluator {
             best_fit,
             signed_values,
             errors_compensate: cell.errors_compensate(),
-            reports_own_reading: false,
             signed,
             mean: means,
             alone: is_untied && still,
@@ -311,12 +308,6 @@ impl ErrorEvaluator {
     /// Restricts the reported senses to the sense of the operation, which makes reports several times faster.
     pub fn report_own_sense(&mut self) {
         self.reported = vec![self.sense.clone()];
-    }
-
-    /// Restricts the figures of [`Self::judge`] to those of the reading, which is several times faster. All
-    /// other figures are infinite, and the success is None unless the reading needs it.
-    pub fn report_own_reading(&mut self) {
-        self.reports_own_reading = true;
     }
 
     /// Returns the index of the operation's sense among the senses [`ErrorEvaluator::reported`].

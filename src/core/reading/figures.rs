@@ -26,16 +26,6 @@ impl Figures {
         Self { error, worst_linear, worst, rms, mean, p95, p99 }
     }
 
-    /// Sets the figure that [`Self::in_reading`] returns for the statistical reading.
-    pub fn set_statistic(&mut self, quantity: Quantity, figure: f64) {
-        match quantity {
-            Quantity::Rms => self.rms = figure,
-            Quantity::Mean => self.mean = figure,
-            Quantity::P99 => self.p99 = figure,
-            Quantity::P95 | Quantity::Yield => self.p95 = figure,
-        }
-    }
-
     /// Returns the figure `quantity` of the statistical reading (m or rad); for a yield, the share of
     /// failures.
     pub fn statistic(&self, quantity: Quantity, success: Option<f64>) -> f64 {

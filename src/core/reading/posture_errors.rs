@@ -5,7 +5,7 @@ use super::evaluator::{ErrorEvaluator, EvaluatorScratch};
 use super::figures::{Figures, PostureErrors};
 use super::work_context::WorkContext;
 use super::worst_case::WorstCase;
-use crate::cell::{Model, Quantity, Reading, Sense};
+use crate::cell::{Model, Reading, Sense};
 use crate::pose::Displacement;
 use crate::robot::Frames;
 
@@ -26,59 +26,25 @@ impl ErrorEvaluator {
         memory: &mut EvaluatorScratch,
     ) -> PostureErrors {
         self.prepare(context, frames, memory);
-        let [nonlinear, linear, second_order] = [Model::Nonlinear, Model::Linear, Model::SecondOrder]
-            .map(|model| self.error_of(&self.signed_values, context, frames, model, memory));
-        let error = self.of_model([nonlinear, linear, second_order]);
+        let by_model = self.by_all_models(&self.signed_values, context, frames, memory);
+        let error = self.of_model(by_model);
         let of_sense = |sense: &Sense| Figures::of_sample(self.measure(sense, context, frames).size(&error));
         let figures = self.reported.iter().map(of_sense).collect();
         let value = self.value(context, frames, memory);
+        let [nonlinear, linear, second_order] = by_model;
         PostureErrors { value, error, nonlinear, linear, second_order, figures, success: None }
     }
 
-    /// Returns the figures of the worst-case or statistical reading alone.
-    fn judge_reading(
+    /// Returns the error by the nonlinear, the linear and the second-order model, for the given source values.
+    fn by_all_models(
         &self,
+        values: &[f64],
         context: &WorkContext,
         frames: &Frames,
         memory: &mut EvaluatorScratch,
-    ) -> PostureErrors {
-        self.prepare(context, frames, memory);
-        let worst_at_own = self.worst(&self.sense, context, frames, memory);
-        let mut figures = Vec::with_capacity(self.reported.len());
-        for sense in &self.reported {
-            let worst = |memory: &mut EvaluatorScratch| match *sense == self.sense {
-                true => worst_at_own,
-                false => self.worst(sense, context, frames, memory),
-            };
-            let mut of_sense = Figures::of_sample(f64::INFINITY);
-            if self.reading == Reading::WorstCase {
-                let WorstCase { linear, by_model, .. } = worst(memory);
-                (of_sense.worst_linear, of_sense.worst) = (linear, by_model);
-            } else {
-                let (figure, is_limited) = self.unlimited_statistic(sense, context, frames, memory);
-                let most = if is_limited { worst(memory).by_model } else { f64::INFINITY };
-                of_sense.set_statistic(self.quantity, figure.min(most));
-            }
-            figures.push(of_sense);
-        }
-        let is_yield = self.reading == Reading::Statistical && self.quantity == Quantity::Yield;
-        let limit = self.limit.filter(|_| is_yield);
-        let success = limit.map(|limit| self.norm(&self.sense, context, frames, memory).cdf(limit));
-        let mut values = [0.0; MAX_SOURCES];
-        self.corner(&worst_at_own.corner, &mut values);
-        let values = &values[..self.sources.list.len()];
-        let [nonlinear, linear, second_order] = [Model::Nonlinear, Model::Linear, Model::SecondOrder]
-            .map(|model| self.error_of(values, context, frames, model, memory));
-        let error = self.of_model([nonlinear, linear, second_order]);
-        for (of_sense, sense) in figures.iter_mut().zip(&self.reported) {
-            of_sense.error = self.measure(sense, context, frames).size(&error);
-        }
-        let own = &figures[self.own()];
-        let value = match self.reading {
-            Reading::Statistical => own.statistic(self.quantity, success),
-            reading => own.in_reading(reading, self.quantity),
-        };
-        PostureErrors { value, error, nonlinear, linear, second_order, figures, success }
+    ) -> [Displacement; 3] {
+        [Model::Nonlinear, Model::Linear, Model::SecondOrder]
+            .map(|model| self.error_of(values, context, frames, model, memory))
     }
 
     /// Returns the error by the chosen model.
@@ -99,11 +65,8 @@ impl ErrorEvaluator {
         frames: &Frames,
         memory: &mut EvaluatorScratch,
     ) -> PostureErrors {
-        if !self.has_tolerances() || self.reports_own_reading && self.reading == Reading::Signed {
+        if !self.has_tolerances() {
             return self.judge_sample(context, frames, memory);
-        }
-        if self.reports_own_reading {
-            return self.judge_reading(context, frames, memory);
         }
         self.prepare(context, frames, memory);
         let each = |sense: &Sense| self.worst(sense, context, frames, memory);
@@ -121,9 +84,8 @@ impl ErrorEvaluator {
             _ => self.corner(&worst[own].corner, &mut values),
         }
         let values = &values[..self.sources.list.len()];
-        let [nonlinear, linear, second_order] = [Model::Nonlinear, Model::Linear, Model::SecondOrder]
-            .map(|model| self.error_of(values, context, frames, model, memory));
-        let error = self.of_model([nonlinear, linear, second_order]);
+        let by_model = self.by_all_models(values, context, frames, memory);
+        let error = self.of_model(by_model);
         let figures =
             self.reported.iter().zip(worst.iter().zip(&statistics)).map(|(sense, (worst, random))| Figures {
                 error: self.measure(sense, context, frames).size(&error),
@@ -140,6 +102,7 @@ impl ErrorEvaluator {
             (Reading::Statistical, quantity) => figures[own].statistic(quantity, success),
             (reading, quantity) => figures[own].in_reading(reading, quantity),
         };
+        let [nonlinear, linear, second_order] = by_model;
         PostureErrors { value, error, nonlinear, linear, second_order, figures, success }
     }
 }

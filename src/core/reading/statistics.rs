@@ -54,24 +54,6 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the quantity of the statistical reading in a [`Sense`], and whether the worst case limits it.
-    /// The 95th percentile replaces a yield. Call [`Self::prepare`] first.
-    pub(super) fn unlimited_statistic(
-        &self,
-        sense: &Sense,
-        context: &WorkContext,
-        frames: &Frames,
-        memory: &mut EvaluatorScratch,
-    ) -> (f64, bool) {
-        let norm = self.norm(sense, context, frames, memory);
-        let is_percentile = !matches!(self.quantity, Quantity::Rms | Quantity::Mean);
-        let figure = match self.quantity {
-            Quantity::Yield => norm.quantile(0.95),
-            _ => self.figure_of(&norm),
-        };
-        (figure, is_percentile && self.caps(&norm))
-    }
-
     /// Returns the quantity of the statistical reading of a distribution, without the limit of the worst case.
     fn figure_of(&self, norm: &NormLaw<'_>) -> f64 {
         match self.quantity {

@@ -195,33 +195,3 @@ fn the_error_budget_adds_up() {
         assert!((slope - first.of_worst).abs() < 1e-4, "{slope} {}", first.of_worst);
     }
 }
-
-/// A view of one reading needs only its figures, which must not depend on what else is computed.
-#[test]
-fn figures_of_one_reading_equal_those_among_all_figures() {
-    let mut rng = ChaCha8Rng::seed_from_u64(77);
-    for k in 0..24 {
-        let robot = random_robot(&mut rng, 6);
-        let sizes = (3e-4, rad_from_deg(0.03));
-        let shapes = [Distribution::Uniform, Distribution::Normal];
-        let tolerance = random_tolerance(&mut rng, 6, 3 + k % 8, sizes, &shapes[k % 2..]);
-        let mut cell = cell_of(robot.clone(), tolerance, Sense::plain(["xyz", "xy"][k % 2]).unwrap());
-        cell.model = [Model::Nonlinear, Model::Linear, Model::SecondOrder][k % 3];
-        let frames = frames_at(&robot, &random_joints(&mut rng, &robot));
-        for reading in [Reading::WorstCase, Reading::Statistical] {
-            for quantity in [Quantity::Rms, Quantity::Mean, Quantity::P95, Quantity::P99] {
-                (cell.reading, cell.quantity) = (reading, quantity);
-                let all = gauge_of(&cell);
-                let mut one = all.clone();
-                one.report_own_reading();
-                let want = all.judge(&alone(), &frames, &mut all.memory());
-                let got = one.judge(&alone(), &frames, &mut one.memory());
-                assert_eq!((got.value, got.error), (want.value, want.error), "{k} {reading:?} {quantity:?}");
-                for (got, want) in got.figures.iter().zip(&want.figures) {
-                    assert_eq!(got.error, want.error);
-                    assert_eq!(got.in_reading(reading, quantity), want.in_reading(reading, quantity));
-                }
-            }
-        }
-    }
-}
