@@ -15,6 +15,12 @@ pub fn crossing_edges(corners: &[Vector2<f64>]) -> Option<(usize, usize)> {
     pairs.into_iter().find(|&(i, j)| cross(edge(i), edge(j), j == i + 1, j + 1 == n && i == 0))
 }
 
+/// Returns whether two polygons share a point of their edges.
+pub fn rings_meet(a: &[Vector2<f64>], b: &[Vector2<f64>]) -> bool {
+    let edge = |ring: &[Vector2<f64>], k: usize| (ring[k], ring[(k + 1) % ring.len()]);
+    (0..a.len()).any(|i| (0..b.len()).any(|j| cross(edge(a, i), edge(b, j), false, false)))
+}
+
 /// Returns whether two edges share a point other than a common corner.
 ///
 /// `follows` means that `b` begins at the end of `a`; `leads` means that `b` ends at the start of `a`.

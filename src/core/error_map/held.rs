@@ -7,7 +7,7 @@ use super::outcome::Spot;
 use super::placed_layout::PlacedLayout;
 use super::walk::{OperationQuery, least_violation};
 use super::workspace::{MapperWorkspace, PostureMemory};
-use crate::reach::{Branch, Cost, PoseMiss};
+use crate::reach::{Branch, PoseMiss};
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
@@ -46,7 +46,7 @@ impl OperationQuery<'_> {
         self.kept = Some(*held);
         let target = self.target(held.at);
         let inverse = &self.placed.mapper.arm.inverse;
-        if inverse.cost() == Cost::Numeric {
+        if !inverse.keeps_branches() {
             return match held.continued(inverse, &target, &self.attitudes) {
                 Ok(found) => Ok(found.posture),
                 Err(PoseMiss { position, angle }) => Err(Status::NotConverged { position, angle }),
@@ -92,10 +92,10 @@ impl OperationQuery<'_> {
 
     /// Finds the branch of a held posture; None if no branch continues the posture.
     ///
-    /// The branch may exceed a joint limit, unless the inverse kinematics is numeric.
+    /// The branch may exceed a joint limit, unless the posture is continued numerically.
     pub fn branch_beyond_limits(&self, held: &HeldPosture) -> Option<Branch> {
         let (target, inverse) = (self.target(held.at), &self.placed.mapper.arm.inverse);
-        if inverse.cost() == Cost::Numeric {
+        if !inverse.keeps_branches() {
             return held.continued(inverse, &target, &self.attitudes).ok();
         }
         inverse.branch_beyond_limits(&target, &self.attitudes, held.branch).ok()

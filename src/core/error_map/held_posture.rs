@@ -1,7 +1,7 @@
 //! Posture that an operation keeps while the layout changes.
 
 use crate::cell::JointVector;
-use crate::reach::{Branch, CONTINUED, Cost, Inverse, PoseMiss, ToolAttitudes};
+use crate::reach::{Branch, CONTINUED, Inverse, PoseMiss, ToolAttitudes};
 use nalgebra::Vector3;
 
 /// Point of the surface at which the operation can happen, with the posture and the value there.
@@ -14,9 +14,9 @@ pub struct PointSpot {
 
 /// Point and posture that are kept while the layout changes a little.
 ///
-/// Closed-form inverse kinematics finds the posture again by its branch index. Numeric inverse kinematics
-/// continues the posture: the arm moves on from these joint coordinates, and the tool rotates with the
-/// surface.
+/// Closed-form inverse kinematics finds the posture again by its branch index. Other inverse kinematics
+/// ([`Inverse::keeps_branches`]) continues the posture: the arm moves on from these joint coordinates, and the tool
+/// rotates with the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPosture {
     /// Coordinates x and y of the point in the frame of the equipment, m.
@@ -37,7 +37,7 @@ impl HeldPosture {
 
     /// Returns the branch index of this posture in another layout or at another point.
     pub fn branch_elsewhere(&self, inverse: &Inverse) -> u64 {
-        if inverse.cost() == Cost::Numeric { CONTINUED } else { self.branch }
+        if inverse.keeps_branches() { self.branch } else { CONTINUED }
     }
 
     /// Continues this posture to a target in the base frame, m.

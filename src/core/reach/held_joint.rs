@@ -78,6 +78,7 @@ impl HeldJoint {
             (PoseSolver::ThreeParallel(_), true) => "three parallel axes, first joint free (closed form)",
             (PoseSolver::ThreeParallel(_), false) => "three parallel axes, last joint free (closed form)",
             (PoseSolver::Scara(_), _) => "SCARA, one joint free (closed form)",
+            (PoseSolver::OffsetWrist(_), _) => "offset wrist, one joint free (scan)",
         }
     }
 

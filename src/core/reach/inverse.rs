@@ -6,6 +6,7 @@
 use super::branch::{Branch, Cost, Gap, Reach, attitude_of, sample_of};
 use super::fixed_elevation::fixed_elevation;
 use super::limits::Limits;
+use super::numeric::Numeric;
 use super::solver::ChainSolver;
 use super::spin_joint::SpinJoint;
 use super::tool_attitudes::ToolAttitudes;
@@ -39,6 +40,8 @@ pub struct Inverse {
     pub(super) template: Posture,
     /// Rotation of the tool about its axis by the last joint; None if other joints must move, too.
     pub(super) last_joint: Option<SpinJoint>,
+    /// Numeric solver that continues postures; None if their branch indices are kept.
+    pub(super) follower: Option<Box<Numeric>>,
 }
 
 impl Inverse {
@@ -55,6 +58,7 @@ impl Inverse {
             template: chain.zero_posture(),
             chain: chain.clone(),
             limits: limits.ok(),
+            follower: follower(chain, &solver),
             solver,
             last_joint,
         }
@@ -90,9 +94,23 @@ impl Inverse {
     pub fn cost(&self) -> Cost {
         match &self.solver {
             ChainSolver::Planar(_) => Cost::Low,
-            ChainSolver::Pose(_) => Cost::Middle,
-            ChainSolver::Redundant(_) => Cost::High,
+            ChainSolver::Pose(solver) if solver.keeps_branches() => Cost::Middle,
+            ChainSolver::Pose(_) | ChainSolver::Redundant(_) => Cost::High,
             ChainSolver::Numeric(_) => Cost::Numeric,
+        }
+    }
+
+    /// Returns whether a branch index denotes the same branch at a neighbouring target. If not, a posture is
+    /// continued to another target by [`Self::continued`].
+    pub fn keeps_branches(&self) -> bool {
+        self.numeric_solver().is_none()
+    }
+
+    /// Returns the numeric solver of an arm whose branch indices are not kept.
+    pub(super) fn numeric_solver(&self) -> Option<&Numeric> {
+        match &self.solver {
+            ChainSolver::Numeric(numeric) => Some(numeric),
+            _ => self.follower.as_deref(),
         }
     }
 
@@ -293,7 +311,12 @@ impl Inverse {
             // All spins of one solution were found together; a stable sort orders the branches by attitude.
             all.sort_by_key(|branch| branch.index >> 4);
         }
-        if all.is_empty() { Reach::OutOfReach { by } } else { Reach::Branches(all) }
+        match &self.follower {
+            // The numeric solver knows whether the position or the attitude is missed.
+            Some(_) if all.is_empty() => self.numeric_branches(target, attitudes),
+            _ if all.is_empty() => Reach::OutOfReach { by },
+            _ => Reach::Branches(all),
+        }
     }
 
     fn branch(
@@ -412,4 +435,10 @@ impl Inverse {
             None => flange,
         }
     }
+}
+
+/// Returns the numeric solver that continues the postures of a chain; None if `solver` does so by itself.
+fn follower(chain: &Chain, solver: &ChainSolver) -> Option<Box<Numeric>> {
+    let lacks = matches!(solver, ChainSolver::Pose(solver) if !solver.keeps_branches());
+    lacks.then(|| Box::new(Numeric::new(chain)))
 }

@@ -103,7 +103,7 @@ impl Inverse {
         target: &Vector3<f64>,
         attitudes: &ToolAttitudes,
     ) -> Result<Branch, PoseMiss> {
-        let ChainSolver::Numeric(numeric) = &self.solver else { return Err(PoseMiss::UNTRIED) };
+        let Some(numeric) = self.numeric_solver() else { return Err(PoseMiss::UNTRIED) };
         let frames = self.chain.frames(&self.chain.posture(from));
         let (goals, held) = match self.chain.axes() {
             0..6 => (self.goals(target, attitudes), None),
@@ -132,10 +132,7 @@ impl Inverse {
 
     fn numeric(&self, goal: &TcpGoal, joints: &mut Vec<NumericSolution>) -> Shortfall {
         joints.clear();
-        match &self.solver {
-            ChainSolver::Numeric(numeric) => numeric.all(goal, joints),
-            _ => Shortfall::None,
-        }
+        self.numeric_solver().map_or(Shortfall::None, |numeric| numeric.all(goal, joints))
     }
 
     /// Returns the goals of the TCP for all attitudes.

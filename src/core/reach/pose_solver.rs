@@ -1,24 +1,27 @@
-//! Closed forms that solve for a pose of the last D-H frame, tested on the chain before they are used.
+//! Solvers for a pose of the last D-H frame, tested on the chain before they are used.
 
+use super::closed_form::offset_wrist::OffsetWrist;
 use super::closed_form::scara::Scara;
 use super::closed_form::spherical_wrist::SphericalWrist;
 use super::closed_form::three_parallel::ThreeParallel;
 use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
 
-/// Number of sampled postures on which a closed form is tested.
+/// Number of sampled postures on which a solver is tested.
 const TRIALS: usize = 16;
 
-/// Largest error of a closed form at a sampled posture: of the translation (m), and of the rotation matrix
+/// Largest error of a solver at a sampled posture: of the translation (m), and of the rotation matrix
 /// (Frobenius norm).
 const MAX_ERROR: f64 = 1e-9;
 
-/// Closed-form inverse kinematics for a given pose of the last D-H frame.
+/// Inverse kinematics for a given pose of the last D-H frame: a closed form, or a scan of one joint with closed
+/// forms for the others.
 #[derive(Debug, Clone)]
 pub(super) enum PoseSolver {
     Scara(Scara),
     SphericalWrist(Box<SphericalWrist>),
     ThreeParallel(ThreeParallel),
+    OffsetWrist(Box<OffsetWrist>),
 }
 
 impl PoseSolver {
@@ -31,12 +34,25 @@ impl PoseSolver {
         found.is_exact(chain).then_some(found)
     }
 
+    /// Returns the solver of a chain that scans one joint, if there is one that reproduces sampled poses of the
+    /// chain. It takes about twenty times as long as a closed form.
+    pub fn scanning(chain: &Chain) -> Option<Self> {
+        let found = Self::OffsetWrist(Box::new(OffsetWrist::new(chain).ok()?));
+        found.is_exact(chain).then_some(found)
+    }
+
+    /// Returns whether the branch index of a posture is kept while the pose moves, except at singular postures.
+    pub fn keeps_branches(&self) -> bool {
+        !matches!(self, Self::OffsetWrist(_))
+    }
+
     /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
         match self {
             Self::Scara(_) => "SCARA (closed form)",
             Self::SphericalWrist(_) => "six axes with three that meet in a point (closed form)",
             Self::ThreeParallel(_) => "six axes with three parallel ones (closed form)",
+            Self::OffsetWrist(_) => "six axes, offset wrist (scan of joint 6)",
         }
     }
 
@@ -45,7 +61,7 @@ impl PoseSolver {
     pub fn fast(&self) -> Self {
         match self {
             Self::SphericalWrist(arm) => Self::SphericalWrist(Box::new(arm.fast())),
-            Self::Scara(_) | Self::ThreeParallel(_) => self.clone(),
+            Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => self.clone(),
         }
     }
 
@@ -55,7 +71,7 @@ impl PoseSolver {
     pub fn bound(&self, flange: &Pose) -> f64 {
         match self {
             Self::SphericalWrist(arm) => arm.bound(flange),
-            Self::Scara(_) | Self::ThreeParallel(_) => 0.0,
+            Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => 0.0,
         }
     }
 
@@ -70,6 +86,7 @@ impl PoseSolver {
             Self::Scara(_) => f64::INFINITY,
             Self::SphericalWrist(arm) => arm.solve(flange, posture, found),
             Self::ThreeParallel(arm) => arm.solve(flange, posture, found),
+            Self::OffsetWrist(arm) => arm.solve(flange, posture, found),
         }
     }
 

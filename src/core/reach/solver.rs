@@ -11,7 +11,7 @@ use crate::robot::Chain;
 pub(super) enum ChainSolver {
     /// Arm whose links move in a vertical plane, solved for a point and an elevation of the tool.
     Planar(PlanarArm),
-    /// Closed form for a whole pose of the last D-H frame.
+    /// Solver for a whole pose of the last D-H frame.
     Pose(PoseSolver),
     /// Redundant arm: one joint is held, and a closed form solves the other joints.
     Redundant(Box<HeldJoint>),
@@ -30,6 +30,9 @@ impl ChainSolver {
                 return Self::Planar(arm);
             }
             if let Some(solver) = PoseSolver::new(chain) {
+                return Self::Pose(solver);
+            }
+            if let Some(solver) = PoseSolver::scanning(chain) {
                 return Self::Pose(solver);
             }
             if let Some(joint) = [true, false].into_iter().find_map(|first| HeldJoint::new(chain, first)) {

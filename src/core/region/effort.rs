@@ -1,7 +1,6 @@
 //! Resolution of regions: the more expensive a judgement, the coarser the lattice.
 
 use crate::layout::Workcell;
-use crate::reach::Cost;
 
 /// Resolution of a region, and of an estimate of the room of a piece.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +42,7 @@ impl RegionEffort {
         evaluations: 150,
         compared: 4,
     };
-    /// Resolution if the inverse kinematics is numeric.
+    /// Resolution if postures are continued numerically.
     const NUMERIC: Self = Self { fine_mm: 40.0, divisions: 24.0, evaluations: 60, ..Self::PATHS };
 
     /// Returns whether a judgement takes milliseconds.
@@ -56,10 +55,10 @@ impl RegionEffort {
         let cell = &workcell.cell;
         let is_dear =
             |o: &crate::cell::Operation| o.approach.max(o.retract) > 0.0 || o.over.needs_every_node();
-        match workcell.inverse().cost() {
-            Cost::Numeric => Self::NUMERIC,
-            _ if cell.transfer.is_some() || cell.operations.iter().any(is_dear) => Self::PATHS,
-            _ => Self::LOW,
+        match workcell.inverse().keeps_branches() {
+            false => Self::NUMERIC,
+            true if cell.transfer.is_some() || cell.operations.iter().any(is_dear) => Self::PATHS,
+            true => Self::LOW,
         }
     }
 }

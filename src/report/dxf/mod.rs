@@ -7,18 +7,21 @@ mod layers;
 mod paper;
 mod pieces;
 #[doc(hidden)] // open for tests/it
+pub mod planar_face;
+#[doc(hidden)] // open for tests/it
 pub mod simplified;
 #[doc(hidden)] // open for tests/it
 pub mod text;
 
 use crate::cell::{Equipment, Placement, Role};
-use crate::drawing::{Component, Drawing, Field};
+use crate::drawing::{Component, Drawing, DrawnRegion, Field};
 use crate::files::shown;
 use crate::units::{deg_from_rad, mm_from_m, rounded, wrapped};
 use file::DxfFile;
 use labels::{Labels, at_height};
 use layers::{DIMENSIONS, ENVELOPE, REGION, SPOT, TEXT};
 use nalgebra::{Vector2, Vector3};
+use planar_face::planar_faces;
 
 /// Text height as a share of the longer side of the cell, and the least text height, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
@@ -34,9 +37,7 @@ pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     let mut labels = Labels::new(drawing, operation, height, column);
     let faces = pieces::write(&mut file, drawing, operation, &mut labels);
     (0..drawing.envelopes.len()).for_each(|k| envelope(&mut file, drawing, k));
-    for ring in drawing.regions.iter().flat_map(|region| &region.rings) {
-        flat_ring(&mut file, REGION, ring);
-    }
+    drawing.regions.iter().for_each(|drawn| region(&mut file, drawn));
     for k in 0..drawing.fields.len() {
         nodes(&mut file, &drawing.fields[k]);
         arrows(&mut file, drawing, k);
@@ -65,6 +66,17 @@ fn flat_ring(file: &mut DxfFile, layer: &str, ring: &[Vector3<f64>]) {
         let points: Vec<(f64, f64)> = ring.iter().map(|p| (p.x, p.y)).collect();
         file.outline(layer, &points, first.z);
     }
+}
+
+/// Writes the region in which the frame of a piece may lie: its outlines, and its faces as REGION entities.
+///
+/// Programs without an ACIS kernel show the outlines only.
+fn region(file: &mut DxfFile, region: &DrawnRegion) {
+    region.rings.iter().for_each(|ring| flat_ring(file, REGION, ring));
+    let Some(z) = region.rings.iter().flatten().next().map(|p| p.z) else { return };
+    let rings: Vec<Vec<_>> =
+        region.rings.iter().map(|ring| ring.iter().map(|p| (p.x, p.y)).collect()).collect();
+    planar_faces(&rings).iter().for_each(|face| file.region(REGION, face, z));
 }
 
 /// Returns the least and the greatest distance (m) of the working envelope from the base axis, at the height

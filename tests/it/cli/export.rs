@@ -1,6 +1,7 @@
 //! Tests `export`: every format comes from the binary and is read again by hand.
 
 use crate::cli::sandbox::{numbers as numbers_of, *};
+use crate::report::planar_face::{area, loops};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -177,6 +178,43 @@ fn a_dxf_has_one_block_for_each_piece_and_a_paper() {
     let circles = on(&all, "CIRCLE", "ENVELOPE");
     assert_eq!(circles.len(), 2 * items(&map["operations"]).len());
     assert!(!on(&all, "LWPOLYLINE", "ENVELOPE").is_empty() && !on(&all, "LWPOLYLINE", "REGION").is_empty());
+}
+
+/// The faces of the REGION entities are those that the outlines on their layer enclose.
+#[test]
+fn the_allowed_placements_are_regions_of_a_dxf() {
+    let shop = Sandbox::new();
+    shop.done(&["export", CELL, "--to", "dxf"]);
+    let dxf = shop.text("hitachi_cell.dxf");
+    let pairs = pairs(&dxf);
+    let bodies = |kind: &'static str| {
+        let starts = pairs.iter().enumerate().filter(move |(_, p)| **p == (0, kind));
+        starts.map(|(k, _)| pairs[k + 1..].iter().take_while(|(code, _)| *code != 0).collect::<Vec<_>>())
+    };
+    let on_layer = |body: &Vec<&(u16, &str)>| body.contains(&&(8, "REGION"));
+    let mut outlines = Vec::new();
+    for body in bodies("LWPOLYLINE").filter(on_layer) {
+        let of = |code: u16| body.iter().filter(move |p| p.0 == code).map(|p| p.1.parse::<f64>().unwrap());
+        let z = of(38).next().unwrap();
+        let corners: Vec<_> = of(10).zip(of(20)).map(|(x, y)| [x, y, z]).collect();
+        outlines.push((z, area(&corners).abs()));
+    }
+    let mut faces = Vec::new();
+    for body in bodies("REGION") {
+        assert!(on_layer(&body) && body.contains(&&(100, "AcDbModelerGeometry")));
+        let lines: Vec<&str> = body.iter().filter(|(code, _)| *code == 1).map(|(_, line)| *line).collect();
+        for (k, corners) in loops(&lines).iter().enumerate() {
+            // The outer loop runs anticlockwise, and a hole clockwise.
+            assert_eq!(area(corners) > 0.0, k == 0);
+            faces.push((corners[0][2], area(corners).abs()));
+        }
+    }
+    [&mut outlines, &mut faces].into_iter().for_each(|v| v.sort_by(|a, b| a.partial_cmp(b).unwrap()));
+    assert!(outlines.len() >= 2 && outlines.len() == faces.len());
+    for ((z, outline), (height, face)) in outlines.iter().zip(&faces) {
+        assert_eq!(z, height);
+        assert!((outline - face).abs() < 1e-9 * outline, "{outline} {face}");
+    }
 }
 
 /// Returns header, JSON and numbers of a binary glTF.

@@ -4,6 +4,7 @@ mod colours;
 mod controller;
 mod dxf;
 mod page;
+pub mod planar_face;
 mod raster;
 mod sheet;
 mod signs;

@@ -4,13 +4,13 @@
 //! arm with a spherical shoulder is solved as the reversed chain, from flange to base. In that chain the
 //! shoulder takes the place of the wrist.
 
-use super::anthropomorphic::Anthropomorphic;
+use super::positioning_arm::PositioningArm;
+use super::reversed_chain::{mirrored, reversed};
 use super::subproblems::{ALIGNED, Twists, before_twist, turned_back};
-use super::three_joints::ThreeJoints;
 use crate::cell::JointKind;
 use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// Closed form of an arm with a spherical wrist or shoulder; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,13 +26,6 @@ pub struct SphericalWrist {
     reversed: Option<Pose>,
 }
 
-/// Solver of the joints up to the wrist centre.
-#[derive(Debug, Clone, PartialEq)]
-enum PositioningArm {
-    Anthropomorphic(Anthropomorphic),
-    Any(Box<ThreeJoints>),
-}
-
 impl SphericalWrist {
     /// Returns the closed form of an arm with a spherical wrist or shoulder.
     ///
@@ -42,17 +35,14 @@ impl SphericalWrist {
         let links: [Link; 6] =
             chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
         Self::forward(links, None).or_else(|wrist| {
-            let last = &links[5];
-            let (s, c) = (last.sin_alpha, last.cos_alpha);
-            let rotation = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
-            let lead = Pose { rotation, translation: Vector3::new(last.l, 0.0, 0.0) };
-            Self::forward(end_for_end(&links), Some(lead))
+            let (rows, lead) = reversed(&links);
+            Self::forward(rows, Some(lead))
                 .map_err(|shoulder| format!("{wrist}; with base and flange exchanged, {shoulder}"))
         })
     }
 
     fn forward(links: [Link; 6], reversed: Option<Pose>) -> Result<Self, String> {
-        let [_, _, c, d, e, f] = &links;
+        let [_, _, _, d, e, f] = &links;
         if [d, e, f].iter().any(|l| l.kind != JointKind::Revolute) {
             return Err("a joint of the wrist is prismatic".into());
         }
@@ -62,12 +52,7 @@ impl SphericalWrist {
         if [d, e].iter().any(|l| l.sin_alpha.abs() < 1e-6) {
             return Err("two neighbouring axes of the wrist are parallel (alpha_4 or alpha_5)".into());
         }
-        let arm = [links[0], links[1], links[2]];
-        let tip = Vector3::new(c.l, -d.r * c.sin_alpha, c.r + d.r * c.cos_alpha);
-        let arm = match Anthropomorphic::new(&arm, &tip) {
-            Some(arm) => PositioningArm::Anthropomorphic(arm),
-            None => PositioningArm::Any(Box::new(ThreeJoints::new(&arm, d.r)?)),
-        };
+        let arm = PositioningArm::new(&[links[0], links[1], links[2]], d.r)?;
         let twists = Twists::new((d.cos_alpha, d.sin_alpha), (e.cos_alpha, e.sin_alpha));
         let centre = -Vector3::new(f.l, f.r * f.sin_alpha, f.r * f.cos_alpha);
         Ok(Self { links, arm, twists, centre, reversed })
@@ -109,12 +94,7 @@ impl SphericalWrist {
     /// Returns a variant of the solver that computes only a lower bound of the distance that [`Self::solve`]
     /// returns.
     pub fn fast(&self) -> Self {
-        let mut fast = self.clone();
-        match &mut fast.arm {
-            PositioningArm::Any(arm) => arm.fast = true,
-            PositioningArm::Anthropomorphic(arm) => arm.fast = true,
-        }
-        fast
+        Self { arm: self.arm.fast(), ..self.clone() }
     }
 
     /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. It is much cheaper than a
@@ -125,10 +105,7 @@ impl SphericalWrist {
             Some(lead) => (*lead * flange.inverse()).transform(&self.centre),
             None => flange.transform(&self.centre),
         };
-        match &self.arm {
-            PositioningArm::Any(arm) => arm.bound(&centre),
-            PositioningArm::Anthropomorphic(arm) => arm.bound(&centre),
-        }
+        self.arm.bound(&centre)
     }
 
     #[inline]
@@ -136,11 +113,9 @@ impl SphericalWrist {
         let p = flange.transform(&self.centre);
         let last = &self.links[5];
         let [x, _, z] = before_twist(&flange.rotation, (last.cos_alpha, last.sin_alpha));
-        let mut turn = |branch, posture: &mut Posture| self.turn(branch << 1, x, z, posture, found);
-        match &self.arm {
-            PositioningArm::Anthropomorphic(arm) => arm.solve(&p, posture, &mut turn),
-            PositioningArm::Any(arm) => arm.solve(&p, posture, &mut turn),
-        }
+        self.arm.solve(&p, posture, &mut |branch, posture: &mut Posture| {
+            self.turn(branch << 1, x, z, posture, found);
+        })
     }
 
     /// Calls `found` with each solution for theta_4 to theta_6 that reaches the required orientation.
@@ -186,29 +161,4 @@ impl SphericalWrist {
             }
         }
     }
-}
-
-/// Returns the D-H rows of the reversed chain, from flange to base.
-///
-/// Row k (from 1) is `Rz(-theta) Tz(-r)` of joint 7 - k, then `Tx(-l) Rx(-alpha)` of row 6 - k. Row 6 has
-/// only the first part.
-fn end_for_end(links: &[Link; 6]) -> [Link; 6] {
-    std::array::from_fn(|k| {
-        let (joint, before) = (&links[5 - k], 4usize.checked_sub(k).map(|i| &links[i]));
-        let twist = before.map_or((0.0, 0.0, 1.0, 0.0), |b| (-b.l, -b.alpha, b.cos_alpha, -b.sin_alpha));
-        let (l, alpha, cos_alpha, sin_alpha) = twist;
-        Link { theta: -joint.theta, r: -joint.r, l, alpha, cos_alpha, sin_alpha, ..*joint }
-    })
-}
-
-/// Converts a posture of the chain to the equivalent posture of the reversed chain, or the other way round.
-#[inline]
-fn mirrored(posture: &Posture) -> Posture {
-    let mut mirror = *posture;
-    for k in 0..6 {
-        mirror.cos[k] = posture.cos[5 - k];
-        mirror.sin[k] = -posture.sin[5 - k];
-        mirror.r[k] = -posture.r[5 - k];
-    }
-    mirror
 }

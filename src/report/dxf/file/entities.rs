@@ -1,7 +1,9 @@
 //! Entities of a DXF file: lines, circles, faces, outlines, texts and references to blocks.
 
 use super::DxfFile;
+use crate::report::dxf::planar_face::PlanarFace;
 use crate::report::dxf::text::safe;
+use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector3;
 
 impl DxfFile {
@@ -48,6 +50,15 @@ impl DxfFile {
             out.length(20, *y);
         }
         points.iter().for_each(|(x, y)| self.seen(&Vector3::new(*x, *y, z)));
+    }
+
+    /// Writes a face at height `z` (m) as a REGION.
+    pub fn region(&mut self, layer: &str, face: &PlanarFace, z: f64) {
+        let out = self.entity("REGION", layer);
+        out.put(100, "AcDbModelerGeometry");
+        // Version of the embedded format.
+        out.put(70, 1);
+        face.acis_text(rounded(mm_from_m(z), 6)).iter().for_each(|line| out.put(1, line));
     }
 
     /// Writes a text that starts at `at` or is centred on it, rotated by `angle` (rad).

@@ -1,0 +1,38 @@
+//! Six-axis chains solved from flange to base.
+
+use crate::pose::Pose;
+use crate::robot::{Link, Posture};
+use nalgebra::{Matrix3, Vector3};
+
+/// Returns the D-H rows of the reversed chain, and the constant part `Tx(l_6) Rx(alpha_6)` of the last row of
+/// the chain.
+///
+/// The reversed chain reaches the constant part times the inverse of a pose where the chain reaches the pose.
+///
+/// Row k (from 1) is `Rz(-theta) Tz(-r)` of joint 7 - k, then `Tx(-l) Rx(-alpha)` of row 6 - k. Row 6 has
+/// only the first part.
+pub(in crate::reach) fn reversed(links: &[Link; 6]) -> ([Link; 6], Pose) {
+    let last = &links[5];
+    let (s, c) = (last.sin_alpha, last.cos_alpha);
+    let rotation = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
+    let lead = Pose { rotation, translation: Vector3::new(last.l, 0.0, 0.0) };
+    let rows = std::array::from_fn(|k| {
+        let (joint, before) = (&links[5 - k], 4usize.checked_sub(k).map(|i| &links[i]));
+        let twist = before.map_or((0.0, 0.0, 1.0, 0.0), |b| (-b.l, -b.alpha, b.cos_alpha, -b.sin_alpha));
+        let (l, alpha, cos_alpha, sin_alpha) = twist;
+        Link { theta: -joint.theta, r: -joint.r, l, alpha, cos_alpha, sin_alpha, ..*joint }
+    });
+    (rows, lead)
+}
+
+/// Converts a posture of the chain to the equivalent posture of the reversed chain, or the other way round.
+#[inline]
+pub(in crate::reach) fn mirrored(posture: &Posture) -> Posture {
+    let mut mirror = *posture;
+    for k in 0..6 {
+        mirror.cos[k] = posture.cos[5 - k];
+        mirror.sin[k] = -posture.sin[5 - k];
+        mirror.r[k] = -posture.r[5 - k];
+    }
+    mirror
+}
