@@ -20,8 +20,8 @@ pub const DEFAULT_YIELD: f64 = 0.99;
 /// Relative gap between a price and its lower bound.
 pub(super) const GAP: f64 = 1e-6;
 
-/// Effort of a rough bound: the largest numbers of directions of the error, and of steps to the multiplier of
-/// each direction.
+/// Effort of a rough bound: the largest number of error directions, and the largest number of Newton steps
+/// per direction.
 const ROUGH: (usize, usize) = (1, 2);
 /// Effort of a sharp bound, with the same two numbers as [`ROUGH`].
 const SHARP: (usize, usize) = (4, 8);
@@ -110,7 +110,7 @@ impl TolerancePricing {
         priced.unwrap_or_else(|| self.solved(figures))
     }
 
-    /// Returns the cost that the cone programs find.
+    /// Returns the cost that the cone programs find; the cost of the tightest tolerances if they fail.
     fn solved(&self, figures: &[LinearFigure]) -> f64 {
         let requirement = |figure: &LinearFigure| ToleranceRequirement { figure: figure.clone(), limit: 1.0 };
         let requirements = figures.iter().map(requirement).collect();

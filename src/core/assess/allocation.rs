@@ -53,7 +53,8 @@ pub struct CellAllocation<'a> {
 /// Reason why a cell has no cheapest tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoAllocation {
-    /// The cell lacks a limit or a tolerance. The text `why` states the reason, and `help` the remedy.
+    /// The cell lacks a limit or a tolerance, or its errors are not tolerances. The text `why` states the
+    /// reason, and `help` the remedy.
     Question { why: String, help: &'static str },
     /// An operation has no usable node. The text states the reason.
     Unusable(String),
@@ -66,8 +67,8 @@ pub enum NoAllocation {
 impl<'a> CellAllocation<'a> {
     /// Prepares the problem of a layout with its maps, for all operations with a limit or for one of them.
     ///
-    /// # Errors
-    /// Returns the reason if there is no requirement or no tolerance.
+    /// # Errors Returns the reason if there is no requirement, no tolerance or no usable node, or if the
+    /// errors are not tolerances.
     pub fn new(
         workcell: &'a Workcell,
         layout: &'a Layout,

@@ -84,9 +84,11 @@ pub struct Explanation<'a> {
     /// the equipment are ignored.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
-    /// Deviation of the linear model from the nonlinear model, as a share of the nonlinear error.
+    /// Deviation of the linear model from the nonlinear model in position, as a share of the nonlinear
+    /// position error.
     pub linear_off: f64,
-    /// Deviation of the second-order model from the nonlinear model, as a share of the nonlinear error.
+    /// Deviation of the second-order model from the nonlinear model in position, as a share of the
+    /// nonlinear position error.
     pub second_order_off: f64,
 }
 
@@ -133,7 +135,8 @@ impl<'a> Explanation<'a> {
         &self.judged.figures[self.context.evaluator.own()]
     }
 
-    /// Returns the deviation of the cell's model from the nonlinear model, as a share of the nonlinear error.
+    /// Returns the deviation of the cell's model from the nonlinear model in position, as a share of the
+    /// nonlinear position error.
     pub fn off(&self) -> f64 {
         match self.context.evaluator.model {
             Model::Nonlinear => 0.0,

@@ -28,7 +28,7 @@ const SETTLED: f64 = 1e-2;
 /// Number of positions whose covariances are computed at once.
 const STACKED: usize = 512;
 
-/// Values of the unknowns and the frames of the sessions at the minimum.
+/// Values of the unknowns and the frames of the sessions at the minimum of the loss.
 pub(super) struct Fit<'a> {
     pub state: FitState<'a>,
     /// Covariance matrix of the unknowns of the arm and, after them, of the frames of every session.

@@ -95,7 +95,8 @@ impl<'a> FitState<'a> {
         }
     }
 
-    /// Returns half the sum of squares of all normalised residuals; outliers count by Huber's loss.
+    /// Returns half the sum of the squares of all residuals and unknowns, each divided by its standard
+    /// deviation. Outliers count by Huber's loss.
     pub fn loss(&self, sessions: &[MeasuringSession]) -> f64 {
         let measured =
             sessions.iter().enumerate().flat_map(|(s, session)| session.measured.iter().map(move |m| (s, m)));

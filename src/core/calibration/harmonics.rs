@@ -39,8 +39,8 @@ pub(super) fn wave(q: f64, order: usize, sine: bool) -> f64 {
     if sine { angle.sin() } else { angle.cos() }
 }
 
-/// Updates the standard deviations of the harmonics before the measurement, and returns their largest relative
-/// change.
+/// Updates the prior standard deviations of the harmonics (those before the measurement). Returns the
+/// largest relative change of a variance.
 ///
 /// `covariance` is the covariance of the unknowns with the values `values`; it may have further rows and columns.
 pub(super) fn improve_deviations(

@@ -37,8 +37,8 @@ pub enum Parameter {
     ///
     /// The error moves this joint and everything after it in the chain.
     Joint(usize, usize),
-    /// Indices of a revolute joint and of a link that it carries: deflection of the joint per horizontal lever
-    /// of the link, rad/m ([`crate::robot::lever`]).
+    /// Deflection of a revolute joint per horizontal lever of a link that it carries, rad/m
+    /// ([`crate::robot::lever`]). The indices are those of the joint and of the link.
     ///
     /// The deflection grows with the posture-dependent lever. The value is the compliance of the joint times
     /// the weight at and beyond the end of the link.
@@ -154,7 +154,8 @@ pub struct SignedErrors {
     pub tool: [f64; PER_FRAME],
     /// Error of every joint frame in its own axes (m, rad).
     pub joints: Vec<[f64; PER_FRAME]>,
-    /// Values of [`Parameter::elastic`], rad/m or rad/(N m). Values beyond the end of the list are 0.
+    /// Values of [`Parameter::elastic`], in rad/m, rad/(N m) or without a unit. Values beyond the end of
+    /// the list are 0.
     pub elastic: Vec<f64>,
     /// Periodic errors of joints; the values of [`Parameter::Periodic`] are their factors.
     pub periodic: Vec<PeriodicError>,

@@ -305,8 +305,8 @@ impl Cell {
 
     /// Returns the goals that are measured for layouts of this cell.
     ///
-    /// The cost of tolerances is among them only if the search prices tolerances, and the time only if every joint has
-    /// a greatest speed.
+    /// The cost of tolerances is among them only if the search prices tolerances. The time is among them
+    /// only if every joint with an actuator has a greatest speed.
     pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
         let (has_cost, has_time) = (self.search.prices_tolerances(), self.has_speeds());
         Goal::ALL.into_iter().filter(move |goal| match goal {

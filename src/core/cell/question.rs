@@ -192,7 +192,7 @@ impl Cell {
             refuse(About::Objective, "a robust search cannot minimize the cost of tolerances".into(), help);
         }
         if priced && !self.search.pareto.is_empty() {
-            let help = "use the goals error, cost with the objective sum";
+            let help = "use the goals error and cost with the objective sum";
             refuse(About::Objective, "the objective tolerance-cost allows no goals".into(), help);
         }
         for (k, operation) in self.operations.iter().enumerate() {
