@@ -72,8 +72,9 @@ impl ConeCut {
     /// Adds the linear inequality that a dual vector of the constraint proves: `prices . u <= limit`.
     ///
     /// Let `s` be the vector whose norm the cut limits. For any vector y, `|s| <= 1` implies `y . s <=
-    /// |y|`. The dual vector `z` of the cone holds `-y` after its first component. The inequality is
-    /// therefore exact, whatever the accuracy of `z`. Returns `|y|`, the shadow price of the limit.
+    /// |y|`. The dual vector `z` of a second-order cone holds `-y` after its first component. The
+    /// inequality is therefore exact, whatever the accuracy of `z`. Returns `|y|`, the shadow price of the
+    /// limit.
     pub fn add_inequality(&self, z: &[f64], prices: &mut [f64], limit: &mut f64) -> f64 {
         match self {
             Self::Row { columns, constant } => {

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Share of arms that must keep a limit if the quantity is the yield and no other share is stated.
 pub const DEFAULT_YIELD: f64 = 0.99;
 
-/// Relative gap between a price and its lower bound.
+/// Largest relative gap between a price and the lower bound that proves it.
 pub(super) const GAP: f64 = 1e-6;
 
 /// Effort of a rough bound: the largest number of error directions, and the largest number of Newton steps
@@ -122,8 +122,8 @@ impl TolerancePricing {
 
     /// Returns a lower bound of the price of one figure, from at most `directions` directions of the error.
     ///
-    /// Each direction gives scales. The direction of the worst case at these scales is a better direction, and often
-    /// the best.
+    /// The bound for one direction gives scales. The direction of the worst case at these scales is tried
+    /// next, because it is often the best.
     fn bound(
         &self,
         figure: &LinearFigure,

@@ -46,7 +46,7 @@ pub struct CellAllocation<'a> {
     /// Parameters whose errors stay unchanged, because they are measured or correlated.
     pub fixed: Vec<Parameter>,
     pub requirements: Vec<NodeRequirement>,
-    /// Yield that is demanded if the quantity is the yield, 0 to 1.
+    /// Demanded yield, 0 to 1; it is used only if the quantity is the yield.
     pub(super) share: f64,
 }
 

@@ -180,7 +180,7 @@ fn dh_rows(context: &PostureContext<'_>) -> Vec<DhRow> {
             JointKind::Prismatic => (0.0, coordinate),
         };
         let q = context.joints[i];
-        // A posture at its limit must not count as beyond the limit because of rounded degrees.
+        // Without this tolerance, rounded degrees could put a posture at a joint limit beyond the limit.
         let allowed = q >= joint.limits.0 - 1e-9 && q <= joint.limits.1 + 1e-9;
         let (theta, r) = (joint.theta + turn, joint.r + slide);
         DhRow { kind: joint.kind, q, allowed, theta, r, l: joint.l, alpha: joint.alpha }

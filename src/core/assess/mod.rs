@@ -88,7 +88,7 @@ pub struct Assessment<'a> {
     /// Certificate that the layout works at every misplacement; None if no certificate is demanded, or if the
     /// layout is not feasible.
     pub certificate: Option<LayoutCertificate>,
-    /// Regions in which every piece of equipment may stand.
+    /// Regions in which each piece of equipment may stand.
     ///
     /// None unless [`Self::with_regions`] was called, or if the layout is not feasible or misses a limit.
     pub regions: Option<Regions>,

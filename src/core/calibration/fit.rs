@@ -93,7 +93,8 @@ impl<'a> Fit<'a> {
                 continue;
             }
             if finds_misfit && largest < ROUGHLY && change.abs().max(of_harmonics) < SETTLED {
-                // The last digits of the unknowns do not depend on the last digits of the variances.
+                // The variances stay fixed from here on, because their last digits hardly affect the
+                // unknowns.
                 return self.solved(sessions, false);
             }
             if !finds_misfit && largest < CONVERGED {

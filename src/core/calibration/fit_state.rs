@@ -146,7 +146,7 @@ pub(super) fn drives(chain: &Chain, pose: &Deformed, at: &Vector3<f64>) -> Vec<V
     (0..chain.axes()).map(motion).collect()
 }
 
-/// Returns the Cholesky factor of a covariance, which has one because no variance is 0.
+/// Returns the Cholesky factor of a covariance. The factor exists because no variance is 0.
 pub(super) fn factor(covariance: Matrix3<f64>) -> Cholesky<f64, Const<3>> {
     covariance.cholesky().unwrap_or_else(|| Cholesky::pack_dirty(Matrix3::identity()))
 }

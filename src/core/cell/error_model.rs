@@ -46,8 +46,8 @@ pub enum Parameter {
     /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the joint
     /// carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
-    /// Index of a revolute joint: dimensionless factor of its periodic error ([`SignedErrors::periodic`]); 1
-    /// for the whole error.
+    /// Dimensionless factor of the periodic error of a revolute joint ([`SignedErrors::periodic`]); 1 for
+    /// the whole error. The index is that of the joint.
     Periodic(usize),
     /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
     /// frame.

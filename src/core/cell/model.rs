@@ -113,7 +113,7 @@ pub struct Equipment {
 pub enum BaseSupport {
     /// The base stands on the floor or, above it, on a pedestal with this cross-section in the base frame, m.
     Pedestal(Rectangle),
-    /// A wall or a gantry carries the base; the space below it is free.
+    /// A wall or a gantry carries the base; no pedestal occupies the space below the base.
     Hung,
 }
 

@@ -116,7 +116,8 @@ impl<'a> PosedChain<'a> {
         self.chain.links[joint].kind == JointKind::Revolute
     }
 
-    /// Returns the rows of a tool task for a motion of the TCP and a rotation of the tool.
+    /// Returns the rows of a tool task for a motion of the TCP and a rotation of the tool. `joints` returns
+    /// the sum of the joint rates multiplied by given coefficients.
     fn rows(
         &self,
         moved: &Vector3<f64>,
