@@ -104,7 +104,7 @@ impl<'a> CellAllocation<'a> {
         }
         if parameters.is_empty() {
             let why = "no parameter has a tolerance of its own".into();
-            let help = "choose an error set of tolerances with --errors; measured and correlated errors cannot be ordered";
+            let help = "choose an error set of tolerances with --errors; the tolerances of measured and correlated errors cannot be chosen";
             return Err(NoAllocation::Question { why, help });
         }
         let cheapest = nodes == AllocatedNodes::Cheapest;
