@@ -19,7 +19,8 @@ const LEAST_SHARE: f64 = 0.1;
 const ROUGHLY: f64 = 1e-3;
 /// Largest step, in standard deviations before the measurement, that need not lower the loss.
 const SURE: f64 = 0.1;
-/// Factor by which the damping grows after a step that raised the loss, and shrinks after any other step.
+/// Factor by which the damping grows after a step that raised the loss. The damping shrinks by the same
+/// factor after any other step.
 const DAMPING: f64 = 4.0;
 /// Damping up to which a successful step ends the damping.
 const LEAST_DAMPING: f64 = 0.1;

@@ -33,8 +33,8 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// Factors that enlarge the variances of the joints in the fit: without harmonics, then with harmonics.
 ///
 /// Errors of a joint depend on the posture, so nearby postures have nearly the same misfit. Nearby postures
-/// carry less information than as many independent postures. Harmonics explain a part of the common misfit.
-/// The values come from a real arm (results/measured).
+/// therefore carry less information than the same number of independent postures. Harmonics explain a part
+/// of the common misfit. The values come from a real arm (results/measured).
 const CORRELATED: [f64; 2] = [4.0, 2.0];
 
 /// Variances of the errors that the identified parameters do not explain.

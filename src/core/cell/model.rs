@@ -278,8 +278,8 @@ impl Cell {
         &self.robot.errors[self.errors]
     }
 
-    /// Returns whether the errors of a signed sample compensate each other. This holds if an error of a
-    /// length exceeds the reach of the arm.
+    /// Returns whether the errors of a signed sample compensate each other. The function assumes this if
+    /// the error of an axial offset or common normal exceeds the reach of the arm.
     ///
     /// Some factory calibrations have Denavit-Hartenberg rows of kilometres. The magnitudes of such errors
     /// are not tolerances.
