@@ -1,4 +1,4 @@
-//! One cone program: the cheapest scales that satisfy a list of cuts, solved by the library clarabel.
+//! Cone program for the cheapest scales that satisfy a list of cuts. The library clarabel solves it.
 //!
 //! The variables are the scales `u_k`, an upper bound `e_k` of each continuous cost, and a share of each
 //! grade. The costs are expressed as cones:
@@ -18,12 +18,13 @@ use clarabel::solver::{
     SecondOrderConeT, SolverStatus, SupportedConeT, ZeroConeT,
 };
 
-/// Tolerance of a final solution for the gap and for the violation of constraints, relative and absolute.
+/// Solver tolerance of a final solution: largest duality gap (relative and absolute) and constraint
+/// violation.
 pub const FINE: f64 = 1e-9;
-/// Tolerance of a solution that serves only to find cuts.
+/// Solver tolerance of a solution that serves only to find cuts, for the same quantities as [`FINE`].
 pub const COARSE: f64 = 1e-5;
 
-/// Values that the scale of one parameter may take.
+/// Values that the tolerance scale of one parameter may take.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ScaleDomain {
     Range(f64, f64),
@@ -49,8 +50,8 @@ struct Builder {
 }
 
 impl Builder {
-    /// Adds rows `s = constant + sum of terms` that lie in a cone. A term is a row, a variable and a
-    /// coefficient.
+    /// Adds rows `s = constant + sum of terms`, whose values `s` must lie in a cone. A term is a row, a
+    /// variable and a coefficient.
     fn add(&mut self, cone: SupportedConeT<f64>, constant: &[f64], terms: &[(usize, usize, f64)]) {
         let first = self.right.len();
         for &(row, variable, value) in terms.iter().filter(|(.., value)| *value != 0.0) {
@@ -63,7 +64,7 @@ impl Builder {
     }
 }
 
-/// Returns the cheapest scales that satisfy the cuts up to a tolerance of the solver.
+/// Returns the cheapest scales that satisfy the cuts; `tolerance` is the solver tolerance.
 ///
 /// Returns None if the solver fails or the cuts cannot be satisfied.
 pub fn solve(
@@ -131,7 +132,8 @@ pub fn solve(
     Some(ConeSolution { scales: solution.x[..n].to_vec(), duals })
 }
 
-/// Adds the upper bound of a continuous cost as a variable, with the cone that ties it to the scale.
+/// Adds the upper bound of a continuous cost as a variable, with the cone that relates this bound to the
+/// scale.
 fn add_cost(program: &mut Builder, objective: &mut Vec<f64>, cost: &ToleranceCost, k: usize) {
     let e = objective.len();
     match cost.law {

@@ -13,7 +13,7 @@ const MAX_ROUNDS: usize = 60;
 const COARSE_VIOLATION: f64 = 1e-3;
 /// Relative violation of a limit below which a solution counts as keeping this limit.
 const VIOLATION: f64 = 1e-9;
-/// Relative gap at which the solution of the dual ascent needs no cone program.
+/// Relative duality gap up to which the solution of the dual ascent needs no cone program.
 const ASCENT_GAP: f64 = 1e-9;
 /// Largest number of requirements that add a cut in one round.
 const MAX_NEW_CUTS: usize = 12;
@@ -30,11 +30,11 @@ pub struct CutPool {
 /// Solution of the relaxed problem, in which grades may be mixed.
 #[derive(Debug, Clone)]
 pub struct RelaxedSolution {
-    /// Scales that keep every requirement, up to rounding and the bounds of the domains.
+    /// Scales within the domains that keep every requirement up to the accuracy of the solver.
     pub scales: Vec<f64>,
     /// Lower bound of the cost of all scales in the domains that keep every requirement.
     pub bound: f64,
-    /// Price of every scale in the Lagrangian.
+    /// Price of every scale: the slope of the Lagrangian without the cost, at the solution.
     pub prices: Vec<f64>,
     /// Shadow price of the limit of every requirement: the cost saved per relative increase of the limit.
     pub shadow: Vec<f64>,
@@ -103,8 +103,8 @@ impl CutPool {
         best
     }
 
-    /// Adds a cut for each of the requirements that exceed `threshold` most. Returns whether there is a new
-    /// cut.
+    /// Adds cuts for the requirements whose figures exceed `threshold` most, at most `MAX_NEW_CUTS` of
+    /// them. Returns whether there is a new cut.
     fn separate(
         &mut self,
         figures: &[LinearFigure],
@@ -125,7 +125,8 @@ impl CutPool {
         is_new
     }
 
-    /// Returns the lower bound that the dual vectors of the cuts prove, with the prices of the scales.
+    /// Returns the lower bound of the cost that the dual vectors of the cuts prove, with the prices of the
+    /// scales. The list `scales` of the result is empty.
     fn bounded(
         &self,
         costs: &[ToleranceCost],
@@ -167,8 +168,8 @@ impl ScaleDomain {
     }
 }
 
-/// Reduces all scales by the largest relative violation of a limit, which is caused by the limited accuracy
-/// of the solver.
+/// Reduces all scales by the largest relative violation of a limit. The limited accuracy of the solver
+/// causes the violation.
 pub fn keep_limits(
     costs: &[ToleranceCost],
     figures: &[LinearFigure],

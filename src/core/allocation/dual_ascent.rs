@@ -1,15 +1,15 @@
 //! Dual ascent: Newton's method for the Lagrangian dual of a small allocation, without a cone program.
 //!
-//! A search prices thousands of nodes per second, but only a few requirements bind at each node. The dual
-//! then has a handful of variables. The minimum over each scale at given prices has a closed form or takes a
-//! few Newton steps (`lagrangian`):
+//! A layout search prices thousands of nodes per second, but only a few requirements bind at each node. The
+//! dual therefore has only a few variables. The minimum over each scale at given prices has a closed form
+//! or takes a few Newton steps (`lagrangian`):
 //!
 //! ```text
 //! maximize  sum_k min_u (c_k(u) + p_k u + q_k u^2)  -  sum_i (|y_i| - y_i . f_i)  -  sum_j mu_j (1 - f_j^2)
 //!           p_k = sum_i y_i . g_ik,   q_k = sum_j mu_j w_jk
 //! ```
 //!
-//! A vector `y_i` belongs to one sign pattern of a worst case, and a number `mu_j` belongs to a root sum
+//! Each vector `y_i` belongs to one sign pattern of a worst case. Each number `mu_j` belongs to a root sum
 //! square. A pattern is added when the scales violate its limit. For any multipliers, the value of the dual
 //! is a lower bound of the cost. The scales are reduced until they keep every limit, so their cost is an
 //! upper bound. The gap between the two bounds is therefore known.
@@ -28,7 +28,7 @@ const MAX_ROUNDS: usize = 40;
 const MAX_STEPS: usize = 60;
 /// Largest number of halvings of one step.
 const MAX_HALVINGS: i32 = 40;
-/// Factor by which each ridge exceeds the ridge that was tried before.
+/// Factor between successive ridges (multiples of the identity that are added to the Hessian).
 const RIDGE_GROWTH: f64 = 1000.0;
 /// Relative gain of a step below which the dual has converged.
 const CONVERGED: f64 = 1e-12;
@@ -49,7 +49,7 @@ pub struct PricedScales {
     pub lower_bound: f64,
     /// Shadow price of the limit of every figure: the cost saved per relative increase of the limit.
     pub shadow_prices: Vec<f64>,
-    /// Price of every scale in the Lagrangian.
+    /// Price of every scale: the slope of the Lagrangian without the cost, at the solution.
     pub(super) prices: Vec<f64>,
     /// Constraints that bind, each with the index of its figure.
     pub(super) cuts: Vec<(usize, ConeCut)>,
@@ -97,7 +97,7 @@ pub fn priced_scales(
         let shrink = |(u, cost): (&f64, &ToleranceCost)| (u / largest.max(1.0)).max(cost.range.0);
         let kept: Vec<f64> = scales.iter().zip(costs).map(shrink).collect();
         let cost: f64 = costs.iter().zip(&kept).map(|(cost, u)| cost.cost(*u)).sum();
-        // Scales at their least are not reduced, so a larger violation could remain.
+        // A scale at the lower end of its range is not reduced, so a larger violation could remain.
         let is_kept = largest <= 1.0 + gap;
         if is_kept && cost - point.value <= gap * cost.abs() || is_last {
             let (mut prices, q) = charges(costs.len(), &terms);
@@ -172,7 +172,8 @@ fn ascend(costs: &[ToleranceCost], terms: &mut Vec<DualTerm>, tolerance: f64) ->
     Some(point)
 }
 
-/// Returns the terms after a whole step if it at least halves the largest derivative.
+/// Returns the dual and its terms after a whole step. Returns None unless the step keeps every term and at
+/// least halves the largest derivative.
 fn polished(
     costs: &[ToleranceCost],
     terms: &[DualTerm],
@@ -206,10 +207,12 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
     None
 }
 
-/// Returns the terms after the longest step of a sequence that raises the dual enough; None without such a step.
+/// Returns the dual and its terms after the first step length that raises the dual enough; None if no
+/// length does.
 ///
-/// The sequence starts with the whole step. Next are the lengths at which a multiplier reaches 0; the term of
-/// this multiplier is then dropped. Halvings of the shortest of these lengths come last.
+/// The lengths are tried in descending order, from the whole step on. Next come the lengths at which a
+/// multiplier reaches 0; the term of this multiplier is then dropped. Halvings of the shortest of these
+/// lengths come last.
 fn line_search(
     costs: &[ToleranceCost],
     terms: &[DualTerm],

@@ -40,7 +40,7 @@ impl DualTerm {
     }
 }
 
-/// Returns the linear and the quadratic price of every scale.
+/// Returns the linear and the quadratic price of every scale, which follow from the multipliers.
 pub fn charges(count: usize, terms: &[DualTerm]) -> (Vec<f64>, Vec<f64>) {
     let (mut p, mut q) = (vec![0.0; count], vec![0.0; count]);
     for DualTerm { cut, y, .. } in terms {

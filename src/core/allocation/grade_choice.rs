@@ -3,7 +3,7 @@
 //! Each branch permits some of the grades of every parameter. The lower bound of a branch is the Lagrangian
 //! bound of its relaxation. A grade is discarded if the bound with this grade alone exceeds the best known
 //! cost (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter grades, keep the
-//! requirements, and are improved by loosening single grades.
+//! requirements. They are then improved by loosening single grades.
 
 use super::cone_program::ScaleDomain;
 use super::cutting_planes::{CutPool, RelaxedSolution, keep_limits};
@@ -57,7 +57,8 @@ struct GradeSearch<'a> {
     best: Option<(Vec<f64>, f64)>,
 }
 
-/// Returns the cheapest scales, which are at a grade for every parameter with grades, and a lower bound of the cost.
+/// Returns the cheapest scales and a lower bound of the cost. A parameter with grades has the scale of one
+/// of its grades.
 ///
 /// `relaxed` is the solution with mixtures of all grades. Returns None if the solver fails.
 pub fn choose_grades(
@@ -136,6 +137,9 @@ impl GradeSearch<'_> {
 
     /// Splits a branch at the parameter whose relaxed scale is farthest from both neighbouring grades. The
     /// distance is weighted by the difference of the costs of these grades.
+    ///
+    /// If no parameter has two grades left, the function optimizes the continuous scales and returns no
+    /// branches.
     fn split(&mut self, branch: GradeBranch) -> Vec<Vec<ScaleDomain>> {
         let GradeBranch { domains, relaxed } = branch;
         let mut widest: Option<(f64, usize, usize)> = None;
@@ -175,8 +179,8 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Loosens single grades of a choice that keeps the requirements, and records the result if it costs less
-    /// than the best choice.
+    /// Loosens single grades of a choice, and records the result if it costs less than the best choice. A
+    /// choice is ignored if it exceeds a limit even after its continuous scales are reduced.
     fn consider(&mut self, scales: &[f64]) {
         let mut scales: Vec<f64> = self.costs.iter().zip(scales).map(|(c, u)| c.ordered(*u)).collect();
         if !self.keeps(&scales) {
@@ -229,7 +233,8 @@ impl GradeSearch<'_> {
     }
 }
 
-/// Returns the loosest scale in a domain that is at most `u`, or the tightest scale of the domain if all are greater.
+/// Returns the loosest scale in a domain that is at most `u`. If all scales are greater, returns the
+/// tightest one.
 fn tighter(cost: &ToleranceCost, domain: &ScaleDomain, u: f64) -> f64 {
     match domain {
         ScaleDomain::Range(low, high) => u.clamp(*low, *high),

@@ -27,7 +27,7 @@ const NEAR_LARGEST: f64 = 0.8;
 /// Relative change of the common scale at which uniform tightening has converged.
 const SAME_SCALE: f64 = 1e-9;
 
-/// Judge of tolerances: the full error model at all requirements.
+/// Judge of tolerances: evaluates all requirements with the full error model.
 pub trait ToleranceJudge {
     /// Returns the figure of every requirement at these scales; None if a figure cannot be judged.
     fn values(&mut self, scales: &[f64]) -> Option<Vec<f64>>;
@@ -39,7 +39,7 @@ pub trait ToleranceJudge {
     fn is_bounded_by_linear(&self) -> bool;
 }
 
-/// Allocation with the figures that the full model gives it.
+/// Allocation with the figures of its requirements, as the full error model judges them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JudgedAllocation {
     pub allocation: ToleranceAllocation,
@@ -115,9 +115,8 @@ impl LinearModel<'_> {
 ///
 /// The limits are in the unit of the figures.
 ///
-/// # Errors
-/// Returns the excess over the limits if even the tightest tolerances exceed limits. Returns a failure if the
-/// solver or the judge fails.
+/// # Errors Returns the excess over the limits if even the tightest tolerances exceed a limit. Returns a
+/// failure if the solver or the judge fails.
 pub fn allocate_judged(
     costs: &[ToleranceCost],
     limits: &[f64],
@@ -190,8 +189,8 @@ fn reduce(model: &LinearModel<'_>, found: &mut JudgedAllocation, judge: &mut dyn
 /// Returns the loosest common scale that keeps the judged limits, with its cost; None if no such scale was
 /// found.
 ///
-/// The judged figures are nearly proportional to the common scale, so a few corrections by the largest ratio
-/// of figure to limit suffice.
+/// The judged figures are nearly proportional to the common scale. A few corrections by the largest ratio
+/// of figure to limit therefore suffice.
 fn uniform(model: &LinearModel<'_>, judge: &mut dyn ToleranceJudge) -> Option<(f64, f64)> {
     let (mut u, mut scales) = uniform_scale(&model.problem())?;
     let mut best: Option<(f64, f64)> = None;

@@ -1,7 +1,7 @@
 //! Lagrangian bound of the cost: the minimum over each scale alone, at given prices of the scales.
 //!
-//! If every permitted `u` satisfies `prices . u <= limit`, the cost is at least
-//! `min_u sum_k (c_k(u_k) + prices_k u_k) - limit`. Each term has a closed form.
+//! If every permitted `u` satisfies `prices . u <= limit`, the cost is at least `min_u sum_k (c_k(u_k) +
+//! prices_k u_k) - limit`. The minimum over each scale has a closed form.
 
 use super::cone_program::ScaleDomain;
 use crate::cell::{CostLaw, ToleranceCost};
@@ -40,7 +40,8 @@ pub struct Charged {
     pub scale: f64,
     /// Least value of `c(u) + p u + q u^2`.
     pub least: f64,
-    /// Second derivative at this scale; infinite if the scale is at a bound or a grade, where prices do not move it.
+    /// Second derivative at this scale. It is infinite at a bound or a grade, where a small change of the
+    /// prices does not move the scale.
     pub curvature: f64,
 }
 

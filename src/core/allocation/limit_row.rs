@@ -1,11 +1,11 @@
-//! One constraint along one direction, whose only multiplier is found in one dimension.
+//! One constraint along one direction, whose only multiplier is found by a one-dimensional search.
 
 use super::cone_cut::ConeCut;
 use super::lagrangian::charged;
 use crate::cell::ToleranceCost;
 use nalgebra::Vector6;
 
-/// Largest number of steps to the multiplier.
+/// Largest number of Newton steps to find the multiplier.
 const MAX_STEPS: usize = 80;
 /// Half width of the bracket of the multiplier's logarithm.
 const WIDEST: f64 = 60.0;

@@ -52,8 +52,8 @@ impl LinearFigure {
         }
     }
 
-    /// Returns the figure at the scales `u`, and the cone that holds there with equality if the figure is at its
-    /// limit. For a worst case, this is the cone of the worst sign pattern.
+    /// Returns the figure at the scales `u`, and a cut that is active there if the figure is at its limit.
+    /// For a worst case, this is the cut of the worst sign pattern.
     pub(super) fn cut(&self, u: &[f64], scratch: &mut FigureScratch) -> (f64, ConeCut) {
         let value = self.value(u, scratch);
         let cut = match self {

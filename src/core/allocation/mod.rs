@@ -25,8 +25,8 @@
 //! duality gap is proven. Discrete grades are chosen by branch and bound over the relaxation
 //! (`grade_choice`).
 //!
-//! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution by
-//! the full model. It adapts the requirements until the judged figures keep the limits.
+//! Where the error is not linear, or the figure is a percentile, [`allocate_judged`] judges each solution
+//! by the full model. The function adapts the linear requirements until the judged figures keep the limits.
 
 mod cone_cut;
 mod cone_program;

@@ -10,11 +10,10 @@ use super::pricing::{GAP, ROUNDING, TolerancePricing};
 use crate::cell::ToleranceCost;
 use nalgebra::Vector6;
 
-/// Largest number of steps to a common factor of the multipliers.
+/// Largest number of Newton steps to find a common factor of the multipliers.
 const STEPS: usize = 3;
 
-/// Cheapest tolerances that keep the limits of some figures, and with which the prices of similar figures are
-/// bounded.
+/// Cheapest tolerances that keep the limits of some figures. They bound the prices of similar figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearbyPrice {
     /// Scale of every tolerance.
@@ -27,7 +26,7 @@ pub struct NearbyPrice {
 impl NearbyPrice {
     /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure.
     ///
-    /// Returns None if the ascent does not find them.
+    /// Returns None for discrete grades, or if the ascent does not find these tolerances.
     pub fn new(
         costs: &[ToleranceCost],
         figures: &[LinearFigure],
@@ -40,7 +39,7 @@ impl NearbyPrice {
         near.reduced_cost(costs, figures, scratch).map(|_| near)
     }
 
-    /// Returns a number between the price of figures and `most`; None if the price exceeds `most`.
+    /// Returns a number between the price of `figures` and `most`; None if the price exceeds `most`.
     pub fn within(
         &self,
         tolerances: &TolerancePricing,
@@ -55,7 +54,8 @@ impl NearbyPrice {
         })
     }
 
-    /// Returns the cost of the scales, reduced until they keep every limit of other figures.
+    /// Returns the cost of the known scales after they are reduced until they keep every limit of
+    /// `figures`.
     ///
     /// Returns None if the reduced scales cannot keep every limit.
     pub fn reduced_cost(
@@ -72,7 +72,7 @@ impl NearbyPrice {
         is_kept.then(|| costs.iter().zip(&reduced).map(|(cost, u)| cost.cost(*u)).sum())
     }
 
-    /// Returns a lower bound of the price of other figures.
+    /// Returns a lower bound of the price of `figures`.
     pub fn bound(
         &self,
         costs: &[ToleranceCost],

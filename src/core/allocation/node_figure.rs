@@ -15,8 +15,8 @@ const LEAST_VARIANCE: f64 = 0.01;
 
 /// Probability above which the square of a percentile is convex in the squared scales.
 ///
-/// Above this probability, a normal error in one direction has a larger percentile than a normal error of equal
-/// variance in two or three directions.
+/// Consider normal errors of equal mean square in one, two and three directions. Above this probability,
+/// the error in one direction has the largest percentile.
 const LEAST_CONVEX_SHARE: f64 = 0.8;
 
 /// One operation at one node.
@@ -24,8 +24,8 @@ pub struct NodeFigure<'a> {
     pub evaluator: &'a ErrorEvaluator,
     pub context: &'a WorkContext,
     pub frames: &'a Frames,
-    /// Yield that is demanded, 0 to 1, if the quantity is the yield: this share of the arms must keep the
-    /// limit.
+    /// Demanded yield, 0 to 1: this share of the arms must keep the limit. It is used only if the quantity
+    /// is the yield.
     pub share: f64,
 }
 
@@ -52,7 +52,7 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns a linear figure near the judged figure `value`.
+    /// Returns a linear figure that approximates the judged figure `value`.
     ///
     /// The tolerances of the evaluator are already at the scales `scales` of the parameters `free`. All other
     /// errors are fixed.
@@ -72,8 +72,8 @@ impl NodeFigure<'_> {
 
     /// Returns whether the squared figure is a convex function of the squared scales, apart from nonlinear effects.
     ///
-    /// The square of a high percentile is convex: it lies between the trace and the largest eigenvalue of the
-    /// covariance, times a factor. The square of a mean or of a low percentile is not convex.
+    /// The square of a high percentile is convex. Up to a factor, it lies between the largest eigenvalue
+    /// and the trace of the covariance. The square of a mean or of a low percentile is not convex.
     pub fn is_convex(&self) -> bool {
         match (self.evaluator.reading, self.evaluator.quantity) {
             (Reading::Statistical, Quantity::P95 | Quantity::P99) => true,
@@ -185,8 +185,8 @@ impl NodeFigure<'_> {
         (squares, of_mean, constant)
     }
 
-    /// Returns the root sum square with the value and the slopes of a percentile of normal errors without a
-    /// mean.
+    /// Returns the root sum square that matches a percentile of normal errors without a mean, in value and
+    /// slopes.
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
     ///
@@ -233,11 +233,12 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns the root sum square with the value and the slopes of a percentile or mean at the present scales.
+    /// Returns the root sum square that matches a percentile or mean at the present scales, in value and
+    /// slopes.
     ///
-    /// If all errors are free and have no mean, the square of such a figure is homogeneous of degree 1 in the
-    /// squared scales. So the derivatives with respect to these squares, `d value^2 / d u_k^2`, describe the
-    /// figure well.
+    /// Assume that all errors belong to the parameters `free` and have no mean. The square of such a figure
+    /// is then homogeneous of degree 1 in the squared scales. So the derivatives with respect to these
+    /// squares, `d value^2 / d u_k^2`, describe the figure well.
     fn percentile(
         &self,
         free: &[Parameter],

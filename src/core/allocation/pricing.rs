@@ -17,11 +17,11 @@ use std::sync::Arc;
 /// Share of arms that must keep a limit if the quantity is the yield and no other share is stated.
 pub const DEFAULT_YIELD: f64 = 0.99;
 
-/// Relative gap between a price and its lower bound.
+/// Largest relative gap between a price and the lower bound that proves it.
 pub(super) const GAP: f64 = 1e-6;
 
-/// Effort of a rough bound: the largest numbers of directions of the error, and of steps to the multiplier of
-/// each direction.
+/// Effort of a rough bound: the largest number of error directions, and the largest number of Newton steps
+/// per direction.
 const ROUGH: (usize, usize) = (1, 2);
 /// Effort of a sharp bound, with the same two numbers as [`ROUGH`].
 const SHARP: (usize, usize) = (4, 8);
@@ -110,7 +110,7 @@ impl TolerancePricing {
         priced.unwrap_or_else(|| self.solved(figures))
     }
 
-    /// Returns the cost that the cone programs find.
+    /// Returns the cost that the cone programs find; the cost of the tightest tolerances if they fail.
     fn solved(&self, figures: &[LinearFigure]) -> f64 {
         let requirement = |figure: &LinearFigure| ToleranceRequirement { figure: figure.clone(), limit: 1.0 };
         let requirements = figures.iter().map(requirement).collect();
@@ -122,8 +122,8 @@ impl TolerancePricing {
 
     /// Returns a lower bound of the price of one figure, from at most `directions` directions of the error.
     ///
-    /// Each direction gives scales. The direction of the worst case at these scales is a better direction, and often
-    /// the best.
+    /// The bound for one direction gives scales. The direction of the worst case at these scales is tried
+    /// next, because it is often the best.
     fn bound(
         &self,
         figure: &LinearFigure,

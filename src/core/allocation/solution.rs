@@ -18,8 +18,8 @@ pub struct ToleranceAllocation {
     pub lower_bound: f64,
     /// Figure of every requirement at these scales.
     pub values: Vec<f64>,
-    /// Shadow price of every requirement: the decrease of the cost per unit of its limit. With grades, it is the
-    /// shadow price of the relaxation.
+    /// Shadow price of every requirement: the decrease of the cost per unit increase of its limit. With
+    /// grades, it is the shadow price of the relaxation.
     pub shadow_prices: Vec<f64>,
     /// Number of cone programs solved.
     pub programs: usize,
@@ -43,9 +43,8 @@ pub enum AllocationFailure {
 
 /// Finds the cheapest tolerances that keep all requirements.
 ///
-/// # Errors
-/// Returns the excess over the limits if even the tightest tolerances exceed limits, or a failure of the
-/// solver.
+/// # Errors Returns the excess over the limits if even the tightest tolerances exceed a limit. Returns a
+/// failure if the solver fails.
 pub fn allocate(problem: &ToleranceProblem) -> Result<ToleranceAllocation, AllocationFailure> {
     let mut scratch = FigureScratch::default();
     let ToleranceProblem { costs, requirements } = problem;

@@ -6,8 +6,8 @@ use super::problem::ToleranceProblem;
 /// Number of bisections, enough to determine a scale to its last digit.
 const BISECTIONS: usize = 60;
 
-/// Returns the common scale of uniform tightening, and the scale of every tolerance. The latter is the common
-/// scale, moved into the range or to a grade of the cost model.
+/// Returns the common scale of uniform tightening, and the scale of every tolerance. The scale of a
+/// tolerance is the common scale, moved into the range or to a grade of its cost model.
 ///
 /// Returns None if the tightest tolerances exceed a limit.
 pub fn uniform_scale(problem: &ToleranceProblem) -> Option<(f64, Vec<f64>)> {

@@ -43,7 +43,9 @@ pub fn chosen(
         AllocatedNodes::Node(i, j) => {
             let found: Vec<_> = usable.into_iter().filter(|(_, node)| *node == (i, j)).collect();
             if found.is_empty() {
-                return Err(format!("node ({i}, {j}) cannot be used"));
+                return Err(format!(
+                    "node ({i}, {j}) cannot be used; `sweetspot explain CELL --at {i},{j}` gives the reason"
+                ));
             }
             Ok(found)
         }

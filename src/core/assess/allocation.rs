@@ -46,14 +46,15 @@ pub struct CellAllocation<'a> {
     /// Parameters whose errors stay unchanged, because they are measured or correlated.
     pub fixed: Vec<Parameter>,
     pub requirements: Vec<NodeRequirement>,
-    /// Yield that is demanded if the quantity is the yield, 0 to 1.
+    /// Demanded yield, 0 to 1; it is used only if the quantity is the yield.
     pub(super) share: f64,
 }
 
 /// Reason why a cell has no cheapest tolerances.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NoAllocation {
-    /// The cell lacks a limit or a tolerance. The text `why` states the reason, and `help` the remedy.
+    /// The cell lacks a limit or a tolerance, or its errors are not tolerances. The text `why` states the
+    /// reason, and `help` the remedy.
     Question { why: String, help: &'static str },
     /// An operation has no usable node. The text states the reason.
     Unusable(String),
@@ -66,8 +67,8 @@ pub enum NoAllocation {
 impl<'a> CellAllocation<'a> {
     /// Prepares the problem of a layout with its maps, for all operations with a limit or for one of them.
     ///
-    /// # Errors
-    /// Returns the reason if there is no requirement or no tolerance.
+    /// # Errors Returns the reason if there is no requirement, no tolerance or no usable node, or if the
+    /// errors are not tolerances.
     pub fn new(
         workcell: &'a Workcell,
         layout: &'a Layout,
@@ -103,7 +104,7 @@ impl<'a> CellAllocation<'a> {
         }
         if parameters.is_empty() {
             let why = "no parameter has a tolerance of its own".into();
-            let help = "choose an error set of tolerances with --errors; measured and correlated errors cannot be ordered";
+            let help = "choose an error set of tolerances with --errors; the tolerances of measured and correlated errors cannot be chosen";
             return Err(NoAllocation::Question { why, help });
         }
         let cheapest = nodes == AllocatedNodes::Cheapest;

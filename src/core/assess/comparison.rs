@@ -25,8 +25,8 @@ impl<'a> Comparison<'a> {
         Ok(Self { columns })
     }
 
-    /// Returns a comparison of the layout as drawn with the best layout of a search. Only the best layout has its
-    /// regions.
+    /// Returns a comparison of the layout as drawn with the best layout of a search. Regions are computed
+    /// only for the best layout.
     pub fn of_search(workcell: &'a Workcell, record: &SearchRecord) -> Self {
         let [start, best] = [("start", &record.start), ("best", &record.best)]
             .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));
@@ -68,11 +68,7 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
         |what: String| Err(format!("{} and {} cannot be compared: {what}", shown(&a.label), shown(&b.label)));
     let names = |c: &Cell| c.operations.iter().map(|o| o.name.clone()).collect::<Vec<_>>().join(", ");
     if names(a.cell) != names(b.cell) {
-        return refuse(format!(
-            "the operations of one are {}, those of the other {}",
-            names(a.cell),
-            names(b.cell)
-        ));
+        return refuse(format!("one has the operations {}; the other has {}", names(a.cell), names(b.cell)));
     }
     let read = |c: &Cell| {
         let quantity = if c.reading == Reading::Statistical { c.quantity.name() } else { "" };

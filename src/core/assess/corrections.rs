@@ -24,7 +24,7 @@ pub struct StatedTarget {
     pub rotation: Option<Matrix3<f64>>,
 }
 
-/// Target with the joint coordinates that land on it.
+/// Target with the corrected joint coordinates, at which the robot with errors reaches the target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CorrectedTarget {
     /// Pose that the TCP is to attain, base frame.
@@ -129,7 +129,7 @@ impl<'a> OperationCorrector<'a> {
     }
 
     /// Returns joint coordinates at which the TCP of the nominal robot is at a target. If the arm cannot
-    /// reach a stated orientation, only its elevation is kept.
+    /// reach a stated orientation, only the elevation of that orientation is kept.
     fn nominal(&self, stated: &StatedTarget) -> Result<JointVector, String> {
         let (cell, inverse) = (&self.workcell.cell, self.workcell.inverse());
         let layout = cell.start();
@@ -170,8 +170,8 @@ fn nearest(branches: &[Branch], home: &JointVector) -> Option<JointVector> {
     usable.min_by(|a, b| far(a).total_cmp(&far(b))).map(|branch| branch.joints)
 }
 
-/// Returns whether a parameter varies at random. The errors of a signed error set do not vary; its deviations
-/// only state their magnitudes.
+/// Returns whether a parameter varies at random. The errors of a signed error set do not vary. The
+/// deviations of such a set only state the magnitudes of its errors.
 fn is_random(cell: &Cell, parameter: Parameter) -> bool {
     match parameter {
         Parameter::Equipment(e, _) => matches!(cell.equipment[e].errors, Some(FrameErrors::Tolerance(_))),

@@ -37,7 +37,7 @@ impl ErrorDistribution {
         let (read, figures) = judged(cell.model, Reading::Statistical)?;
         if figures.p99 <= NEGLIGIBLE {
             return Err(
-                "the error does not vary here: all parameters are exact, or a registration removes their errors"
+                "the error does not vary at this spot: all parameters are exact, or a registration removes their errors"
                     .to_string(),
             );
         }

@@ -24,8 +24,8 @@ pub struct Reachable<'a> {
     /// Horizontal sections, each with its height (m) and its points (x, y), m.
     pub plans: Vec<(f64, EnvelopeSection)>,
     pub size: Size,
-    /// Points of the arm in a posture near its greatest reach, m: base, origins of the link frames, then the
-    /// TCP.
+    /// Points of the arm in a posture near its greatest reach, base frame, m. They are the base, the
+    /// origins of the link frames and the TCP.
     pub arm: Vec<Vector3<f64>>,
 }
 
@@ -59,7 +59,8 @@ impl EnvelopeQuery<'_> {
 }
 
 impl<'a> Reachable<'a> {
-    /// Computes an envelope. `progress` receives the number of points sampled so far and their total.
+    /// Computes an envelope. `progress` receives the number of points sampled so far and the total number
+    /// of points.
     pub fn new(
         robot: &'a Robot,
         inverse: &Inverse,
@@ -85,8 +86,8 @@ impl<'a> Reachable<'a> {
     }
 }
 
-/// Returns the base, the origins of the link frames and the TCP in a posture near the greatest reach, base
-/// frame, m.
+/// Returns points of the arm in a posture near the greatest reach, base frame, m. They are the base, the
+/// origins of the link frames and the TCP.
 ///
 /// The TCP is in the vertical section.
 ///

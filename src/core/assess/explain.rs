@@ -84,9 +84,11 @@ pub struct Explanation<'a> {
     /// the equipment are ignored.
     pub robot: Displacement,
     pub sense: Vec<SenseRow>,
-    /// Deviation of the linear model from the nonlinear model, as a share of the nonlinear error.
+    /// Deviation of the linear model from the nonlinear model in position, as a share of the nonlinear
+    /// position error.
     pub linear_off: f64,
-    /// Deviation of the second-order model from the nonlinear model, as a share of the nonlinear error.
+    /// Deviation of the second-order model from the nonlinear model in position, as a share of the
+    /// nonlinear position error.
     pub second_order_off: f64,
 }
 
@@ -133,7 +135,8 @@ impl<'a> Explanation<'a> {
         &self.judged.figures[self.context.evaluator.own()]
     }
 
-    /// Returns the deviation of the cell's model from the nonlinear model, as a share of the nonlinear error.
+    /// Returns the deviation of the cell's model from the nonlinear model in position, as a share of the
+    /// nonlinear position error.
     pub fn off(&self) -> f64 {
         match self.context.evaluator.model {
             Model::Nonlinear => 0.0,
@@ -177,7 +180,7 @@ fn dh_rows(context: &PostureContext<'_>) -> Vec<DhRow> {
             JointKind::Prismatic => (0.0, coordinate),
         };
         let q = context.joints[i];
-        // A posture at its limit must not count as beyond the limit because of rounded degrees.
+        // Without this tolerance, rounded degrees could put a posture at a joint limit beyond the limit.
         let allowed = q >= joint.limits.0 - 1e-9 && q <= joint.limits.1 + 1e-9;
         let (theta, r) = (joint.theta + turn, joint.r + slide);
         DhRow { kind: joint.kind, q, allowed, theta, r, l: joint.l, alpha: joint.alpha }

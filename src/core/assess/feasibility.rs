@@ -1,4 +1,4 @@
-//! Feasibility of a layout, with the reasons if it is infeasible, without the maps of its operations.
+//! Feasibility of a layout, and the reasons if it is infeasible. Only operations without a spot are mapped.
 
 use super::posture_context::no_usable_node;
 use crate::cell::{Cell, Layout};
@@ -80,5 +80,5 @@ fn nearest_without_overlap(cell: &Cell, layout: &Layout, apart: &Layout) -> Stri
         let world = if e.on.is_some() { " (world)" } else { "" };
         format!("{} at x {:.1}, y {:.1} mm{world}", e.name, mm_from_m(to.x), mm_from_m(to.y))
     });
-    format!("nearest without overlap: {}", moved.collect::<Vec<_>>().join("; "))
+    format!("nearest placements found without overlap: {}", moved.collect::<Vec<_>>().join("; "))
 }

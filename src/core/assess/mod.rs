@@ -67,8 +67,8 @@ pub struct Assessment<'a> {
     pub maps: Vec<OperationMap>,
     /// Spots refined between the nodes of the grid, one per operation.
     ///
-    /// An entry is None if the operation has no spot, has a list of points instead of a grid, or happens at
-    /// every node.
+    /// An entry is None if the operation has no spot, has listed points instead of a grid, or happens at
+    /// every node. All entries are None if the layout does not fit the cell.
     pub refined: Vec<Option<Refined>>,
     /// Effect of the placement tolerances on every operation; empty unless [`Self::misplaced`] was called.
     pub robustness: Vec<Option<Robustness>>,
@@ -88,7 +88,7 @@ pub struct Assessment<'a> {
     /// Certificate that the layout works at every misplacement; None if no certificate is demanded, or if the
     /// layout is not feasible.
     pub certificate: Option<LayoutCertificate>,
-    /// Regions in which every piece of equipment may stand.
+    /// Regions in which each piece of equipment may stand.
     ///
     /// None unless [`Self::with_regions`] was called, or if the layout is not feasible or misses a limit.
     pub regions: Option<Regions>,
@@ -247,9 +247,9 @@ impl<'a> Assessment<'a> {
     /// Returns None if the operation has no spot or no limit. Also returns None if the quantity is the
     /// yield, whose definition already contains the limit.
     ///
-    /// If the value is the cost of tolerances, the limit is the cost of the tightest tolerances. If that cost
-    /// is only one of several goals, the result is None. The limits then constrain the tolerances, not the
-    /// error at the tolerances of the error set.
+    /// If the value is the cost of tolerances, the limit is the cost of the tightest tolerances. If the
+    /// cost of tolerances is only one of several goals, the result is None. The limits of the operations
+    /// then constrain the tolerances, not the error at the tolerances of the error set.
     pub fn requirement(&self, operation: usize) -> Option<Requirement> {
         if self.cell.unit() == Unit::Cost {
             let (limit, value) = (self.workcell.tightest_cost(), self.maps[operation].value?);

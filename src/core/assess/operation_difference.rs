@@ -57,7 +57,8 @@ impl OperationDifference {
         (count(true), count(false))
     }
 
-    /// Returns the largest absolute difference of all nodes, which sets the colour scale of a picture.
+    /// Returns the largest absolute difference over all nodes (m, rad or a share). This value sets the
+    /// colour scale of a picture.
     pub fn largest(&self) -> f64 {
         self.pairs.iter().filter_map(NodePair::difference).fold(0.0, |most, d| most.max(d.abs()))
     }

@@ -181,7 +181,8 @@ fn row(
     }
 }
 
-/// Returns the row of a reading of tolerances for errors that are none ([`Cell::errors_compensate`]).
+/// Returns the row of a reading that needs tolerances, for errors that are not tolerances
+/// ([`Cell::errors_compensate`]).
 fn unanswered(interpretation: &Interpretation, operation: &Operation) -> ReadingRow {
     let Interpretation { reading, quantity, registration, .. } = *interpretation;
     ReadingRow {

@@ -7,8 +7,8 @@ use crate::pose::Pose;
 use crate::robot::{Chain, lever};
 use nalgebra::{Matrix3, Vector3};
 
-/// Pose of the mechanical interface of a robot with errors, and the frames in which the errors act; base
-/// frame.
+/// Pose of the mechanical interface of a robot with errors, and the frames in which the errors act. All
+/// poses are given in the base frame.
 #[derive(Debug, Clone)]
 pub struct Deformed {
     pub interface: Pose,
@@ -115,7 +115,7 @@ impl Deformed {
 pub struct PointMotion {
     /// Displacement of the point, m per unit.
     pub slope: Vector3<f64>,
-    /// Rotation, rad per unit.
+    /// Rotation vector of the motion, rad per unit.
     pub axis: Vector3<f64>,
     /// Rank of the motion in the order from the base to the reflector.
     pub place: usize,

@@ -19,7 +19,8 @@ const LEAST_SHARE: f64 = 0.1;
 const ROUGHLY: f64 = 1e-3;
 /// Largest step, in standard deviations before the measurement, that need not lower the loss.
 const SURE: f64 = 0.1;
-/// Factor by which the damping grows after a step that raised the loss, and shrinks after any other step.
+/// Factor by which the damping grows after a step that raised the loss. The damping shrinks by the same
+/// factor after any other step.
 const DAMPING: f64 = 4.0;
 /// Damping up to which a successful step ends the damping.
 const LEAST_DAMPING: f64 = 0.1;
@@ -28,7 +29,7 @@ const SETTLED: f64 = 1e-2;
 /// Number of positions whose covariances are computed at once.
 const STACKED: usize = 512;
 
-/// Values of the unknowns and the frames of the sessions at the minimum.
+/// Values of the unknowns and the frames of the sessions at the minimum of the loss.
 pub(super) struct Fit<'a> {
     pub state: FitState<'a>,
     /// Covariance matrix of the unknowns of the arm and, after them, of the frames of every session.
@@ -93,7 +94,8 @@ impl<'a> Fit<'a> {
                 continue;
             }
             if finds_misfit && largest < ROUGHLY && change.abs().max(of_harmonics) < SETTLED {
-                // The last digits of the unknowns do not depend on the last digits of the variances.
+                // The variances stay fixed from here on, because their last digits hardly affect the
+                // unknowns.
                 return self.solved(sessions, false);
             }
             if !finds_misfit && largest < CONVERGED {

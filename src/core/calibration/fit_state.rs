@@ -95,7 +95,8 @@ impl<'a> FitState<'a> {
         }
     }
 
-    /// Returns half the sum of squares of all normalised residuals; outliers count by Huber's loss.
+    /// Returns half the sum of the squares of all residuals and unknowns, each divided by its standard
+    /// deviation. Outliers count by Huber's loss.
     pub fn loss(&self, sessions: &[MeasuringSession]) -> f64 {
         let measured =
             sessions.iter().enumerate().flat_map(|(s, session)| session.measured.iter().map(move |m| (s, m)));
@@ -145,7 +146,7 @@ pub(super) fn drives(chain: &Chain, pose: &Deformed, at: &Vector3<f64>) -> Vec<V
     (0..chain.axes()).map(motion).collect()
 }
 
-/// Returns the Cholesky factor of a covariance, which has one because no variance is 0.
+/// Returns the Cholesky factor of a covariance. The factor exists because no variance is 0.
 pub(super) fn factor(covariance: Matrix3<f64>) -> Cholesky<f64, Const<3>> {
     covariance.cholesky().unwrap_or_else(|| Cholesky::pack_dirty(Matrix3::identity()))
 }

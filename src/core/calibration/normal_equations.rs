@@ -60,7 +60,8 @@ impl NormalEquations {
         Self { hessian, right }
     }
 
-    /// Adds the expectations of the unknowns, with their precisions multiplied by `1 + damping`.
+    /// Adds the prior expectations of the unknowns of the arm and of the reflectors. The prior precisions
+    /// (inverse variances) of the unknowns of the arm are multiplied by `1 + damping` in the Hessian.
     ///
     /// Without the expectation of the reflectors, the height of the reflector is undetermined on an arm whose tool is
     /// always upright.
@@ -82,7 +83,8 @@ impl NormalEquations {
         self
     }
 
-    /// Subtracts the equations `some` of a part of the measured positions.
+    /// Returns these equations minus the equations `some`, which belong to a part of the measured
+    /// positions.
     pub fn without(&self, some: &Self) -> Self {
         Self { hessian: &self.hessian - &some.hessian, right: &self.right - &some.right }
     }

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! The unknowns are normally distributed with their standard deviations before the measurement. No model is
-//! complete, so the misfit m, not the noise of the instrument, limits the accuracy. The misfit is a Gaussian
-//! process over the joint space. Poses near each other have nearly the same misfit, so the second pose adds
-//! little information. The remaining errors e_i are independent.
+//! complete, so the misfit m, not the noise of the instrument, limits the accuracy. The misfit is a
+//! Gaussian process over the joint space. Two poses near each other have nearly the same misfit, so the
+//! second of them adds little information. The remaining errors e_i are independent.
 //!
 //! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of the task
 //! (I-optimality). A plan that maximises a determinant (D-optimality) would determine all unknowns well, even those
@@ -38,9 +38,9 @@ impl PlanProblem {
 
     /// Chooses `count` candidates that leave the least expected error at the task, the most informative first.
     ///
-    /// The first choice is greedy. Then each pose is exchanged for a better candidate as long as there is a
-    /// better one (Fedorov 1972). `progress` receives the number of finished steps and the largest number of
-    /// all steps. Returns None if there are fewer than `count` candidates.
+    /// The first choice is greedy. Then at most `PASSES` passes exchange each pose for a better candidate
+    /// if there is one (Fedorov 1972). `progress` receives the number of finished steps and the largest
+    /// possible number of steps. Returns None if there are fewer than `count` candidates.
     pub fn best(&self, count: usize, progress: &mut dyn FnMut(usize, usize)) -> Option<Vec<usize>> {
         if count > self.candidates() {
             return None;

@@ -29,7 +29,7 @@ impl From<&MeasuredPosition> for RawMeasurement {
     }
 }
 
-/// Convention of the numbers of an orientation.
+/// Convention of the numbers that state an orientation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RotationConvention {
     /// `Rx(a) Ry(b) Rz(c)`: about x, the new y, the new z.
@@ -40,7 +40,7 @@ pub enum RotationConvention {
     IntrinsicZyx,
     /// `Rz(a) Ry(b) Rz(c)`: Euler angles of Kawasaki and Staubli.
     IntrinsicZyz,
-    /// Rotation vector.
+    /// Rotation vector: the axis times the angle.
     Vector,
     ScalarFirst,
     ScalarLast,

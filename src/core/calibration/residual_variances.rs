@@ -1,5 +1,5 @@
-//! Residual variances: random errors of every joint and of every position that the identified parameters do not
-//! explain.
+//! Residual variances: variances of the random errors of joints and positions that the identified
+//! parameters do not explain.
 //!
 //! Gears and bearings add an error to each actuator coordinate. This error depends on the posture in a way
 //! that no parameter describes. The model of the remaining error of a measured position is
@@ -27,14 +27,14 @@ const FINEST_JOINT: f64 = 1e-7;
 const FINEST_POSITION: f64 = 1e-6;
 /// Largest factor by which one step may change a variance.
 const STEEPEST: f64 = 10.0;
-/// Share of the expected variance of a joint at which a change no longer matters.
+/// Variance of a joint, as a share of its expected variance, at which a change no longer matters.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// Factors that enlarge the variances of the joints in the fit: without harmonics, then with harmonics.
 ///
 /// Errors of a joint depend on the posture, so nearby postures have nearly the same misfit. Nearby postures
-/// carry less information than as many independent postures. Harmonics explain a part of the common misfit.
-/// The values come from a real arm (results/measured).
+/// therefore carry less information than the same number of independent postures. Harmonics explain a part
+/// of the common misfit. The values come from a real arm (results/measured).
 const CORRELATED: [f64; 2] = [4.0, 2.0];
 
 /// Variances of the errors that the identified parameters do not explain.

@@ -25,7 +25,7 @@ pub struct FittedSession {
     pub frames: SessionFrames,
     /// Distance of every measured position from the predicted position, m.
     pub distances: Vec<f64>,
-    /// Rows whose distance the misfit does not explain, with the distance, m.
+    /// Outlier rows, whose distances the misfit does not explain, each with its distance, m.
     pub outliers: Vec<(usize, f64)>,
 }
 
@@ -118,8 +118,8 @@ fn range_of(sessions: &[MeasuringSession], joint: usize) -> (f64, f64) {
 }
 
 /// Returns the directions in which the data do not reduce the standard deviation to less than half. These
-/// directions are eigenvectors of the covariance of the parameters, divided by the standard deviations before
-/// the measurement.
+/// directions are eigenvectors of a scaled covariance. In this covariance, each parameter is divided by its
+/// standard deviation before the measurement.
 fn undetermined(covariance: &DMatrix<f64>, priors: &[f64], parameters: &[usize]) -> Vec<Vec<f64>> {
     let count = parameters.len();
     let scaled = DMatrix::from_fn(count, count, |i, j| {
@@ -170,9 +170,10 @@ impl Calibration {
 
     /// Fits base and reflectors to positions that were not part of the calibration.
     ///
-    /// Returns the session, and the share of its positions inside their 95 % ellipsoids. An ellipsoid contains the
-    /// misfit and the uncertainty of the unknowns. The part of the error that the fit of base and reflectors absorbs
-    /// does not count. Returns None if the positions do not determine base and reflectors.
+    /// Returns the session, and the share of its positions inside their 95 % ellipsoids. An ellipsoid
+    /// accounts for the misfit and for the uncertainty of the unknowns. The part of the error that the fit
+    /// of base and reflectors absorbs does not count. Returns None if the positions do not determine base
+    /// and reflectors.
     pub fn tested(&self, measured: &[MeasuredPosition]) -> Option<(FittedSession, f64)> {
         let (unknowns, _) = self.unknowns_and_values();
         let poses: Vec<_> = measured.iter().map(|m| self.deformed(&m.joints)).collect();

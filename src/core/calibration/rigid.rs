@@ -1,4 +1,4 @@
-//! Pose of the robot base and places of the reflectors of one session.
+//! Pose of the robot base and positions of the reflectors of one session.
 
 use super::deformed::{Deformed, PointMotion};
 use super::session::{MeasuredPosition, reflectors};

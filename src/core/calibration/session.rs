@@ -7,7 +7,7 @@ use rand::seq::index::sample;
 use rand_chacha::ChaCha8Rng;
 use std::collections::HashSet;
 
-/// Measured position of the reflector at one posture.
+/// Measured position of one reflector at one posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPosition {
     /// Row of the file, counted from 1.

@@ -28,8 +28,9 @@ pub fn no_errors(axes: usize) -> SignedErrors {
 
 /// Returns the errors of joint frames that make a chain of Denavit-Hartenberg rows equal to stated frames.
 ///
-/// `frames[k]` leads from the frame after the joint of row k - 1, or from the base if k is 0, to the joint axis of
-/// row k. Its nominal value is `Tx(l) Rx(alpha)` of row k - 1, then `Rz(theta) Tz(r)` of row k.
+/// `frames[k]` leads from the frame after the joint of row k - 1 to the joint axis of row k. `frames[0]`
+/// begins at the base. The nominal value of `frames[k]` is `Tx(l) Rx(alpha)` of row k - 1, followed by
+/// `Rz(theta) Tz(r)` of row k.
 pub fn errors_of_frames(chain: &Chain, frames: &[Pose]) -> SignedErrors {
     let mut errors = no_errors(chain.axes());
     let mut before = Pose::IDENTITY;

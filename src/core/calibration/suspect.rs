@@ -74,7 +74,7 @@ fn range(measured: &[MeasuredPosition], value: impl Fn(&MeasuredPosition) -> f64
     most - least
 }
 
-/// Returns the joints, counted from 0, that have the same coordinate in all rows.
+/// Returns the joints, counted from 0, whose coordinates are nearly the same in all rows.
 pub fn still_joints(axes: usize, measured: &[MeasuredPosition]) -> Vec<usize> {
     (0..axes).filter(|joint| range(measured, |m| m.joints[*joint]) < STILL).collect()
 }

@@ -26,7 +26,7 @@ const PLACE_YAW_DEG: f64 = 0.2;
 /// Largest share of the travel of a joint that an assumed margin takes at each end.
 const MARGIN_SHARE: f64 = 0.1;
 
-/// Record of which quantities of [`Cell::assuming`] the cell file states.
+/// Record that states which of the quantities assumed by [`Cell::assuming`] the cell file states itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StatedKeys {
     /// Whether the file has search settings.

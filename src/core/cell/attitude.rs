@@ -53,7 +53,7 @@ pub struct Attitude {
     pub elevation: f64,
     pub azimuth: Azimuth,
     pub spin: Spin,
-    /// Largest allowed tilt of the tool axis, rad.
+    /// Largest allowed tilt of the tool axis from its nominal direction, rad.
     ///
     /// If the joints of the arm cannot set the azimuth or the spin, the tolerance also applies to that angle.
     pub tolerance: f64,

@@ -1,4 +1,4 @@
-//! Changes of a validated cell; each function returns a valid cell.
+//! Changes of a validated cell; each function that changes a cell returns a valid one.
 //!
 //! No code outside this folder changes the fields of a cell, except the reader of cell files.
 

@@ -2,7 +2,8 @@
 
 use super::robot_model::{Joint, JointKind, JointVector};
 
-/// Margins to joint limits and singular postures that every posture must keep; 0 excludes no posture.
+/// Margins to joint limits and singular postures that every posture must keep; a margin of 0 excludes no
+/// posture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Margins {
     /// Least distance from the limits of revolute joints, rad.

@@ -37,8 +37,8 @@ pub enum Parameter {
     ///
     /// The error moves this joint and everything after it in the chain.
     Joint(usize, usize),
-    /// Indices of a revolute joint and of a link that it carries: deflection of the joint per horizontal lever
-    /// of the link, rad/m ([`crate::robot::lever`]).
+    /// Deflection of a revolute joint per horizontal lever of a link that it carries, rad/m
+    /// ([`crate::robot::lever`]). The indices are those of the joint and of the link.
     ///
     /// The deflection grows with the posture-dependent lever. The value is the compliance of the joint times
     /// the weight at and beyond the end of the link.
@@ -46,8 +46,8 @@ pub enum Parameter {
     /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the joint
     /// carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
-    /// Index of a revolute joint: dimensionless factor of its periodic error ([`SignedErrors::periodic`]); 1
-    /// for the whole error.
+    /// Dimensionless factor of the periodic error of a revolute joint ([`SignedErrors::periodic`]); 1 for
+    /// the whole error. The index is that of the joint.
     Periodic(usize),
     /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
     /// frame.
@@ -154,7 +154,8 @@ pub struct SignedErrors {
     pub tool: [f64; PER_FRAME],
     /// Error of every joint frame in its own axes (m, rad).
     pub joints: Vec<[f64; PER_FRAME]>,
-    /// Values of [`Parameter::elastic`], rad/m or rad/(N m). Values beyond the end of the list are 0.
+    /// Values of [`Parameter::elastic`], in rad/m, rad/(N m) or without a unit. Values beyond the end of
+    /// the list are 0.
     pub elastic: Vec<f64>,
     /// Periodic errors of joints; the values of [`Parameter::Periodic`] are their factors.
     pub periodic: Vec<PeriodicError>,

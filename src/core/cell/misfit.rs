@@ -51,7 +51,7 @@ impl Misfit {
             }
             Self::Attitude(k) => {
                 let name = shown(&cell.operations[k].name);
-                format!("the attitude of operation {name} differs from that of the cell")
+                format!("the attitude of operation {name} in the layout does not fit the cell")
             }
         }
     }

@@ -113,7 +113,7 @@ pub struct Equipment {
 pub enum BaseSupport {
     /// The base stands on the floor or, above it, on a pedestal with this cross-section in the base frame, m.
     Pedestal(Rectangle),
-    /// A wall or a gantry carries the base; the space below it is free.
+    /// A wall or a gantry carries the base; no pedestal occupies the space below the base.
     Hung,
 }
 
@@ -278,8 +278,8 @@ impl Cell {
         &self.robot.errors[self.errors]
     }
 
-    /// Returns whether the errors of a signed sample compensate each other. This holds if an error of a
-    /// length exceeds the reach of the arm.
+    /// Returns whether the errors of a signed sample compensate each other. The function assumes this if
+    /// the error of an axial offset or common normal exceeds the reach of the arm.
     ///
     /// Some factory calibrations have Denavit-Hartenberg rows of kilometres. The magnitudes of such errors
     /// are not tolerances.
@@ -305,8 +305,8 @@ impl Cell {
 
     /// Returns the goals that are measured for layouts of this cell.
     ///
-    /// The cost of tolerances is among them only if the search prices tolerances, and the time only if every joint has
-    /// a greatest speed.
+    /// The cost of tolerances is among them only if the search prices tolerances. The time is among them
+    /// only if every joint with an actuator has a greatest speed.
     pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
         let (has_cost, has_time) = (self.search.prices_tolerances(), self.has_speeds());
         Goal::ALL.into_iter().filter(move |goal| match goal {

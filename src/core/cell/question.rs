@@ -1,7 +1,7 @@
 //! Interpretation of a cell's errors: error model, reading, quantity, registration and sense together.
 //!
 //! Every interpretation, whether from a cell file, a flag or the page of `view`, is checked by
-//! [`Cell::faults_of`]. So the rules are stated only in this file.
+//! [`Cell::faults_of`]. The rules are therefore stated only in this file.
 
 use super::choices::{Model, NodeAggregation, Objective, Quantity, Reading, Registration};
 use super::error_model::{ErrorSet, FrameErrors};
@@ -192,7 +192,7 @@ impl Cell {
             refuse(About::Objective, "a robust search cannot minimize the cost of tolerances".into(), help);
         }
         if priced && !self.search.pareto.is_empty() {
-            let help = "use the goals error, cost with the objective sum";
+            let help = "use the goals error and cost with the objective sum";
             refuse(About::Objective, "the objective tolerance-cost allows no goals".into(), help);
         }
         for (k, operation) in self.operations.iter().enumerate() {

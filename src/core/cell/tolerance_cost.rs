@@ -88,8 +88,8 @@ impl ToleranceCost {
         }
     }
 
-    /// Returns the scale to order for the scale `u`: `u` clamped to the range, or the loosest grade that is not
-    /// looser. If all grades are looser, it is the tightest grade.
+    /// Returns the scale to order for the scale `u`: `u` clamped to the range, or the scale of the loosest
+    /// grade that is not looser than `u`. If all grades are looser, it is the scale of the tightest grade.
     pub fn ordered(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Grades(grades) => grades.get(self.grade(u).unwrap_or(0)).map_or(u, |g| g.scale),

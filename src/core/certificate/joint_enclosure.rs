@@ -152,8 +152,8 @@ impl JointEnclosure {
 
     /// Returns an upper bound of the displacement of the points in a ball that moves with a frame, m.
     ///
-    /// The ball has its centre at `centre` (base frame, m), and the joints from `first` to before `frame`
-    /// move it. `frames` are the frames of the nominal posture.
+    /// The ball has its centre at `centre` (base frame, m), and the joints from `first` up to, but not
+    /// including, `frame` move it. `frames` are the frames of the nominal posture.
     pub fn displacement(
         &self,
         chain: &Chain,

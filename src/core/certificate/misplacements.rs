@@ -93,7 +93,8 @@ impl SolidMotion for PostureMotion<'_> {
             let centre = self.frames.links[sphere.frame].transform(&sphere.centre);
             let lever = (centre - self.frames.tcp.translation).norm() + sphere.radius;
             let tcp = self.layout.base.pose().transform(&self.frames.tcp.translation);
-            // Relative to a carrier, the equipment moves by its own tolerances.
+            // Relative to a carrier, the equipment moves by its own tolerances and those of the pieces in
+            // between.
             let (mut piece, mut slid, mut turned, mut sum) = (self.equipment, 0.0, 0.0, 0.0);
             while piece != equipment {
                 let (at, [x, y, z, yaw]) =

@@ -79,7 +79,13 @@ impl NotCertified {
                 format!("joint {} may pass its limit or margin by {by:.2} {unit}", shown(&joint.name))
             }
             Self::Singular { measure } => PostureRefusal::Singular { measure: *measure }.in_words(cell),
-            Self::Clearance(hit) => format!("the clearance may be lost: {}", hit.in_words(cell)),
+            Self::Clearance(Hit { solid, other }) => {
+                format!(
+                    "the clearance between {} and {} may be lost",
+                    solid.in_words(cell),
+                    other.in_words(cell)
+                )
+            }
             Self::Path(hindrance) => format!("a path may be blocked: {}", hindrance.in_words(cell)),
         }
     }

@@ -116,7 +116,8 @@ impl<'a> PosedChain<'a> {
         self.chain.links[joint].kind == JointKind::Revolute
     }
 
-    /// Returns the rows of a tool task for a motion of the TCP and a rotation of the tool.
+    /// Returns the rows of a tool task for a motion of the TCP and a rotation of the tool. `joints` returns
+    /// the sum of the joint rates multiplied by given coefficients.
     fn rows(
         &self,
         moved: &Vector3<f64>,
@@ -208,12 +209,13 @@ impl<'a> PosedChain<'a> {
     /// Returns an upper bound of the deviation of the coordinates from their linear expansion; None if the test
     /// fails.
     ///
-    /// `first` are the linear displacements along each axis of the target box.
+    /// `first` are the linear displacements along each axis of the target box. `around` bounds the
+    /// displacements of the nominal posture over which the result must hold, too.
     pub fn bend(&self, inverse: &Square, first: &[Rows; BoxAxis::COUNT], around: &Rows) -> Option<Rows> {
         let n = self.task.rows;
         let derivatives = self.derivatives(inverse);
         let (mut linear, mut second) = ([0.0; MAX_ROWS], [0.0; MAX_ROWS]);
-        // Sum over the axes of |J^-1 dJ|, column by column.
+        // Sum of |J^-1 dJ| over the axes of the target box, column by column.
         let mut along = [[0.0; MAX_ROWS]; MAX_ROWS];
         let moving = || first.iter().filter(|steps| steps.iter().any(|v| *v != 0.0));
         for steps in moving() {

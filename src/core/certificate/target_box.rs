@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 pub enum BoxAxis {
     /// Coordinate x, y or z of the target in the base frame.
     Position(usize),
-    /// Direction from which the attitude of the tool is measured.
+    /// Heading from which the attitude of the tool is measured: an angle about the vertical.
     Heading,
 }
 

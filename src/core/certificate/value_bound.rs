@@ -29,7 +29,7 @@ const ROUNDING: f64 = 1e-12;
 /// Reason why the value of an operation has no upper bound over its target box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoValueBound {
-    /// A registration removes part of the error, which depends on other postures, too.
+    /// A registration removes part of the error. This part also depends on other postures.
     Registered,
     /// The error is relative to the pick of the part.
     Relative,
@@ -41,7 +41,8 @@ pub enum NoValueBound {
     Share,
     /// A parameter is not normally distributed, and the quantity is a percentile.
     NotNormal,
-    /// The worst case of a sense with more than three rows is itself an estimate.
+    /// The sense has more than three rows, and the value is a worst case or a percentile. A worst case in
+    /// more than three rows is itself an estimate.
     ManyRows,
     /// Elastic errors change with the posture.
     Elastic,
@@ -76,7 +77,7 @@ pub struct ValueBound {
     /// Whether the value stays the same if error and sense rotate relative to each other about the vertical.
     is_isotropic: bool,
     /// Total of the translations among the errors, m, and of the rotations, rad. Both are 0 for the linear
-    /// model and the statistical reading.
+    /// model and for the statistical reading.
     totals: (f64, f64),
     /// Distance from the TCP to the point whose error counts, m.
     point: f64,
@@ -213,7 +214,8 @@ impl ValueBound {
         most + self.gain * (rest + missed + mean)
     }
 
-    /// Returns an upper bound of a percentile; `rest` bounds the standard deviation of the deviations, m.
+    /// Returns an upper bound of a percentile, m. `rest` is the result of [`Self::rest`], and `lever` is
+    /// the longest lever arm, both in m.
     fn percentile(
         &self,
         evaluator: &ErrorEvaluator,
@@ -237,7 +239,7 @@ impl ValueBound {
             growth = growth.max(seen.symmetric_eigenvalues().max());
         });
         // Let A be the interpolated effects, and R their deviation. The largest singular value of W (A + R)
-        // is at most the sum of those of W A and of W R.
+        // is at most the sum of the largest singular values of W A and W R.
         let spread = growth.sqrt() + whitening.norm() * self.gain * rest;
         spread * value + mean + self.gain * self.mean(boxed, lever)
     }
@@ -284,7 +286,8 @@ impl ValueBound {
                 // The frame of the equipment rotates with the equipment, and the lever arm changes a little.
                 return turned + if motion.turns { moved } else { 0.0 };
             };
-            // Length of any derivative of the effect whose last joint is `last`.
+            // Bound of the length of every derivative of the effect in which `last` is the joint nearest to
+            // the tool.
             let length = |last: usize| match (motion.turns, last < link) {
                 (true, true) => levers[link],
                 (false, true) => 1.0,

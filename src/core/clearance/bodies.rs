@@ -126,7 +126,7 @@ fn swollen(shape: &Shape, by: f64) -> CollisionBody {
     }
 }
 
-/// Returns the body of a shape without enlarging it.
+/// Returns the body of a shape, which is not enlarged.
 ///
 /// The shape must not be a leg, whose length follows from the placement.
 pub(super) fn body(shape: &Shape) -> CollisionBody {

@@ -24,7 +24,7 @@ use parry3d::shape::{Cuboid, Shape, SharedShape};
 /// Largest amount, m, by which a computed distance may exceed the true distance.
 pub const ACCURACY: f64 = 1e-6;
 
-/// Limit of the sum of the clearance and the displacement of the robot solid, m.
+/// Limit, m, of the distance to check: the clearance plus the displacement of the robot solid.
 ///
 /// Above this limit, a mesh is checked by its bounding box; below it, by its triangles.
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;

@@ -93,7 +93,7 @@ fn holds(shape: &dyn Shape, pose: &parry3d::math::Pose, point: &Vector3<f64>) ->
     shape.contains_point(pose, vector(point))
 }
 
-/// Returns whether the line from one point to another shares a point with a shape.
+/// Returns whether the line segment from one point to another shares a point with a shape.
 fn crosses(shape: &dyn Shape, pose: &parry3d::math::Pose, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
     shape.intersects_ray(pose, &Ray::new(vector(from), vector(&(to - from))), 1.0)
 }

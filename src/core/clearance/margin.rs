@@ -79,7 +79,8 @@ impl Scene {
             .map(|(pair, _)| self.hit_of(placed, pair))
     }
 
-    /// Returns whether the bounding capsules of two robot solids are farther apart than `by` (m).
+    /// Returns whether the bounding boxes of two robot solids are farther apart than `by` (m) along an axis
+    /// of the world.
     fn are_links_far(&self, poses: LinkPoses<'_>, pair: Pair, by: f64) -> bool {
         let Against::Own(other) = pair.against else { return false };
         let (link, other) = (&self.links[pair.link], &self.links[other]);

@@ -167,7 +167,8 @@ impl RobotSolid {
             && self.touches_near(frame, other, other_frame)
     }
 
-    /// Returns whether the bounding capsules of two robot solids share a point (broad phase).
+    /// Returns whether the bounding capsules of two robot solids, without the clearance, share a point
+    /// (broad phase).
     pub(super) fn is_near(
         &self,
         capsule: &BoundingCapsule,

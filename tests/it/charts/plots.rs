@@ -101,7 +101,7 @@ fn a_set_without_errors_has_no_histogram() {
     let workcell = Workcell::new(workcell.cell).unwrap();
     let a = start(&workcell);
     let why = ErrorDistribution::at_spot(&a, 0).unwrap_err();
-    assert!(why.contains("the error does not vary here"), "{why}");
+    assert!(why.contains("the error does not vary at this spot"), "{why}");
     // A budget without anything to draw states the reason.
     let context = PostureContext::at(&workcell, &a.layout, &a.maps, 0, NodeChoice::Best)
         .unwrap_or_else(|e| panic!("{e:?}"));

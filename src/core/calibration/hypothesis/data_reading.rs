@@ -31,7 +31,8 @@ pub struct DataReading {
 /// Units of length of measured data: the name and the length in m of each unit.
 pub const LENGTH_UNITS: [(&str, f64); 3] = [("mm", MILLIMETRE), ("m", 1.0), ("inch", INCH)];
 
-/// Share of the reach of the arm above which a distance shows that a hypothesis is wrong.
+/// Largest plausible root mean square distance, as a share of the reach of the arm; a hypothesis with a
+/// larger distance is wrong.
 const IMPLAUSIBLE: f64 = 0.02;
 
 impl DataReading {

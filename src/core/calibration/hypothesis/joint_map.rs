@@ -10,8 +10,8 @@ const MAX_COUPLINGS: usize = 4;
 
 /// Map from the joint columns of a file to actuator coordinates.
 ///
-/// Joint i has the value `v_i = sign_i column_i + offset_i`, and its coordinate is v_i plus the coupled values
-/// of earlier joints.
+/// Joint i has the value `v_i = sign_i column_i + offset_i`. The coordinate of the joint is v_i plus the
+/// coupled values of earlier joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointMap {
     /// Column of every joint, counted from 0.

@@ -7,7 +7,8 @@ use crate::cell::{JointKind, JointVector};
 use crate::robot::Chain;
 use nalgebra::{SMatrix, SVector, Vector3};
 
-/// Unknowns of the linear fit: a matrix, a translation and the reflector.
+/// Number of unknowns of the linear fit: nine of a matrix, three of a translation and three of the
+/// reflector.
 const UNKNOWNS: usize = 15;
 
 /// Largest number of rows with which joint maps are scored.
@@ -78,7 +79,7 @@ impl<'c> LinearScore<'c> {
         scored.into_iter().map(|(_, degrees, map)| (degrees, map)).collect()
     }
 
-    /// Returns the root mean square residual of `A p + b - R f = t`, m, in which A, b and f are free.
+    /// Returns the root mean square residual, m, of the equation `A p + b - R f = t` with free A, b and f.
     ///
     /// Here R and t are the rotation and the translation of the mechanical interface, and p is the measured
     /// position.

@@ -1,8 +1,9 @@
 //! Hypotheses about measured data, compared by how well they fit the nominal robot.
 //!
-//! A hypothesis states the units, which column belongs to which joint, signs, zeros and coupling of the
-//! joints, and whether the position is mirrored. The plain reading is kept unless another reading fits
-//! clearly better. The convention of the orientations is found after the reading of the positions.
+//! A hypothesis states the units, the joint to which each column belongs, and whether the position is
+//! mirrored. It also states the signs, zeros and coupling of the joints. The plain reading is kept unless
+//! another reading fits clearly better. The convention of the orientations is found after the reading of
+//! the positions.
 
 mod data_reading;
 mod joint_map;

@@ -70,10 +70,12 @@ pub fn explain_rotations(
     judged.min_by(|a, b| a.rms.total_cmp(&b.rms))
 }
 
-/// Returns the root mean square angle, rad, of `measured = B nominal F` with the best constant B and F.
+/// Returns the root mean square angle, rad, between `measured` and `B nominal F` with the best constant
+/// rotations B and F.
 ///
-/// Relative rotations have `M_1' M_i = F' (N_1' N_i) F`, so F rotates the axes of the measured rotations onto
-/// the axes of the nominal rotations.
+/// Let M_i be the measured and N_i the nominal orientations. Rotations between successive orientations
+/// satisfy `M_i' M_(i+1) = F' (N_i' N_(i+1)) F`. So F rotates the axes of the measured rotations onto the
+/// axes of the nominal rotations.
 fn distance(nominal: &[Matrix3<f64>], measured: &[Matrix3<f64>]) -> Option<f64> {
     let axes = |of: &[Matrix3<f64>]| -> Vec<Vector3<f64>> {
         of.windows(2).map(|pair| doubled_axis(&(pair[0].transpose() * pair[1]))).collect()

@@ -13,5 +13,5 @@ pub fn spread_out(count: usize, most: usize) -> Vec<usize> {
     all
 }
 
-/// Fractional part of the golden ratio, whose multiples are spread most evenly.
+/// Fractional part of the golden ratio. The fractional parts of its multiples are spread most evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
