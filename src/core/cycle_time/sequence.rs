@@ -78,7 +78,7 @@ impl MotionSequence<'_> {
         let Self { cell, chain, stops, transfers, .. } = *self;
         let mut steps = Vec::with_capacity(4 * stops.len());
         let is_cycle = transfers.len() == stops.len() && stops.len() > 1;
-        // Postures at the spots, with the whole revolutions with which the robot arrives there.
+        // Joint vectors at the spots, including the whole revolutions with which the robot arrives.
         let mut joints: Vec<JointVector> = Vec::with_capacity(stops.len());
         for (k, stop) in stops.iter().enumerate() {
             let arrival = match (k.checked_sub(1), joints.last()) {

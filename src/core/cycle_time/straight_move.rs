@@ -25,14 +25,15 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 /// Returns the least time, s, of a straight move in joint coordinates from rest to rest.
 ///
 /// The joints are synchronised: every joint completes the same share of its travel at every instant. So the
-/// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile.
-/// The greatest speed of the share is the least v / |d| over all joints. The greatest acceleration of the
-/// share is the least a / |d|.
+/// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile. A
+/// joint with the travel d, the greatest speed v and the greatest acceleration a limits the speed of the
+/// share to v / |d| and its acceleration to a / |d|. The least of these limits over all joints count.
 pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds) -> f64 {
     limited_move_time(from, to, bounds, f64::INFINITY)
 }
 
-/// Returns the time of [`straight_move_time`] if the share of the move may also grow by at most `rate` per s.
+/// Returns the time, s, of [`straight_move_time`] if the completed share must also grow by at most `rate` per
+/// s.
 pub(super) fn limited_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds, rate: f64) -> f64 {
     let (mut velocity, mut acceleration) = (rate, f64::INFINITY);
     let mut moves = false;

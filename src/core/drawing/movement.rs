@@ -1,4 +1,4 @@
-//! Motion of the robot for animations: from home to every spot and back.
+//! Motion of the robot for animations: from home through all spots and back to home.
 
 use crate::assess::Assessment;
 use crate::cell::{JointKind, JointVector};

@@ -47,7 +47,9 @@ pub struct FamilyQueue {
 }
 
 impl FamilyQueue {
-    /// Removes the family with the least bound if it may contain a better posture than the best judged one.
+    /// Removes and returns the family or member with the least bound.
+    ///
+    /// Returns None if this bound exceeds the value of the best judged posture, or if no family is left.
     pub fn next_family(&mut self) -> Option<SpinFamily> {
         let bound = self.families.peek()?.bound;
         let is_beaten = self.judged.peek().is_some_and(|best| best.spot.value < bound);

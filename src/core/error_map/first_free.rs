@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 /// certified.
 ///
 /// A certificate takes about a microsecond. This time matters only for an arm whose inverse kinematics is
-/// about as fast.
+/// about as fast. An arm with numeric inverse kinematics also gets the lower number.
 fn most_uncertain(cost: Cost) -> usize {
     match cost {
         Cost::Low | Cost::Numeric => 16,
@@ -33,7 +33,7 @@ pub struct FirstFree {
     pub nearest: Option<PostureCandidate>,
     /// The first collision-free candidate that the motion rules refuse, and the reason.
     pub refused: Option<(Spot, PostureRefusal)>,
-    /// The first candidate that can be used in the layout as drawn but is not certified, and the reason.
+    /// The first candidate that is usable without misplacements but is not certified, and the reason.
     pub uncertain: Option<(Spot, NotCertified)>,
 }
 

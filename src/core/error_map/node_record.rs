@@ -192,7 +192,7 @@ impl PostureRecord {
 pub struct OperationMap {
     /// Mapped operation, as an index into [`Cell::operations`].
     pub operation: usize,
-    /// Senses in which every node is reported: those of the seed paper and the operation's own sense.
+    /// Senses in which every node is reported: x, y, z, xy, xyz and the operation's own sense.
     pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
     /// Index of the node shown as the spot: the usable node with the least value.

@@ -17,7 +17,7 @@ pub struct PlacedLayout<'a> {
     pub(super) mapper: &'a Mapper,
     pub(super) layout: &'a Layout,
     pub(super) solids: PlacedSolids,
-    /// Demand that every posture must meet at all misplacements; None if only the layout as drawn counts.
+    /// Demand that every posture must meet at all misplacements; None if misplacements are not considered.
     pub(super) demand: Option<Demand<'a>>,
     /// Posture that each operation keeps, for spots with the branch index [`crate::reach::CONTINUED`].
     pub(super) kept: &'a [Option<HeldPosture>],

@@ -145,7 +145,7 @@ impl<'a> HeldLayout<'a> {
         self.workcell
     }
 
-    /// Returns the layout as it was found.
+    /// Returns the layout whose spots are kept.
     pub fn layout(&self) -> &'a Layout {
         self.layout
     }
@@ -160,8 +160,10 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, None, memory)?, most)
     }
 
-    /// Judges another layout like [`Self::judge`], but takes the values of the operations that the moved body does
-    /// not carry from `known`.
+    /// Judges another layout like [`Self::judge`], with known values of the operations that the moved body
+    /// does not carry.
+    ///
+    /// `known` holds these values.
     ///
     /// # Errors
     /// Returns the reason as [`Self::judge`] does.
@@ -175,8 +177,8 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment. Returns None if the
-    /// layout as found is infeasible.
+    /// Returns the values of the operations that do not depend on a piece of equipment. The values are those
+    /// in the layout whose spots are kept. Returns None if this layout is infeasible.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;
@@ -265,7 +267,7 @@ impl Judgement<'_, '_> {
     ) -> Result<(Vec<OperationValue>, f64), Ending> {
         let mut values = self.drawn(choice, bounds)?;
         let spots: Vec<Option<Spot>> = values.iter().map(|v| Some(v.spot)).collect();
-        // Errors and prices cost less than collisions and certificates, so they come first.
+        // Errors and prices are computed before collisions and certificates, because they take less time.
         let price = self.held.price.as_ref().map(|near| {
             let price = self.placed.joint_price_within(&spots, (near, self.most), bounds);
             price.unwrap_or(f64::INFINITY)
@@ -286,11 +288,11 @@ impl Judgement<'_, '_> {
         combined(&self.held.workcell.cell, &values)
     }
 
-    /// Returns the spot and the value of every operation in the layout as drawn, without checks of
-    /// collisions and certificates.
+    /// Returns the spot and the value of every operation without misplacements. Collisions and certificates
+    /// are not checked.
     ///
-    /// If the joint price does not need the costs of single operations, 0 is returned as a lower bound of
-    /// each value.
+    /// If the price of the held layout is known, the costs of single operations are not needed. In this case,
+    /// 0 is returned as a lower bound of each value.
     fn drawn(
         &self,
         choice: &mut SpotMemory,
@@ -325,8 +327,8 @@ impl Judgement<'_, '_> {
         Ok(values)
     }
 
-    /// Certifies the spots and checks collisions and transfers. Values that count at the misplacements
-    /// replace the values as drawn.
+    /// Certifies the spots and checks collisions and transfers. If a certificate is demanded, the worst
+    /// values over the misplacements replace the values without misplacements.
     fn check(
         &self,
         values: &mut [OperationValue],
@@ -338,7 +340,7 @@ impl Judgement<'_, '_> {
             if let Some((value, worst)) = self.certified(k, spots, &values[k].spot, bounds)? {
                 values[k] = OperationValue { value, worst, ..values[k] };
             }
-            // A certified posture can be used in the layout as drawn, so an estimate does not check
+            // A certified posture is also collision-free without misplacements, so an estimate does not check
             // collisions again.
             if self.known.is_none() || self.placed.demand().is_none() {
                 let free = self.placed.keeps_free(k, spots, posture, bounds);
@@ -361,7 +363,7 @@ impl Judgement<'_, '_> {
     }
 
     /// Certifies a held spot, if a certificate is demanded. Returns the value that counts in the objective
-    /// and the value that must keep the limit. Returns None if both are the value as drawn.
+    /// and the value that must keep the limit. Returns None if both equal the value without misplacements.
     fn certified(
         &self,
         operation: usize,

@@ -44,8 +44,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the misplacements of the bodies inside the placement tolerances; None if the tolerances do
-    /// not count.
+    /// Returns the misplacements of the bodies inside the placement tolerances; None if the layout need not
+    /// withstand misplacements.
     fn misplacements(&self, layout: &Layout) -> Option<Misplacements> {
         self.certifies().then(|| {
             let mut misplacements = Misplacements::default();

@@ -1,8 +1,8 @@
 //! Choice of the spot of one operation, for evaluation and maps alike.
 //!
 //! If the layout must withstand misplacements, only certified spots are used. At a certified spot, the
-//! operation works at every misplacement ([`crate::certificate`]). The certified spot with the least value
-//! as drawn is chosen.
+//! operation works at every misplacement ([`crate::certificate`]). The value as drawn is the value without
+//! misplacements. The certified spot with the least value as drawn is chosen.
 //!
 //! A robust search chooses the certified spot with the least bound of its value instead. Spots are judged
 //! in ascending order of their value as drawn. The bound is never below the value as drawn. The search

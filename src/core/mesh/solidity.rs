@@ -1,10 +1,10 @@
-//! Check of whether the triangles of a mesh bound a solid.
+//! Check that the triangles of a mesh bound a solid.
 
 use super::triangles::Triangles;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Result of the check of whether a surface bounds a solid.
+/// Result of the check that a surface bounds a solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,
