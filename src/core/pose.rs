@@ -54,7 +54,9 @@ impl Pose {
         [q.w, q.i, q.j, q.k].map(|part| sign * part)
     }
 
-    /// Returns the rotation vector (rad): along the axis of the rotation, with the angle, at most pi, as its length.
+    /// Returns the rotation vector (rad), which points along the axis of the rotation.
+    ///
+    /// The length of the vector is the angle of the rotation, which is at most pi.
     pub fn rotation_vector(&self) -> Vector3<f64> {
         let [w, x, y, z] = self.quaternion();
         SmallRotation { w, v: Vector3::new(x, y, z) }.vector()
@@ -89,12 +91,13 @@ pub struct Displacement {
 }
 
 impl Displacement {
-    /// Displacement of 0 and rotation by 0.
+    /// Motion without displacement and without rotation.
     pub const NONE: Self =
         Self { position: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns the motion as seen at the point that lies at `arm` (m) from the point of `self`, without
-    /// approximation.
+    /// Returns the motion as seen at another point, without approximation.
+    ///
+    /// The vector `arm` (m) leads from the point of `self` to the other point.
     pub fn at(&self, arm: &Vector3<f64>) -> Self {
         if *arm == Vector3::zeros() {
             return *self;
@@ -102,10 +105,10 @@ impl Displacement {
         Self { position: self.position + SmallRotation::of(&self.rotation).moved(arm), ..*self }
     }
 
-    /// Returns the motion as seen at the point that lies at `arm` (m) from the point of `self`, to first
-    /// order.
+    /// Returns the motion as seen at another point, to first order.
     ///
-    /// The displacement of that point is `p + w x arm`, where p is `position` and w is `rotation`.
+    /// The vector `arm` (m) leads from the point of `self` to the other point. The displacement of the other
+    /// point is `p + w x arm`, where p is `position` and w is `rotation`.
     pub fn linear_at(&self, arm: &Vector3<f64>) -> Self {
         Self { position: self.position + self.rotation.cross(arm), ..*self }
     }
@@ -166,7 +169,7 @@ pub struct SmallRotation {
 }
 
 impl SmallRotation {
-    /// Returns the rotation by 0.
+    /// Returns the identity rotation.
     pub fn none() -> Self {
         Self { w: 1.0, v: Vector3::zeros() }
     }

@@ -27,7 +27,7 @@ const LONGEST_STEP: f64 = 0.1;
 /// Change of the joints (rad or m) below which the method has converged.
 const CONVERGED: f64 = 1e-11;
 
-/// Distance from the target, m, that a converged correction may leave.
+/// Largest distance, m, between the TCP and the target at which a correction counts as converged.
 const ON_TARGET: f64 = 1e-9;
 
 /// Joint coordinates that bring the TCP to a target in spite of the errors of the robot.
@@ -37,7 +37,8 @@ pub struct Correction {
     pub joints: JointVector,
     /// Nominal pose of the TCP at these coordinates, base frame: the pose command.
     pub command: Pose,
-    /// Remaining error: position (m) and rotation vector (rad) from the target to the attained pose, base frame.
+    /// Remaining error: position (m) and rotation vector (rad) from the target to the attained pose, base
+    /// frame.
     pub rest: Displacement,
     pub steps: usize,
     /// Whether the method has converged with the TCP at the target.

@@ -124,7 +124,7 @@ impl MotionSequence<'_> {
     /// Returns the joint vectors of the line back from a spot along the tool axis.
     ///
     /// Whole revolutions may bring `joints` too near to a limit for the line. The line then begins at the
-    /// posture of the stop itself, which was checked; the time is equal.
+    /// posture of the stop itself, which was checked. The time of the line is the same.
     fn back(&self, joints: &JointVector, stop: &OperationPosture, length: f64) -> Option<Vec<JointVector>> {
         match self.guard {
             Some(guard) => guard.back(joints, length).or_else(|_| guard.back(&stop.joints, length)).ok(),

@@ -25,9 +25,10 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 /// Returns the least time, s, of a straight move in joint coordinates from rest to rest.
 ///
 /// The joints are synchronised: every joint completes the same share of its travel at every instant. So the
-/// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile. A
-/// joint with the travel d, the greatest speed v and the greatest acceleration a limits the speed of the
-/// share to v / |d| and its acceleration to a / |d|. The least of these limits over all joints count.
+/// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile.
+/// Let d be the travel of a joint, v its greatest speed and a its greatest acceleration. The greatest speed
+/// of the share is the least v / |d| over all joints. The greatest acceleration of the share is the least a /
+/// |d|.
 pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds) -> f64 {
     limited_move_time(from, to, bounds, f64::INFINITY)
 }

@@ -59,7 +59,8 @@ pub struct Drawing<'a> {
 /// Amount of detail of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Detail {
-    /// Whether errors are computed under every model and reading, or only under those of the cell.
+    /// Whether errors are computed under every model and reading that the cell permits. Otherwise, they are
+    /// computed only under the model and reading of the cell.
     pub lenses: bool,
     pub envelopes: bool,
     /// Largest number of nodes of an error map. A larger map keeps every second, third, ... node along both

@@ -5,7 +5,8 @@ use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Speed of the fastest joint, rad/s. A prismatic travel equal to the reach of the arm counts as 1 rad.
+/// Speed of the fastest joint in the animation, rad/s. A prismatic travel equal to the reach of the arm
+/// counts as 1 rad.
 const SPEED: f64 = 0.8;
 /// Duration of a stop at home or at a spot, s.
 const REST: f64 = 0.6;

@@ -169,8 +169,8 @@ impl OperationQuery<'_> {
     }
 
     /// Returns the largest deviation of the D-H coordinates (rad or m) at each knot of a path that follows
-    /// the misplaced target. Via postures do not follow the target. If `keeps_margin` is true, the distance
-    /// from singular postures is also checked.
+    /// the misplaced target. The via postures of the transfer rules do not follow the target. If
+    /// `keeps_margin` is true, the distance from singular postures is also checked.
     ///
     /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation halfway to the
     /// neighbouring knots. Along any other move, the deviation is interpolated linearly.
@@ -228,8 +228,8 @@ impl OperationQuery<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Returns an upper bound of the value of an operation at a certified spot over all misplacements; None if no
-    /// bound is known.
+    /// Returns an upper bound of the value of an operation at a certified spot over all misplacements; None
+    /// if no bound is known.
     ///
     /// # Errors
     /// Returns the reason if the spot is not certified.

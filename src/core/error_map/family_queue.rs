@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Spin family at one node, or one member of a family. [`Ord`] ranks the entry with the least bound as the
-/// greatest.
+/// Spin family (postures at one node that differ in the last joint alone), or one member of a family. [`Ord`]
+/// ranks the entry with the least bound as the greatest.
 #[derive(Clone, Copy)]
 pub struct SpinFamily {
     /// Lower bound of the values of the members.

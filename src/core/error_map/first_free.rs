@@ -86,7 +86,8 @@ impl OperationQuery<'_> {
         found
     }
 
-    /// Returns whether [`Self::first_free`] would take a candidate.
+    /// Returns whether a candidate is collision-free, allowed by the motion rules and, if demanded,
+    /// certified.
     pub fn is_usable(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
         let PostureCandidate { spot, target, .. } = candidate;
         self.is_free(candidate, memory)

@@ -53,7 +53,9 @@ impl Ending {
                 of(k, format!("joint {} reaches its limit or margin", shown(&cell.robot.joints[*joint].name)))
             }
             Self::NotCertified(k, why) => of(k, why.in_words(cell)),
-            Self::Corner(k) => of(k, "its posture is lost at a corner of the placement tolerances".into()),
+            Self::Corner(k) => {
+                of(k, "its posture cannot be used at a corner of the placement tolerances".into())
+            }
             Self::EveryNode(k) => of(k, "a node cannot be used".into()),
             Self::Transfer(blocked) => blocked.in_words(cell),
         }
@@ -77,7 +79,8 @@ pub struct HeldLayout<'a> {
     spots: Vec<HeldSpot>,
     /// Posture that each operation keeps; None for an operation at every node.
     kept: Vec<Option<HeldPosture>>,
-    /// Cheapest tolerances and their cost, if the objective is a cost of tolerances.
+    /// Cheapest tolerances of the layout; None if the objective is not a cost of tolerances, or if the dual
+    /// ascent does not find them.
     price: Option<NearbyPrice>,
 }
 
@@ -91,10 +94,10 @@ struct OperationValue {
     worst: f64,
 }
 
-/// Values of the operations that a moved body does not carry.
+/// Values of the operations that do not depend on a moved piece of equipment.
 ///
-/// A judgement with these values is an estimate. It does not check whether the moved body gets in the way
-/// of these operations, or of the transfers between operations.
+/// A judgement with these values is an estimate. It does not check whether the moved equipment gets in the
+/// way of these operations, or of the transfers between operations.
 pub struct Uncarried(Vec<Option<OperationValue>>);
 
 /// Memory that one thread reuses from judgement to judgement.
@@ -160,10 +163,9 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, None, memory)?, most)
     }
 
-    /// Judges another layout like [`Self::judge`], with known values of the operations that the moved body
-    /// does not carry.
+    /// Judges a layout with one moved piece of equipment like [`Self::judge`], but faster.
     ///
-    /// `known` holds these values.
+    /// `known` holds the values of the operations that do not depend on this equipment.
     ///
     /// # Errors
     /// Returns the reason as [`Self::judge`] does.
@@ -353,7 +355,7 @@ impl Judgement<'_, '_> {
         Ok(())
     }
 
-    /// Returns the known value of an operation that the moved body does not carry.
+    /// Returns the known value of an operation; None if the value is not known.
     fn known(&self, operation: usize) -> Option<OperationValue> {
         self.known.and_then(|known| known.0[operation])
     }

@@ -26,7 +26,7 @@ const MAX_NODES: usize = 16;
 /// The penalty of an operation without any spot is larger.
 const LOST_PENALTY: f64 = 0.1;
 
-/// Penalty of an operation whose posture is lost at a corner of the placement tolerances, m.
+/// Penalty of an operation whose posture cannot be used at a corner of the placement tolerances, m.
 const CORNER_PENALTY: f64 = LOST_PENALTY * 0.2;
 
 /// Operation whose spot is to be chosen in a placed layout.
