@@ -19,7 +19,8 @@ pub const VERMILION: &str = "#d55e00";
 pub const PURPLE: &str = "#cc79a7";
 pub const SKY: &str = "#56b4e9";
 
-/// Returns red, green and blue (0 to 255) of the colour map viridis at a share from 0 to 1.
+/// Returns red, green and blue (0 to 255) of the colour map viridis at a position from 0 (dark) to 1
+/// (bright).
 pub fn viridis(share: f64) -> [u8; 3] {
     let last = VIRIDIS.len() - 1;
     let t = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) } * last as f64;
@@ -28,7 +29,8 @@ pub fn viridis(share: f64) -> [u8; 3] {
     [0, 1, 2].map(|c| (a[c] + (b[c] - a[c]) * f).round() as u8)
 }
 
-/// Returns the colour of the colour map viridis at a share from 0 to 1, in hexadecimal notation.
+/// Returns the colour of the colour map viridis at a position from 0 (dark) to 1 (bright), in hexadecimal
+/// notation.
 pub fn viridis_hex(share: f64) -> String {
     let [r, g, b] = viridis(share);
     format!("#{r:02x}{g:02x}{b:02x}")

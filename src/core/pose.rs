@@ -39,7 +39,7 @@ impl Pose {
     /// the difference of roll and yaw is defined. One of the equivalent triples is then returned.
     pub fn roll_pitch_yaw(&self) -> Vector3<f64> {
         let r = &self.rotation;
-        // The rotation about z by -yaw leaves Ry(pitch) Rx(roll), from whose elements the other angles follow.
+        // The product Rz(-yaw) R is Ry(pitch) Rx(roll). The elements of this product give the other angles.
         let yaw = r[(1, 0)].atan2(r[(0, 0)]);
         let (s, c) = yaw.sin_cos();
         let pitch = (-r[(2, 0)]).atan2(c * r[(0, 0)] + s * r[(1, 0)]);
@@ -54,7 +54,9 @@ impl Pose {
         [q.w, q.i, q.j, q.k].map(|part| sign * part)
     }
 
-    /// Returns the rotation vector (rad): along the axis of the rotation, with the angle, at most pi, as its length.
+    /// Returns the rotation vector (rad), which points along the axis of the rotation.
+    ///
+    /// The length of the vector is the angle of the rotation, which is at most pi.
     pub fn rotation_vector(&self) -> Vector3<f64> {
         let [w, x, y, z] = self.quaternion();
         SmallRotation { w, v: Vector3::new(x, y, z) }.vector()
@@ -89,11 +91,13 @@ pub struct Displacement {
 }
 
 impl Displacement {
-    /// Displacement of 0 and rotation by 0.
+    /// Motion without displacement and without rotation.
     pub const NONE: Self =
         Self { position: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Returns the motion as seen at a point that lies `arm` (m) away, without approximation.
+    /// Returns the motion as seen at another point, without approximation.
+    ///
+    /// The vector `arm` (m) leads from the point of `self` to the other point.
     pub fn at(&self, arm: &Vector3<f64>) -> Self {
         if *arm == Vector3::zeros() {
             return *self;
@@ -101,9 +105,10 @@ impl Displacement {
         Self { position: self.position + SmallRotation::of(&self.rotation).moved(arm), ..*self }
     }
 
-    /// Returns the motion as seen at a point that lies `arm` (m) away, to first order.
+    /// Returns the motion as seen at another point, to first order.
     ///
-    /// The displacement of that point is `p + w x arm`, where p is `position` and w is `rotation`.
+    /// The vector `arm` (m) leads from the point of `self` to the other point. The displacement of the other
+    /// point is `p + w x arm`, where p is `position` and w is `rotation`.
     pub fn linear_at(&self, arm: &Vector3<f64>) -> Self {
         Self { position: self.position + self.rotation.cross(arm), ..*self }
     }
@@ -156,7 +161,7 @@ impl std::ops::Mul<f64> for Displacement {
 
 /// Rotation as a unit quaternion with the scalar part w and the vector part v.
 ///
-/// For a small rotation v is small, and no step computes it as the difference of large numbers.
+/// If the rotation is small, v is small. No step computes v as a difference of large numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmallRotation {
     w: f64,
@@ -164,7 +169,7 @@ pub struct SmallRotation {
 }
 
 impl SmallRotation {
-    /// Returns the rotation by 0.
+    /// Returns the identity rotation.
     pub fn none() -> Self {
         Self { w: 1.0, v: Vector3::zeros() }
     }
@@ -178,7 +183,7 @@ impl SmallRotation {
     /// Returns the rotation that a rotation vector (rad) describes: the exponential map.
     pub fn of(rotation: &Vector3<f64>) -> Self {
         let angle = rotation.norm();
-        // sin(x / 2) / x; below 1e-8 it is 1 / 2 to the last digit.
+        // The factor is sin(angle / 2) / angle. Below 1e-8 rad it equals 1 / 2 to the last digit.
         let factor = if angle < 1e-8 { 0.5 } else { (angle / 2.0).sin() / angle };
         Self { w: (angle / 2.0).cos(), v: rotation * factor }
     }
@@ -199,7 +204,8 @@ impl SmallRotation {
     pub fn vector(&self) -> Vector3<f64> {
         let (w, v) = if self.w < 0.0 { (-self.w, -self.v) } else { (self.w, self.v) };
         let size = v.norm();
-        // angle / sin(angle / 2); at 0 it is 2, and atan2 / size is exact to rounding down to 1e-160.
+        // The factor is angle / sin(angle / 2), whose limit at angle 0 is 2. The quotient is exact to
+        // rounding if the size is at least 1e-160.
         let factor = if size < 1e-150 { 2.0 } else { 2.0 * size.atan2(w) / size };
         v * factor
     }

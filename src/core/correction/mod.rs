@@ -2,13 +2,13 @@
 //!
 //! Let T(q) be the nominal pose of the TCP at the joint coordinates q, and E(q) the error of this pose by the
 //! nonlinear model. The correction solves `E(q) T(q) = T*` for a target T*. The pose command is then the
-//! nominal pose T(q): with this command, a controller without calibration lands on T*.
+//! nominal pose T(q). If a controller without calibration receives this command, the robot lands on T*.
 //!
-//! Newton's method uses the geometric Jacobian of the nominal arm. The Jacobian of the arm with errors
-//! differs from this Jacobian by the relative size of the errors, about 0.001. So each step multiplies the
-//! remaining error by about this factor, or by a larger factor near a singular posture. Position has priority
-//! over orientation. An arm with fewer than six joints attains the position with the nearest possible
-//! orientation, by least squares in the null space of the position.
+//! Newton's method uses the geometric Jacobian of the nominal arm. The relative difference between this
+//! Jacobian and that of the arm with errors is about 0.001. So each step multiplies the remaining error by
+//! about 0.001, or by a larger factor near a singular posture. Position has priority over orientation. An arm
+//! with fewer than six joints attains the position with the nearest possible orientation, by least squares in
+//! the null space of the position.
 
 mod step;
 
@@ -27,7 +27,7 @@ const LONGEST_STEP: f64 = 0.1;
 /// Change of the joints (rad or m) below which the method has converged.
 const CONVERGED: f64 = 1e-11;
 
-/// Distance from the target, m, that a converged correction may leave.
+/// Largest distance, m, between the TCP and the target at which a correction counts as converged.
 const ON_TARGET: f64 = 1e-9;
 
 /// Joint coordinates that bring the TCP to a target in spite of the errors of the robot.
@@ -37,19 +37,21 @@ pub struct Correction {
     pub joints: JointVector,
     /// Nominal pose of the TCP at these coordinates, base frame: the pose command.
     pub command: Pose,
-    /// Remaining error: position (m) and rotation vector (rad) from the target to the attained pose, base frame.
+    /// Remaining error: position (m) and rotation vector (rad) from the target to the attained pose, base
+    /// frame.
     pub rest: Displacement,
     pub steps: usize,
     /// Whether the method has converged with the TCP at the target.
     pub converged: bool,
-    /// Index of the joint that is farthest outside its limits; None if all joints are within their limits.
+    /// Index of the joint that is farthest outside its limits, as a share of its travel. None if all joints
+    /// are within their limits.
     pub beyond: Option<usize>,
 }
 
 /// Returns the corrected joint coordinates for a target (base frame).
 ///
 /// `start` holds joint coordinates near the solution, such as those of the nominal robot at the target.
-/// `error` returns the error of the TCP for given link frames, base frame. Joints with equal limits are
+/// `error` returns the error of the TCP in the base frame for given link frames. Joints with equal limits are
 /// passive and do not move.
 pub fn corrected(
     chain: &Chain,

@@ -3,7 +3,8 @@
 use crate::pose::Displacement;
 use nalgebra::{DMatrix, DVector};
 
-/// Singular value, as a share of the largest, below which a direction counts as singular.
+/// Singular value, as a share of the Frobenius norm of the matrix, below which a direction counts as
+/// singular.
 const LOST: f64 = 1e-9;
 
 /// Returns the changes of the joints (rad or m) that cause the displacement `wanted` of the TCP to first
@@ -29,7 +30,9 @@ fn vector(values: &[f64]) -> DVector<f64> {
     DVector::from_row_slice(values)
 }
 
-/// Returns the pseudo-inverse of a matrix; directions with a singular value below [`LOST`] are ignored.
+/// Returns the pseudo-inverse of a matrix, which ignores singular directions.
+///
+/// A direction is singular if its singular value is below [`LOST`] times the Frobenius norm of the matrix.
 fn inverted(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let size = matrix.norm().max(1e-12);
     matrix

@@ -6,7 +6,7 @@ use super::straight_move::limited_move_time;
 use crate::cell::JointVector;
 use crate::robot::Chain;
 
-/// Length, m, below which two joint vectors of a line count as the same point.
+/// Distance along the line, m, below which the TCP positions of two joint vectors count as the same point.
 const NO_LENGTH: f64 = 1e-9;
 
 /// Returns the least time, s, of a straight line of the TCP through these joint vectors, from rest to rest.

@@ -1,6 +1,7 @@
 //! Time-optimal path parameterisation: the least time along a given path under limits of the joints.
 //!
-//! The path q(s) is given, and s(t) is chosen. With x = (ds/dt)^2 and u = d2s/dt2, the limits of joint j are linear,
+//! The path q(s) is given, and s(t) is chosen. With x = (ds/dt)^2 and u = d2s/dt2, the limits of joint j are
+//! linear,
 //!
 //! ```text
 //! q_j'^2 x <= v_j^2,        |q_j' u + q_j'' x| <= a_j,
@@ -20,7 +21,9 @@ use crate::cell::{JointVector, MAX_JOINTS};
 /// Number of steps into which a path is divided.
 const STEPS: usize = 128;
 
-/// Bounds of u at one sample of the path: -room - slope x <= u <= room - slope x.
+/// Bounds of u = d2s/dt2 at one sample of the path.
+///
+/// The bounds are `-room - slope x <= u <= room - slope x`, where x is the square of ds/dt.
 #[derive(Clone, Copy)]
 struct Band {
     slope: f64,
@@ -31,8 +34,8 @@ struct Band {
 struct SampleLimits {
     bands: [Band; MAX_JOINTS],
     count: usize,
-    /// Greatest x that the speed limits permit, and the acceleration limits of joints whose first derivative
-    /// is 0.
+    /// Greatest x = (ds/dt)^2 that the speed limits permit. The acceleration limits also count for joints
+    /// whose first derivative with respect to s is 0.
     most: f64,
 }
 
@@ -59,7 +62,8 @@ impl SampleLimits {
         &self.bands[..self.count]
     }
 
-    /// Returns the greatest x from which a step `step` leads to an x from 0 to `next`.
+    /// Returns the greatest x = (ds/dt)^2 from which a step `step` of s can lead to an x between 0 and
+    /// `next`.
     fn controllable(&self, step: f64, next: f64) -> f64 {
         let own = 1.0 / (2.0 * step);
         let mut most = self.most;
@@ -79,19 +83,21 @@ impl SampleLimits {
         most
     }
 
-    /// Returns the greatest x after a step `step` from `x`.
+    /// Returns the greatest x = (ds/dt)^2 that a step `step` of s can reach from `x`.
     fn accelerated(&self, x: f64, step: f64) -> f64 {
         let most = self.bands().iter().map(|band| band.room - band.slope * x).fold(f64::INFINITY, f64::min);
         (x + 2.0 * step * most).max(0.0)
     }
 }
 
-/// Returns the least time, s, along a path from rest to rest. `at` holds the lengths of the path at the joint vectors,
-/// m, and `speed` is the greatest speed along the path, m/s.
+/// Returns the least time, s, along a path from rest to rest.
 ///
-/// Between the joint vectors the path is a cubic spline. The limits hold at 128 steps of the path, so the
-/// time exceeds the least time by up to 1 %. The excess is largest if the ramps at the ends are shorter than
-/// a step.
+/// `at` holds the length of the path up to each joint vector, m. `speed` is the greatest speed along the
+/// path, m/s.
+///
+/// Between the joint vectors the path is a cubic spline. The path is divided into 128 steps, so the result
+/// exceeds the exact least time by up to 1 %. This excess is largest if the ramps at the ends are shorter
+/// than a step.
 pub(super) fn path_time(at: Vec<f64>, values: Vec<JointVector>, bounds: &RateBounds, speed: f64) -> f64 {
     let spline = JointSpline::new(at, values);
     let step = spline.end() / STEPS as f64;

@@ -4,8 +4,8 @@ use crate::cell::{JointVector, MAX_JOINTS, Robot};
 
 /// Time from rest to full speed, s, that a joint is assumed to need if the robot file states no acceleration.
 ///
-/// Programs of collaborative arms need a little more time: reaching 60 degrees per s at 80 degrees per s^2
-/// takes 0.75 s. Fast industrial arms need less time: 0.2 to 0.4 s.
+/// Typical programs for collaborative arms take a little more time: reaching 60 degrees per s at 80 degrees
+/// per s^2 takes 0.75 s. Fast industrial arms need less time: 0.2 to 0.4 s.
 pub const ASSUMED_FULL_SPEED_AFTER: f64 = 0.5;
 
 /// Greatest speed and acceleration of every joint; both are infinite for a joint without an actuator.
@@ -15,15 +15,16 @@ pub struct RateBounds {
     pub velocity: JointVector,
     /// Greatest acceleration and deceleration, rad/s^2 or m/s^2.
     pub acceleration: JointVector,
-    /// Whether an acceleration is computed from [`ASSUMED_FULL_SPEED_AFTER`], which makes every time an estimate.
+    /// Whether an acceleration is computed from [`ASSUMED_FULL_SPEED_AFTER`], which makes every time an
+    /// estimate.
     pub is_assumed: bool,
 }
 
 impl RateBounds {
     /// Returns the bounds of a robot.
     ///
-    /// A joint without a greatest acceleration reaches its greatest speed in [`Robot::full_speed_after`], or in
-    /// [`ASSUMED_FULL_SPEED_AFTER`].
+    /// A joint without a greatest acceleration reaches its greatest speed in [`Robot::full_speed_after`], or
+    /// in [`ASSUMED_FULL_SPEED_AFTER`].
     ///
     /// # Errors
     /// Returns the indices of the joints without a greatest speed.

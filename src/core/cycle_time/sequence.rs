@@ -78,7 +78,7 @@ impl MotionSequence<'_> {
         let Self { cell, chain, stops, transfers, .. } = *self;
         let mut steps = Vec::with_capacity(4 * stops.len());
         let is_cycle = transfers.len() == stops.len() && stops.len() > 1;
-        // Postures at the spots, with the whole revolutions with which the robot arrives there.
+        // Joint vectors at the spots, including the whole revolutions with which the robot arrives.
         let mut joints: Vec<JointVector> = Vec::with_capacity(stops.len());
         for (k, stop) in stops.iter().enumerate() {
             let arrival = match (k.checked_sub(1), joints.last()) {
@@ -124,7 +124,7 @@ impl MotionSequence<'_> {
     /// Returns the joint vectors of the line back from a spot along the tool axis.
     ///
     /// Whole revolutions may bring `joints` too near to a limit for the line. The line then begins at the
-    /// posture of the stop itself, which was checked; the time is equal.
+    /// posture of the stop itself, which was checked. The time of the line is the same.
     fn back(&self, joints: &JointVector, stop: &OperationPosture, length: f64) -> Option<Vec<JointVector>> {
         match self.guard {
             Some(guard) => guard.back(joints, length).or_else(|_| guard.back(&stop.joints, length)).ok(),

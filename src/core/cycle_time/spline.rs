@@ -4,9 +4,9 @@ use crate::cell::{JointVector, MAX_JOINTS};
 
 /// Cubic spline through joint vectors, twice continuously differentiable, with not-a-knot ends.
 ///
-/// The third derivative is continuous at the second and at the second-to-last vector. So no derivative at the
-/// ends need be known (C. de Boor, A Practical Guide to Splines, 1978). Three vectors give a parabola, and
-/// two a line.
+/// The third derivative is continuous at the second and at the second-to-last vector. So the derivatives at
+/// the ends need not be known (C. de Boor, A Practical Guide to Splines, 1978). Three vectors give a
+/// parabola, and two a line.
 pub(super) struct JointSpline {
     /// Parameter of every joint vector, increasing.
     at: Vec<f64>,
@@ -66,7 +66,7 @@ fn second_derivatives(at: &[f64], values: &[JointVector]) -> Vec<JointVector> {
     for k in 0..inner {
         (low[k], middle[k], high[k]) = (h[k], 2.0 * (h[k] + h[k + 1]), h[k + 1]);
     }
-    // At the ends, a linear extrapolation of the neighbours replaces the second derivative.
+    // The second derivative at each end is extrapolated linearly from the two nearest joint vectors.
     let (first, last) = (h[0] / h[1], h[inner] / h[inner - 1]);
     middle[0] += h[0] * (1.0 + first);
     high[0] -= h[0] * first;

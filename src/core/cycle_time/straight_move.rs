@@ -26,13 +26,15 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 ///
 /// The joints are synchronised: every joint completes the same share of its travel at every instant. So the
 /// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile.
-/// The greatest speed of the share is the least v / |d| over all joints. The greatest acceleration of the
-/// share is the least a / |d|.
+/// Let d be the travel of a joint, v its greatest speed and a its greatest acceleration. The greatest speed
+/// of the share is the least v / |d| over all joints. The greatest acceleration of the share is the least a /
+/// |d|.
 pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds) -> f64 {
     limited_move_time(from, to, bounds, f64::INFINITY)
 }
 
-/// Returns the time of [`straight_move_time`] if the share of the move may also grow by at most `rate` per s.
+/// Returns the time, s, of [`straight_move_time`] if the completed share must also grow by at most `rate` per
+/// s.
 pub(super) fn limited_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds, rate: f64) -> f64 {
     let (mut velocity, mut acceleration) = (rate, f64::INFINITY);
     let mut moves = false;

@@ -172,7 +172,7 @@ impl Field {
         Some(match (is_signed, component) {
             (true, Component::Resultant) => error.norm(),
             (true, axis) => axis.direction(&error)?.dot(&error),
-            // A map reports every node in the senses of the seed paper, among them x, y, z and xyz.
+            // Every map reports the senses x, y, z and xyz, so the search by name succeeds.
             (false, _) => take.values[self.senses.iter().position(|s| s.name == component.sense())?][node]?,
         })
     }

@@ -48,8 +48,8 @@ impl ErrorView {
 
 /// Returns the combinations of model and reading under which a cell can be evaluated.
 ///
-/// The first is the combination that the cell states. Errors that compensate each other are not tolerances, so
-/// the others are then signed.
+/// The first is the combination that the cell states. If the errors of the cell compensate each other, they
+/// are not tolerances. The other combinations then all have the signed reading.
 pub fn lenses(cell: &Cell) -> Vec<ErrorView> {
     let own = ErrorView::of(cell);
     let quantity = if cell.reading == Reading::Statistical { cell.quantity } else { Quantity::P95 };
@@ -125,8 +125,9 @@ pub struct Field {
     ///
     /// This index is None if there is no spot, or if [`Self::nodes`] lacks the node of the spot.
     pub best: Option<usize>,
-    /// Position of the spot, in the world frame, m. It is stated even if [`Self::nodes`] lacks the node of
-    /// the spot.
+    /// Position of the spot, in the world frame, m; None if there is no spot.
+    ///
+    /// The position is given even if [`Self::nodes`] lacks the node of the spot.
     pub spot: Option<Vector3<f64>>,
     /// Position of the spot refined between the nodes, in the world frame, m; None if the spot was not
     /// refined.
@@ -159,8 +160,8 @@ impl Field {
 /// Returns the error maps of a layout for pictures, with the model and reading of each entry of
 /// [`Field::takes`].
 ///
-/// The maps are made under the model and reading of the cell. If `detail` asks for it, they are made under
-/// every model and reading.
+/// The maps are made under the model and reading of the cell. If [`Detail::lenses`] is true, they are also
+/// made under the other combinations that [`lenses`] returns.
 pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorView>, Vec<Field>), String> {
     let lenses = if detail.lenses { lenses(a.cell) } else { vec![ErrorView::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();

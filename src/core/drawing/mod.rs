@@ -1,5 +1,5 @@
-//! Layouts as plain data for pictures: solids, error maps, envelopes and motion. All data are in the world
-//! frame, m and rad.
+//! Layouts as plain data for pictures: solids, error maps, envelopes and motion. Positions are in the world
+//! frame, except the meshes of parts, which are in the frame of their carrier. Units are m and rad.
 //!
 //! A [`Drawing`] is made once from an [`Assessment`]. Every picture, page and CAD file is rendered from that
 //! drawing, so all of them show the same content.
@@ -47,19 +47,20 @@ pub struct Drawing<'a> {
     pub lenses: Vec<ErrorView>,
     /// Error map of every operation.
     pub fields: Vec<Field>,
-    /// Region in which the frame origin of each piece may lie, at the height of the frame. The list is
-    /// empty if no regions were computed.
+    /// Regions in which the frame origins of the robot base and of each piece of equipment may lie. Each
+    /// region is drawn at the height of its frame. The list is empty if no regions were computed.
     pub regions: Vec<DrawnRegion>,
     /// Working envelope of each operation; empty if [`Detail::envelopes`] is false.
     pub envelopes: Vec<Rings>,
-    /// Motion from home to every spot and back.
+    /// Motion from home through all spots and back to home.
     pub movement: Movement,
 }
 
 /// Amount of detail of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Detail {
-    /// Whether errors are computed under every model and reading, or only under those of the cell.
+    /// Whether errors are computed under every model and reading that the cell permits. Otherwise, they are
+    /// computed only under the model and reading of the cell.
     pub lenses: bool,
     pub envelopes: bool,
     /// Largest number of nodes of an error map. A larger map keeps every second, third, ... node along both

@@ -1,11 +1,12 @@
-//! Motion of the robot for animations: from home to every spot and back.
+//! Motion of the robot for animations: from home through all spots and back to home.
 
 use crate::assess::Assessment;
 use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::Chain;
 
-/// Speed of the fastest joint, rad/s. A prismatic travel equal to the reach of the arm counts as 1 rad.
+/// Speed of the fastest joint in the animation, rad/s. A prismatic travel equal to the reach of the arm
+/// counts as 1 rad.
 const SPEED: f64 = 0.8;
 /// Duration of a stop at home or at a spot, s.
 const REST: f64 = 0.6;

@@ -16,11 +16,11 @@ pub enum GlyphRing {
 /// Severity of a glyph. Each kind of picture has its own colour for each severity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GlyphTone {
-    /// No posture for the node was found, or its error cannot be computed.
+    /// No posture for the node was found, or the error at the node cannot be computed.
     Quiet,
     /// The posture is nearly singular.
     Warning,
-    /// A collision prevents the posture, or a path to or from the node is blocked.
+    /// The posture collides, or the approach to the node or the retract from it is blocked.
     Alarm,
 }
 

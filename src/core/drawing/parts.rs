@@ -125,7 +125,7 @@ fn robot(cell: &Cell) -> Vec<DrawnPart> {
 /// Returns the pedestal of a robot base at height `z` in the world as a box, m. The box is given by the
 /// pose of its centre in the base frame and by its edge lengths.
 ///
-/// Returns None if the base stands on the floor or hangs.
+/// Returns None if the base stands on the floor, or if no pedestal carries it.
 pub fn pedestal(cell: &Cell, z: f64) -> Option<(Pose, Vector3<f64>)> {
     let (section, height) = cell.pedestal(z)?;
     let (centre, size) = (section.centre, section.size);

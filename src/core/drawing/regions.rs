@@ -11,10 +11,11 @@ pub struct DrawnRegion {
     pub name: String,
     /// Closed outlines of the region at the height of the frame, m.
     pub rings: Vec<Vec<Vector3<f64>>>,
-    /// Largest distance by which the piece may be displaced in every direction in plan, m
-    /// ([`Region::room`]). The field `turn` is the largest angle by which the piece may be rotated, rad.
-    /// Each is None if the search does not move the piece in this way.
+    /// Largest distance, m, by which the piece may be displaced in plan ([`Region::room`]). None if the
+    /// search does not move the piece in plan.
     pub room: Option<f64>,
+    /// Largest angle, rad, by which the piece may be rotated in both directions. None if the search does not
+    /// rotate the piece.
     pub turn: Option<f64>,
 }
 

@@ -8,8 +8,9 @@ use std::cmp::Ordering;
 ///
 /// [`Ord`] ranks the best candidate as the greatest, so a [`std::collections::BinaryHeap`] returns it first.
 ///
-/// A candidate is better if its value is smaller. If values are equal, the lower node index is better. If
-/// the nodes are also equal, the lower branch index is better.
+/// A candidate is better if its value is smaller. If values are equal, the less certain value is better
+/// ([`Certainty`]). If the certainties are also equal, the lower node index is better, then the lower branch
+/// index.
 #[derive(Clone, Copy)]
 pub struct PostureCandidate {
     pub spot: Spot,

@@ -14,7 +14,9 @@ use crate::reach::ToolTask;
 use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
 
-/// Largest distance of the TCP between two knots of a path that follows a straight line, m.
+/// Largest distance between the TCP positions at two successive knots of a straight line, m.
+///
+/// If the distance is larger, the move between the knots does not belong to a straight line of the TCP.
 const LINE_STEP: f64 = 0.0201;
 
 /// One posture of an operation, with everything that its certificate needs.
@@ -58,8 +60,8 @@ impl OperationQuery<'_> {
         Ok(Some(value.most(&self.setup.evaluator, chain, &boxed, &mut memory.scratch.evaluator)))
     }
 
-    /// Returns the reason why a posture that can be used in the layout as drawn is not certified. Returns
-    /// None if the posture is certified, or if no certificate is demanded.
+    /// Returns the reason why a posture that is usable without misplacements is not certified. Returns None
+    /// if the posture is certified, or if no certificate is demanded.
     pub fn uncertainty(
         &self,
         target: &Vector3<f64>,
@@ -91,7 +93,10 @@ impl OperationQuery<'_> {
         Ok(Nominal { target, posture, joints, frames, task, reach })
     }
 
-    /// Returns the joint box of a posture with the target box of `nominal`, and checks the joint limits.
+    /// Returns bounds on the joint coordinates of a posture over the target box of `nominal`.
+    ///
+    /// # Errors
+    /// Returns the reason if a joint limit may be exceeded.
     fn joint_box(
         &self,
         nominal: &Nominal,
@@ -105,7 +110,7 @@ impl OperationQuery<'_> {
         Ok(JointEnclosure::new(chain, &nominal.task, (joints, frames), &reach, beyond)?)
     }
 
-    /// Checks the distance from singular postures.
+    /// Checks that a posture stays far enough from singular postures within a box of joint coordinates.
     fn check_singularity(
         &self,
         joints: &JointEnclosure,
@@ -164,7 +169,8 @@ impl OperationQuery<'_> {
     }
 
     /// Returns the largest deviation of the D-H coordinates (rad or m) at each knot of a path that follows
-    /// the misplaced target. Via postures do not follow the target.
+    /// the misplaced target. The via postures of the transfer rules do not follow the target. If
+    /// `keeps_margin` is true, the distance from singular postures is also checked.
     ///
     /// Along a straight line of the TCP, the deviation at a knot also bounds the deviation halfway to the
     /// neighbouring knots. Along any other move, the deviation is interpolated linearly.
@@ -222,8 +228,8 @@ impl OperationQuery<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Returns an upper bound of the value of an operation at a certified spot over all misplacements; None if no
-    /// bound is known.
+    /// Returns an upper bound of the value of an operation at a certified spot over all misplacements; None
+    /// if no bound is known.
     ///
     /// # Errors
     /// Returns the reason if the spot is not certified.
@@ -257,7 +263,8 @@ impl PlacedLayout<'_> {
         spots: &[Option<Spot>],
         demand: &Demand<'_>,
     ) -> Result<(), Hindrance> {
-        // The knots before the longest move follow the first operation, and the others follow the second.
+        // The knots before the longest move follow the misplaced target of the first operation. The other
+        // knots follow that of the second operation.
         let step = |k: &usize| -> f64 {
             path[*k].iter().zip(&path[k + 1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };

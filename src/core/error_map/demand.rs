@@ -1,4 +1,4 @@
-//! Demand that the postures of a layout are certified.
+//! Demand for certificates of the postures of a layout.
 
 use crate::cell::Cell;
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};

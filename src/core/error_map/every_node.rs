@@ -140,10 +140,11 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
-    /// Finds the least-error usable spot of one node; None for a node that the robot touches to teach the frame.
+    /// Finds the least-error usable spot of one node; None for a node that the robot touches to teach the
+    /// frame.
     ///
     /// # Errors
-    /// Returns the gap if no posture reaches the node.
+    /// Returns how far the node is from having a usable posture ([`Gap`]) if no posture reaches it.
     fn judged_node(
         &self,
         node: usize,
@@ -188,7 +189,7 @@ impl OperationQuery<'_> {
     /// Solves the inverse kinematics of a target, without judging its postures.
     ///
     /// # Errors
-    /// Returns the gap if no posture reaches the target.
+    /// Returns how far the target is from having a usable posture ([`Gap`]) if no posture reaches it.
     fn reached(&self, target: &Vector3<f64>, memory: &mut PostureMemory) -> Result<(), Gap> {
         let mut is_reached = false;
         let inverse = &self.placed.mapper.arm.inverse;

@@ -21,7 +21,8 @@ pub struct Extrapolation {
 }
 
 impl Extrapolation {
-    /// Returns the extrapolated nodes of a map; None if there are none, or if the errors have no measured ranges.
+    /// Returns the extrapolated nodes of a map; None if there are none, or if the errors have no measured
+    /// ranges.
     pub fn of(cell: &Cell, map: &OperationMap) -> Option<Self> {
         let ErrorSet::Measured(measured) = cell.error_set() else { return None };
         let ranges = measured.ranges.as_ref()?;

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Spin family at one node, or one member of a family. [`Ord`] ranks the entry with the least bound as the
-/// greatest.
+/// Spin family (postures at one node that differ in the last joint alone), or one member of a family. [`Ord`]
+/// ranks the entry with the least bound as the greatest.
 #[derive(Clone, Copy)]
 pub struct SpinFamily {
     /// Lower bound of the values of the members.
@@ -47,7 +47,9 @@ pub struct FamilyQueue {
 }
 
 impl FamilyQueue {
-    /// Removes the family with the least bound if it may contain a better posture than the best judged one.
+    /// Removes and returns the family or member with the least bound.
+    ///
+    /// Returns None if this bound exceeds the value of the best judged posture, or if no family is left.
     pub fn next_family(&mut self) -> Option<SpinFamily> {
         let bound = self.families.peek()?.bound;
         let is_beaten = self.judged.peek().is_some_and(|best| best.spot.value < bound);

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 /// certified.
 ///
 /// A certificate takes about a microsecond. This time matters only for an arm whose inverse kinematics is
-/// about as fast.
+/// about as fast. An arm with numeric inverse kinematics also gets the lower number.
 fn most_uncertain(cost: Cost) -> usize {
     match cost {
         Cost::Low | Cost::Numeric => 16,
@@ -33,7 +33,7 @@ pub struct FirstFree {
     pub nearest: Option<PostureCandidate>,
     /// The first collision-free candidate that the motion rules refuse, and the reason.
     pub refused: Option<(Spot, PostureRefusal)>,
-    /// The first candidate that can be used in the layout as drawn but is not certified, and the reason.
+    /// The first candidate that is usable without misplacements but is not certified, and the reason.
     pub uncertain: Option<(Spot, NotCertified)>,
 }
 
@@ -86,7 +86,8 @@ impl OperationQuery<'_> {
         found
     }
 
-    /// Returns whether [`Self::first_free`] would take a candidate.
+    /// Returns whether a candidate is collision-free, allowed by the motion rules and, if demanded,
+    /// certified.
     pub fn is_usable(&self, candidate: &PostureCandidate, memory: &mut PostureMemory) -> bool {
         let PostureCandidate { spot, target, .. } = candidate;
         self.is_free(candidate, memory)

@@ -12,8 +12,8 @@ pub struct Grid {
     /// Numbers of divisions along x and y. A list of k nodes counts as one row, with k - 1 divisions along
     /// x and none along y.
     pub divisions: (usize, usize),
-    /// Coordinates x of the columns, m. The field `ys` holds the coordinates y of the rows. For listed
-    /// nodes, each holds only the least and the greatest coordinate.
+    /// Coordinates x of the columns, m. The field `ys` holds the coordinates y of the rows. For listed nodes,
+    /// each of the two fields holds only the least and the greatest coordinate.
     xs: Vec<f64>,
     ys: Vec<f64>,
     /// Coordinates (x, y) of nodes listed one by one, m; empty for a grid of columns and rows.

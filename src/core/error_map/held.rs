@@ -17,7 +17,8 @@ impl OperationQuery<'_> {
         self.setup.grid.point(&self.at, at)
     }
 
-    /// Returns a posture that this operation can keep; None if the branch does not exist at the point.
+    /// Returns the posture of a branch at a point of the surface, so that this operation can keep it while
+    /// the layout changes. Returns None if the branch does not exist at the point.
     pub fn hold(&self, at: (f64, f64), branch: u64) -> Option<HeldPosture> {
         let target = self.target(at);
         let joints = self.branch_at(&target, branch)?.joints;
@@ -32,7 +33,8 @@ impl OperationQuery<'_> {
     /// the equipment. The joint coordinates are computed anew by the rules of [`HeldPosture`].
     ///
     /// # Errors
-    /// Returns the status of the point if no posture within the joint limits continues the held one.
+    /// Returns the status of the point if no posture within the joint limits continues the held one, or if
+    /// the errors cannot be computed.
     pub fn held(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<f64, Status> {
         let posture = self.held_posture(held)?;
         self.value(&posture, memory)
@@ -103,6 +105,8 @@ impl OperationQuery<'_> {
 
     /// Computes the value of the operation in a posture, and places the frames of the posture in `memory`.
     ///
+    /// If the layout takes bounds ([`PlacedLayout::bounding`]), the result may be a lower bound of the value.
+    ///
     /// # Errors
     /// Returns the status of the point if errors cannot be computed in this layout.
     pub fn value(&self, posture: &Posture, memory: &mut PostureMemory) -> Result<f64, Status> {
@@ -117,7 +121,8 @@ impl OperationQuery<'_> {
 }
 
 impl PlacedLayout<'_> {
-    /// Returns a posture that an operation can keep; None if the branch does not exist at the point.
+    /// Returns the posture of a branch at a point of the surface, so that an operation can keep it while the
+    /// layout changes. Returns None if the branch does not exist at the point.
     pub fn hold(&self, operation: usize, at: (f64, f64), branch: u64) -> Option<HeldPosture> {
         OperationQuery::new(self, operation, &[]).hold(at, branch)
     }

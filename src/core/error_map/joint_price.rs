@@ -17,8 +17,8 @@ impl PlacedLayout<'_> {
         Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))
     }
 
-    /// Returns the cheapest tolerances. Returns None in the cases of [`Self::joint_price`], or if the
-    /// ascent method does not find them.
+    /// Returns the cheapest tolerances with which every operation keeps its limit. Returns None in the cases
+    /// of [`Self::joint_price`], or if the dual ascent does not find them.
     pub fn nearby_price(
         &self,
         spots: &[Option<Spot>],
@@ -28,9 +28,8 @@ impl PlacedLayout<'_> {
         NearbyPrice::new(self.mapper.tolerances.as_ref()?.costs(), &figures, &mut workspace.price)
     }
 
-    /// Returns a number between the joint price and `most`. Returns None in the cases of
-    /// [`Self::joint_price`], or if the joint price exceeds `most`. `near` is the price of a similar
-    /// layout.
+    /// Returns an upper bound of the joint price that does not exceed `most`. Returns None in the cases of
+    /// [`Self::joint_price`], or if the joint price exceeds `most`. `near` is the price of a similar layout.
     pub fn joint_price_within(
         &self,
         spots: &[Option<Spot>],

@@ -98,7 +98,8 @@ impl OperationQuery<'_> {
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }
 
-    /// Sharpens the bounds of candidates, the least bound first, until the best posture can be used.
+    /// Checks candidates, the least value or bound first, until one can be used. Bounds are sharpened when
+    /// their candidate comes first.
     pub(super) fn first_free_of_bounds(
         &self,
         heap: &mut BinaryHeap<PostureCandidate>,

@@ -160,7 +160,7 @@ fn chosen(over: NodeAggregation, values: &[(usize, f64)], all_usable: bool) -> (
         let best = values.iter().min_by(by_value);
         return (best.map(|b| b.0), best.map(|b| b.1));
     }
-    // The first of several worst nodes.
+    // If several nodes are equally bad, the first one is taken.
     let worst = values.iter().rev().max_by(by_value).filter(|_| all_usable);
     let mut all: Vec<f64> = values.iter().map(|v| v.1).collect();
     (worst.map(|w| w.0), worst.map(|_| over.of(&mut all)))

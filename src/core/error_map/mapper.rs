@@ -43,7 +43,9 @@ impl Mapper {
     /// Prepares a cell whose solids are `scene`.
     ///
     /// # Errors
-    /// Returns the reason if the geometry of the robot does not allow the attitude of an operation.
+    /// Returns the reason if the geometry of the robot does not allow the attitude of an operation. Also
+    /// returns the reason if the search takes the cost of tolerances into account but the cell has no
+    /// tolerance.
     pub fn new(cell: &Cell, scene: Arc<Scene>) -> Result<Self, String> {
         let chain = Chain::with_margins(&cell.robot, &cell.margins);
         let inverse = Inverse::new(&chain);
@@ -142,7 +144,7 @@ impl Mapper {
     }
 }
 
-/// Collects the tolerances of a cell if the search takes their cost into account; otherwise None.
+/// Collects the tolerances of a cell. Returns None if the search does not take their cost into account.
 ///
 /// # Errors
 /// Returns the reason if the cell has no tolerance.

@@ -44,7 +44,8 @@ pub enum Status {
     },
     /// No posture within the joint limits can be used. The motion rules refuse the least-error posture.
     Refused(PostureRefusal),
-    /// The equipment that carries the node overlaps something.
+    /// The equipment that carries the node overlaps other equipment, the robot base, a keep-out space, the
+    /// floor or the fence.
     Overlap(Overlap),
     /// The node can be reached, but its error cannot be computed.
     Unjudged(Unjudged),
@@ -192,7 +193,7 @@ impl PostureRecord {
 pub struct OperationMap {
     /// Mapped operation, as an index into [`Cell::operations`].
     pub operation: usize,
-    /// Senses in which every node is reported: those of the seed paper and the operation's own sense.
+    /// Senses in which every node is reported: x, y, z, xy, xyz and the operation's own sense.
     pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
     /// Index of the node shown as the spot: the usable node with the least value.
@@ -200,13 +201,14 @@ pub struct OperationMap {
     /// For an operation at every node, the index is that of the node with the greatest value. It is None if
     /// any node of such an operation is unusable.
     pub best: Option<usize>,
-    /// Value of the operation: the value of its spot, or the combined value of all nodes for an operation
-    /// at every node.
+    /// Value of the operation: the value of its spot, or the combined value of all nodes for an operation at
+    /// every node. None if there is no spot.
     pub value: Option<f64>,
 }
 
 impl OperationMap {
-    /// Marks every reachable node as blocked by `overlap`, an overlap of the equipment of the operation.
+    /// Marks every reachable node as blocked by `overlap`, an overlap of the equipment of the operation. The
+    /// map then has no spot and no value.
     pub fn block(&mut self, overlap: Overlap) {
         let blocked = |n: &&mut NodeRecord| {
             matches!(

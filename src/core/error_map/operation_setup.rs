@@ -104,7 +104,8 @@ impl OperationSetup {
         self.is_priced || self.evaluator.has_worst_bounds()
     }
 
-    /// Returns a lower bound of [`Self::value`], or the value itself if no bound is known.
+    /// Returns a lower bound of [`Self::value`], or the value itself if no bound is known. `certainty`
+    /// selects the cheap bound or the sharper one.
     pub fn bound(
         &self,
         certainty: Certainty,

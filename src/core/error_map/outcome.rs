@@ -33,8 +33,8 @@ pub enum Outcome {
         nearest: Spot,
         refusal: PostureRefusal,
     },
-    /// No posture that can be used in the layout as drawn is certified. `nearest` is the least-error one of
-    /// these postures.
+    /// Some postures are usable without misplacements, but none of them is certified. `nearest` is the
+    /// least-error posture among them.
     Uncertain {
         nearest: Spot,
         why: NotCertified,
@@ -52,7 +52,7 @@ pub enum Outcome {
 /// Reason why the errors of reachable nodes cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unjudged {
-    /// The robot cannot touch three points of the surface to teach its frame.
+    /// The robot cannot touch three points of the surface to teach the surface frame.
     NotTaught,
     /// Only the points touched to teach the frame can be reached.
     OnlyTouched,

@@ -17,12 +17,12 @@ pub struct PlacedLayout<'a> {
     pub(super) mapper: &'a Mapper,
     pub(super) layout: &'a Layout,
     pub(super) solids: PlacedSolids,
-    /// Demand that every posture must meet at all misplacements; None if only the layout as drawn counts.
+    /// Demand that every posture must meet at all misplacements; None if misplacements are not considered.
     pub(super) demand: Option<Demand<'a>>,
     /// Posture that each operation keeps, for spots with the branch index [`crate::reach::CONTINUED`].
     pub(super) kept: &'a [Option<HeldPosture>],
-    /// Whether the query of a held posture may return a lower bound of its value, if the value costs much
-    /// more.
+    /// Whether a query may return a lower bound instead of the value of a held posture, if the value costs
+    /// much more.
     pub(super) takes_bounds: bool,
 }
 
@@ -56,20 +56,22 @@ impl<'a> PlacedLayout<'a> {
 
     /// Returns this layout with the postures that its operations keep.
     ///
-    /// Spots with the branch index [`crate::reach::CONTINUED`] have these postures, continued to the targets in this
-    /// layout.
+    /// Spots with the branch index [`crate::reach::CONTINUED`] have these postures, continued to the targets
+    /// in this layout.
     #[must_use]
     pub fn keeping(self, kept: &'a [Option<HeldPosture>]) -> Self {
         Self { kept, ..self }
     }
 
-    /// Returns this layout with lower bounds instead of values of held postures, if the values cost much more.
+    /// Returns this layout with lower bounds instead of values of held postures, if the values cost much
+    /// more.
     #[must_use]
     pub fn bounding(self) -> Self {
         Self { takes_bounds: true, ..self }
     }
 
-    /// Returns the demand that every posture must meet at all misplacements.
+    /// Returns the demand that every posture must meet at all misplacements; None if misplacements are not
+    /// considered.
     pub fn demand(&self) -> Option<Demand<'a>> {
         self.demand
     }
@@ -92,7 +94,8 @@ impl<'a> PlacedLayout<'a> {
         PlacedSurface { operation, at, attitude, world }
     }
 
-    /// Computes the joint coordinates of an operation at its spot.
+    /// Computes the joint coordinates of an operation at its spot; None if the branch of the spot does not
+    /// exist in this layout.
     pub fn operation_posture(&self, operation: usize, spot: &Spot) -> Option<OperationPosture> {
         let surface = self.surface(operation);
         let (target, attitudes) = (self.target(&surface, spot.node), self.attitudes(&surface));
@@ -101,8 +104,8 @@ impl<'a> PlacedLayout<'a> {
         Some(OperationPosture { operation, joints })
     }
 
-    /// Returns the least distance, m, from the robot at `joints` to everything that it must not touch during an
-    /// operation.
+    /// Returns the least distance, m, from the robot at `joints` to everything that it must not touch during
+    /// an operation.
     ///
     /// Distances above `max` count as `max`.
     pub fn distance_at_work(&self, operation: usize, joints: &JointVector, max: f64) -> f64 {

@@ -9,7 +9,8 @@ use crate::reach::{Cost, ToolAttitudes};
 pub enum PostureOrder {
     /// Nodes in ascending order of a lower bound of their error, up to the best value found.
     RankedNodes,
-    /// Spin families in ascending order of a lower bound of their error, up to the best value found.
+    /// Spin families (postures that differ in the last joint alone) in ascending order of a lower bound of
+    /// their error, up to the best value found.
     SpinFamilies,
     /// Postures in ascending order of a lower bound of their value, up to the best value found.
     BoundedPostures,

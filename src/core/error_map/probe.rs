@@ -51,8 +51,8 @@ impl<'a> Probe<'a> {
         self.query.context.as_ref().map_err(|why| Status::Unjudged(*why))
     }
 
-    /// Returns the distance (m) from the nearest point that the robot touches to teach the frame. The
-    /// distance is infinite if no point is touched.
+    /// Returns the distance (m) of a point of the surface from the nearest point that the robot touches to
+    /// teach the frame. The distance is infinite if no point is touched.
     pub fn distance_from_touched(&self, at: (f64, f64)) -> f64 {
         self.context().map_or(f64::INFINITY, |context| context.distance_from_touched(&self.target(at)))
     }
@@ -111,13 +111,16 @@ impl<'a> Probe<'a> {
         self.query.value(&branch.posture, self.memory.postures).ok()
     }
 
-    /// Returns a posture that the operation can keep; None if the branch does not exist at the point.
+    /// Returns the posture of a branch at a point of the surface, so that the operation can keep it while the
+    /// layout changes. Returns None if the branch does not exist at the point.
     pub fn hold(&self, at: (f64, f64), branch: u64) -> Option<HeldPosture> {
         self.query.hold(at, branch)
     }
 
-    /// Returns the postures at the same point whose redundant joint is moved by `share` of the distance between its
-    /// sampled values, in either direction. An arm without such a joint has none.
+    /// Returns up to two postures at the point of `held`, with the redundant joint moved in either direction.
+    ///
+    /// The joint moves by `share` of the distance between its sampled values. No posture is returned if the
+    /// arm has no redundant joint.
     pub fn beside(&self, held: &HeldPosture, share: f64) -> impl Iterator<Item = HeldPosture> + use<> {
         let moved = [-share, share].map(|share| {
             let branch = self.inverse().with_held_joint_moved(held.branch, share)?;

@@ -41,7 +41,7 @@ impl OperationQuery<'_> {
         found.outcome()
     }
 
-    /// Opens families in ascending order of their bounds, until the best posture can be used.
+    /// Checks the members of families, the least value or bound first, until one can be used.
     pub(super) fn first_free_of_families(
         &self,
         queue: &mut FamilyQueue,
@@ -87,8 +87,8 @@ impl OperationQuery<'_> {
     /// Opens a family: bounds its members, or judges them if a bound costs as much. A single member is
     /// judged, or its bound is sharpened.
     ///
-    /// Members whose arm collides are left out if `queue.is_nearest_known`, because they can only be the nearest
-    /// candidate.
+    /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member could only
+    /// be reported as the nearest candidate, which is then already known.
     fn open(&self, family: &SpinFamily, queue: &mut FamilyQueue, memory: &mut PostureMemory) {
         let Ok(context) = &self.context else { return };
         let (mapper, evaluator) = (self.placed.mapper, &self.setup.evaluator);

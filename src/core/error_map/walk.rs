@@ -166,7 +166,8 @@ impl<'a> OperationQuery<'a> {
         a.links[..last] == b.links[..last] && a.tcp.translation == b.tcp.translation
     }
 
-    /// Returns a branch at a target.
+    /// Returns the posture with the index `branch` at a target (base frame, m); None if this branch does not
+    /// exist there.
     pub fn branch_at(&self, target: &Vector3<f64>, branch: u64) -> Option<Branch> {
         self.placed.mapper.branch_at(target, &self.attitudes, branch, self.kept.as_ref())
     }

@@ -26,7 +26,8 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
-/// Size, m or rad, below which an error is only rounding, for example the residual after a registration.
+/// Size, m or rad, below which an error counts as rounding alone. An example is the residual after a
+/// registration.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
 /// Returns the deviation of a model from the nonlinear model, as a share of the length of the nonlinear

@@ -131,7 +131,7 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     sum
 }
 
-/// Number of the small motions of a chain with the largest number of joints.
+/// Largest number of small motions of a chain: that of a chain with [`MAX_JOINTS`] joints.
 const MAX_MOTIONS: usize = Parameter::first_elastic(MAX_JOINTS);
 
 /// First and second derivatives of the TCP pose with respect to the parameters of one chain, in the base
@@ -149,8 +149,9 @@ pub struct Expansion {
     wanted: Vec<usize>,
     loads: Loads,
     periodic: Arc<[PeriodicDeflection]>,
-    /// Elastic parameters in their order, each with the motion that it causes at the last posture (index
-    /// and size). The list is empty if no elastic parameter is wanted.
+    /// Elastic parameters in the order of [`Parameter::elastic`], each with the motion that it causes (index
+    /// and size). The motions belong to the posture of the last [`Self::set`]. The list is empty if no
+    /// elastic parameter is wanted.
     elastic: Vec<(Parameter, (usize, f64))>,
 }
 
@@ -227,7 +228,7 @@ impl Expansion {
         sum
     }
 
-    /// Returns the effect of the motion with index `k` at the last posture.
+    /// Returns the effect of the motion with index `k` at the posture of the last [`Self::set`].
     pub fn term(&self, k: usize) -> &MotionTerm {
         &self.terms[k]
     }
@@ -248,7 +249,8 @@ impl Expansion {
     /// The order also counts the motions of all joint frames.
     pub fn place(&self, k: usize) -> usize {
         let (base, first_joint) = (PER_LINK * self.axes, Parameter::first_joint(self.axes));
-        // This is the rank of the first motion of joint frame i. The motions of its D-H row follow.
+        // The closure returns the rank of the first motion of joint frame i. The motions of the D-H row of
+        // joint i follow.
         let joint = |i: usize| PER_FRAME + (PER_FRAME + PER_LINK) * i;
         let in_frame = |first: usize| [0, 1, 2, 5, 4, 3][(k - first) % PER_FRAME];
         match k {

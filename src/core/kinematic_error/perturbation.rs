@@ -138,7 +138,7 @@ impl Perturbation {
         let (base, tool) = values[PER_LINK * axes..].split_at(PER_FRAME);
         let (base, tool) = (FrameError::new(base), FrameError::new(tool));
         let mut all = Self { links, axes, sizes, base, tool, joints: None, elastic: None };
-        // Assigned in place, because moving a `None` costs as much as moving a `Some`.
+        // The fields are assigned in place, because moving a `None` costs as much as moving a `Some`.
         if joints.iter().any(|v| *v != 0.0) {
             all.joints = Some(JointErrors::new(chain, joints));
         }
@@ -153,7 +153,8 @@ impl Perturbation {
         Self { elastic: None, ..self.clone() }
     }
 
-    /// Returns this sample with its elastic deflections at a posture as errors dtheta of the joints.
+    /// Returns this sample with its elastic deflections at a posture added to the errors dtheta of the
+    /// joints.
     ///
     /// The result has no elastic errors.
     pub fn deflected(&self, frames: &Frames) -> Self {

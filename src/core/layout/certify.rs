@@ -16,7 +16,8 @@ pub struct OperationCertificate {
 /// Certificate of a layout, or the reasons why there is no certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutCertificate {
-    /// Pairs of floor spaces that may overlap or come nearer than the clearance.
+    /// Pairs of floor spaces that may overlap, or come nearer than the clearance, at a misplacement inside
+    /// the placement tolerances.
     pub overlaps: Vec<Overlap>,
     /// Certificate of each operation; None if the operation has no spot.
     pub operations: Vec<Option<Result<OperationCertificate, NotCertified>>>,
@@ -88,7 +89,7 @@ impl Workcell {
 }
 
 /// Returns whether neither party of an overlap is the floor. A misplacement never moves equipment into the
-/// floor. Equipment that is lower than drawn is assumed to stand on a lower floor.
+/// floor. If equipment is misplaced downwards, it is assumed to stand on a lower floor.
 pub fn is_between_solids(overlap: &Overlap) -> bool {
     ![overlap.a, overlap.b].contains(&Party::Floor)
 }

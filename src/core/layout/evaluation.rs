@@ -15,8 +15,8 @@ use crate::motion::{Blocked, Transfer};
 /// feasible layout.
 const INFEASIBLE_PENALTY: f64 = 1e3;
 
-// Penalties of an operation without a spot, m. To be out of reach is worse than to exceed a joint limit,
-// which is worse than to collide everywhere.
+// Penalties of an operation without a spot, m. Being out of reach costs more than exceeding a joint limit.
+// Exceeding a joint limit costs more than colliding in every posture.
 const OUT_OF_REACH_PENALTY: f64 = 2.0;
 const JOINT_LIMIT_PENALTY: f64 = 1.0;
 const UNJUDGED_PENALTY: f64 = 0.75;
@@ -28,8 +28,8 @@ const BLOCKED_PENALTY: f64 = 0.25;
 /// Evaluation of a layout: the cost, and the reasons if the layout is infeasible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
-    /// Reason why the layout does not belong to the cell, if it does not. No operation is judged in this
-    /// case.
+    /// Reason why the layout does not belong to the cell; None if it does. No operation is judged in a layout
+    /// that does not belong to the cell.
     pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
     /// Pairs of floor spaces that may overlap, or come nearer than the clearance, at a misplacement inside
@@ -102,7 +102,7 @@ pub fn evaluate_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspa
         return Evaluation::of_misfit(workcell, misfit);
     }
     let Workspace { overlaps: found, solids, spots: memory, misplacements } = workspace;
-    // A layout without overlaps at any misplacement has no overlaps as drawn.
+    // If no misplacement causes an overlap, the layout without misplacements has no overlap either.
     let mut near = Vec::new();
     if workcell.certifies() {
         workcell.wide.overlaps(layout, found);

@@ -40,8 +40,8 @@ impl Workcell {
     /// - travel: the joint travel (rad) of the transfers or, if they are not checked, of direct moves from
     ///   spot to spot.
     /// - footprint: the area (m^2) of the convex hull of the floor spaces of robot base and equipment.
-    /// - time: the least time (s) of the motions and operations, see [`crate::cycle_time`]. It is NaN if
-    ///   the greatest speed of a joint is not known.
+    /// - time: the least time (s) of the motions and operations ([`crate::cycle_time`]). It is NaN if the
+    ///   greatest speed of a joint is not known, or if the arm cannot follow an approach or a retract.
     /// - cost: the cost of the cheapest tolerances with which every operation keeps its limit at its spot.
     ///   It is NaN if the search does not price tolerances.
     pub fn goals(&self, layout: &Layout, evaluation: &Evaluation, goals: &Goals) -> Option<Vec<f64>> {

@@ -53,7 +53,9 @@ impl Ending {
                 of(k, format!("joint {} reaches its limit or margin", shown(&cell.robot.joints[*joint].name)))
             }
             Self::NotCertified(k, why) => of(k, why.in_words(cell)),
-            Self::Corner(k) => of(k, "its posture is lost at a corner of the placement tolerances".into()),
+            Self::Corner(k) => {
+                of(k, "its posture cannot be used at a corner of the placement tolerances".into())
+            }
             Self::EveryNode(k) => of(k, "a node cannot be used".into()),
             Self::Transfer(blocked) => blocked.in_words(cell),
         }
@@ -77,7 +79,8 @@ pub struct HeldLayout<'a> {
     spots: Vec<HeldSpot>,
     /// Posture that each operation keeps; None for an operation at every node.
     kept: Vec<Option<HeldPosture>>,
-    /// Cheapest tolerances and their cost, if the objective is a cost of tolerances.
+    /// Cheapest tolerances of the layout; None if the objective is not a cost of tolerances, or if the dual
+    /// ascent does not find them.
     price: Option<NearbyPrice>,
 }
 
@@ -91,10 +94,10 @@ struct OperationValue {
     worst: f64,
 }
 
-/// Values of the operations that a moved body does not carry.
+/// Values of the operations that do not depend on a moved piece of equipment.
 ///
-/// A judgement with these values is an estimate. It does not check whether the moved body gets in the way
-/// of these operations, or of the transfers between operations.
+/// A judgement with these values is an estimate. It does not check whether the moved equipment gets in the
+/// way of these operations, or of the transfers between operations.
 pub struct Uncarried(Vec<Option<OperationValue>>);
 
 /// Memory that one thread reuses from judgement to judgement.
@@ -145,7 +148,7 @@ impl<'a> HeldLayout<'a> {
         self.workcell
     }
 
-    /// Returns the layout as it was found.
+    /// Returns the layout whose spots are kept.
     pub fn layout(&self) -> &'a Layout {
         self.layout
     }
@@ -160,8 +163,9 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, None, memory)?, most)
     }
 
-    /// Judges another layout like [`Self::judge`], but takes the values of the operations that the moved body does
-    /// not carry from `known`.
+    /// Judges a layout with one moved piece of equipment like [`Self::judge`], but faster.
+    ///
+    /// `known` holds the values of the operations that do not depend on this equipment.
     ///
     /// # Errors
     /// Returns the reason as [`Self::judge`] does.
@@ -175,8 +179,8 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment. Returns None if the
-    /// layout as found is infeasible.
+    /// Returns the values of the operations that do not depend on a piece of equipment. The values are those
+    /// in the layout whose spots are kept. Returns None if this layout is infeasible.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;
@@ -265,7 +269,7 @@ impl Judgement<'_, '_> {
     ) -> Result<(Vec<OperationValue>, f64), Ending> {
         let mut values = self.drawn(choice, bounds)?;
         let spots: Vec<Option<Spot>> = values.iter().map(|v| Some(v.spot)).collect();
-        // Errors and prices cost less than collisions and certificates, so they come first.
+        // Errors and prices are computed before collisions and certificates, because they take less time.
         let price = self.held.price.as_ref().map(|near| {
             let price = self.placed.joint_price_within(&spots, (near, self.most), bounds);
             price.unwrap_or(f64::INFINITY)
@@ -286,11 +290,11 @@ impl Judgement<'_, '_> {
         combined(&self.held.workcell.cell, &values)
     }
 
-    /// Returns the spot and the value of every operation in the layout as drawn, without checks of
-    /// collisions and certificates.
+    /// Returns the spot and the value of every operation without misplacements. Collisions and certificates
+    /// are not checked.
     ///
-    /// If the joint price does not need the costs of single operations, 0 is returned as a lower bound of
-    /// each value.
+    /// If the price of the held layout is known, the costs of single operations are not needed. In this case,
+    /// 0 is returned as a lower bound of each value.
     fn drawn(
         &self,
         choice: &mut SpotMemory,
@@ -325,8 +329,8 @@ impl Judgement<'_, '_> {
         Ok(values)
     }
 
-    /// Certifies the spots and checks collisions and transfers. Values that count at the misplacements
-    /// replace the values as drawn.
+    /// Certifies the spots and checks collisions and transfers. If a certificate is demanded, the worst
+    /// values over the misplacements replace the values without misplacements.
     fn check(
         &self,
         values: &mut [OperationValue],
@@ -338,7 +342,7 @@ impl Judgement<'_, '_> {
             if let Some((value, worst)) = self.certified(k, spots, &values[k].spot, bounds)? {
                 values[k] = OperationValue { value, worst, ..values[k] };
             }
-            // A certified posture can be used in the layout as drawn, so an estimate does not check
+            // A certified posture is also collision-free without misplacements, so an estimate does not check
             // collisions again.
             if self.known.is_none() || self.placed.demand().is_none() {
                 let free = self.placed.keeps_free(k, spots, posture, bounds);
@@ -351,7 +355,7 @@ impl Judgement<'_, '_> {
         Ok(())
     }
 
-    /// Returns the known value of an operation that the moved body does not carry.
+    /// Returns the known value of an operation; None if the value is not known.
     fn known(&self, operation: usize) -> Option<OperationValue> {
         self.known.and_then(|known| known.0[operation])
     }
@@ -361,7 +365,7 @@ impl Judgement<'_, '_> {
     }
 
     /// Certifies a held spot, if a certificate is demanded. Returns the value that counts in the objective
-    /// and the value that must keep the limit. Returns None if both are the value as drawn.
+    /// and the value that must keep the limit. Returns None if both equal the value without misplacements.
     fn certified(
         &self,
         operation: usize,

@@ -9,7 +9,8 @@ use crate::reading::WorkContext;
 use crate::robot::Frames;
 
 impl Workcell {
-    /// Maps every operation. Nodes on equipment that overlaps something are marked as blocked.
+    /// Maps every operation. If the equipment of an operation has an overlap, the reachable nodes of the
+    /// operation are marked as blocked.
     ///
     /// If the layout does not belong to the cell, the maps have no nodes.
     pub fn maps(&self, layout: &Layout) -> Vec<OperationMap> {
@@ -44,8 +45,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the misplacements of the bodies inside the placement tolerances; None if the tolerances do
-    /// not count.
+    /// Returns the misplacements of the bodies inside the placement tolerances; None if the layout need not
+    /// withstand misplacements.
     fn misplacements(&self, layout: &Layout) -> Option<Misplacements> {
         self.certifies().then(|| {
             let mut misplacements = Misplacements::default();

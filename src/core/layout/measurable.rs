@@ -11,8 +11,9 @@ use nalgebra::Vector3;
 pub struct Sightline {
     /// Position of the instrument, in the world frame, m.
     pub instrument: Vector3<f64>,
-    /// Direction in which the reflector opens (interface frame), and the largest angle (rad) between this direction
-    /// and the line of sight. It is None if the reflector is visible from every side.
+    /// Direction in which the reflector opens, and the largest angle (rad) between this direction and the
+    /// line of sight. The direction is in the frame of the mechanical interface. None if the reflector is
+    /// visible from every side.
     pub opening: Option<(Vector3<f64>, f64)>,
 }
 

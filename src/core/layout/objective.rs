@@ -41,8 +41,8 @@ impl Workcell {
         self.mapper.most_cost()
     }
 
-    /// Returns the objective of a feasible layout (m, rad, share of failures, or cost) from the spots and the values
-    /// of its operations.
+    /// Returns the objective of a feasible layout (m, rad, share of failures, or cost) from the spots and the
+    /// values of its operations.
     pub(super) fn objective(
         &self,
         placed: &PlacedLayout<'_>,
@@ -65,9 +65,9 @@ impl Workcell {
     ///
     /// An infinite value has the excess [`UNKNOWN_EXCESS`] over the limit.
     ///
-    /// A share of failures is not compared with the limit, because it already counts the arms that exceed the limit.
-    /// If the search prices tolerances, the limit constrains the tolerances. A penalty then applies only if even the
-    /// tightest tolerances exceed the limit.
+    /// A share of failures is not compared with the limit, because it already counts the arms that exceed the
+    /// limit. If the search prices tolerances, the limit constrains the tolerances. A penalty then applies
+    /// only if even the tightest tolerances exceed the limit.
     pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
         if self.cell.unit() == Unit::Cost {
             let excess = objective / self.mapper.most_cost() - 1.0;

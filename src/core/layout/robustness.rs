@@ -48,8 +48,8 @@ const SCALE_STEPS: i32 = 19;
 const BISECTIONS: usize = 26;
 /// Number of directions of a displacement in plan.
 const DIRECTIONS: usize = 16;
-/// Factor by which the displacement allowed in all checked directions is reduced, so that every direction
-/// allows it.
+/// Factor by which the displacement allowed in all checked directions is reduced, so that it is allowed in
+/// every direction.
 ///
 /// The nearest point of a straight edge of the allowed region may lie between two checked directions. The
 /// distance to this point is at least the displacement found, times the cosine of half the angle between
@@ -160,7 +160,7 @@ impl Workcell {
     /// The spot and the branch do not change.
     ///
     /// # Errors
-    /// Returns the status if floor spaces overlap or the posture cannot be used there.
+    /// Returns the status if floor spaces overlap, or if the posture cannot be used at the misplacement.
     pub fn misplaced_value(
         &self,
         layout: &Layout,
@@ -258,7 +258,7 @@ impl HeldOperation<'_> {
     /// Computes the value at a misplacement.
     ///
     /// # Errors
-    /// Returns the status if floor spaces overlap or the posture cannot be used there.
+    /// Returns the status if floor spaces overlap, or if the posture cannot be used at the misplacement.
     fn value(&self, moves: &[(Slot, f64)], memory: &mut MapperWorkspace) -> Result<f64, Status> {
         self.asked(moves, memory, |probe, held| probe.holding(held))
     }
@@ -266,7 +266,7 @@ impl HeldOperation<'_> {
     /// Calls `ask` for every held posture at a misplacement, and returns the combined result.
     ///
     /// # Errors
-    /// Returns the status if floor spaces overlap or the posture cannot be used there.
+    /// Returns the status if floor spaces overlap, or if a posture cannot be used at the misplacement.
     fn asked(
         &self,
         moves: &[(Slot, f64)],

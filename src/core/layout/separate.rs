@@ -1,7 +1,8 @@
 //! Separation: the nearest layout without overlaps, found by a sequence of convex programs.
 //!
-//! Two rectangles are apart if they are apart along one axis (separating axis). With that axis fixed, this
-//! condition is linear in the shifts of the equipment. The least shift then solves a quadratic program:
+//! Two rectangles do not overlap if their projections on one axis (separating axis) do not overlap. With that
+//! axis fixed, this condition is linear in the shifts of the equipment. The least shift then solves a
+//! quadratic program:
 //!
 //! ```text
 //! minimize |d|^2   such that   n_ab . (d_a - d_b) >= depth_ab,   min <= x + d <= max,
@@ -95,8 +96,8 @@ fn free_coordinates(workcell: &Workcell) -> Vec<FreeCoordinate> {
     free
 }
 
-/// Solves one quadratic program and returns the shifts of the free coordinates, m. Returns None without a
-/// solution.
+/// Solves one quadratic program and returns the shifts of the free coordinates, m. Returns None if the solver
+/// finds no solution.
 fn least_shift(
     cell: &Cell,
     free: &[FreeCoordinate],

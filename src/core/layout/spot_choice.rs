@@ -1,8 +1,8 @@
 //! Choice of the spot of one operation, for evaluation and maps alike.
 //!
 //! If the layout must withstand misplacements, only certified spots are used. At a certified spot, the
-//! operation works at every misplacement ([`crate::certificate`]). The certified spot with the least value
-//! as drawn is chosen.
+//! operation works at every misplacement ([`crate::certificate`]). The value as drawn is the value without
+//! misplacements. The certified spot with the least value as drawn is chosen.
 //!
 //! A robust search chooses the certified spot with the least bound of its value instead. Spots are judged
 //! in ascending order of their value as drawn. The bound is never below the value as drawn. The search
@@ -26,7 +26,7 @@ const MAX_NODES: usize = 16;
 /// The penalty of an operation without any spot is larger.
 const LOST_PENALTY: f64 = 0.1;
 
-/// Penalty of an operation whose posture is lost at a corner of the placement tolerances, m.
+/// Penalty of an operation whose posture cannot be used at a corner of the placement tolerances, m.
 const CORNER_PENALTY: f64 = LOST_PENALTY * 0.2;
 
 /// Operation whose spot is to be chosen in a placed layout.

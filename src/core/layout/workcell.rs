@@ -28,7 +28,8 @@ impl Workcell {
     /// Prepares a cell.
     ///
     /// # Errors
-    /// Returns the reason if the robot cannot hold the attitude of an operation.
+    /// Returns the reason if the robot cannot hold the attitude of an operation. Also returns the reason if
+    /// the search takes the cost of tolerances into account but the cell has no tolerance.
     pub fn new(cell: Cell) -> Result<Self, String> {
         Self::remembering(cell, &mut |_, compute| compute())
     }
@@ -36,7 +37,7 @@ impl Workcell {
     /// Prepares a cell with a cache for the convex decomposition of link meshes.
     ///
     /// # Errors
-    /// Returns the reason if the robot cannot hold the attitude of an operation.
+    /// Returns the reason as [`Self::new`] does.
     pub fn remembering(cell: Cell, remember: &mut Remember<'_>) -> Result<Self, String> {
         let mapper = Mapper::new(&cell, Arc::new(Scene::remembering(&cell, remember)))?;
         let plan = Arc::new(FloorPlan::new(&cell));
@@ -118,7 +119,7 @@ impl Workcell {
 
     /// Returns whether a layout must work at every misplacement inside the placement tolerances.
     ///
-    /// This is not required if the cell asks for an ideal layout, or if no body has a tolerance.
+    /// This is not required if the cell asks for an ideal layout, or if no body has a placement tolerance.
     pub fn certifies(&self) -> bool {
         self.certifies
     }

@@ -1,10 +1,10 @@
-//! Check of whether the triangles of a mesh bound a solid.
+//! Solidity of a mesh: whether its triangles bound a solid.
 
 use super::triangles::Triangles;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Result of the check of whether a surface bounds a solid.
+/// Whether a surface bounds a solid, and the fault if it does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,

@@ -1,5 +1,5 @@
-//! Reader of binary and text STL files, whose triangles have corners in single precision. The module also
-//! has a writer.
+//! Reader of binary and text STL files, and writer of binary STL files. Both use coordinates in single
+//! precision.
 //!
 //! At a distance of 3 m, single precision resolves 0.2 um. The normals are not used: the order of the corners
 //! defines which side is outside.

@@ -1,9 +1,9 @@
 //! Lower bounds of the error at the nodes of a surface, and the nodes in ascending order of these bounds.
 //!
-//! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding.
-//! Therefore no posture at the node has a value ([`ErrorEvaluator::value`]) below its bound. The scalar
-//! code judges single nodes in this order until the least value is below the bounds of all other nodes. The
-//! spot is therefore bit-identical to the spot found by judging every node.
+//! A bound is the least error of all branches at a node, lowered by [`BOUND_MARGIN`] for rounding. Therefore
+//! no posture at the node has a value ([`ErrorEvaluator::value`]) below this bound. The scalar code judges
+//! single nodes in this order until the least value is below the bounds of all other nodes. The spot is
+//! therefore bit-identical to the spot found by judging every node.
 
 use super::lanes::{CosSin, Lanes, MAX_LANES};
 use super::perturbed_chain::PerturbedChain;
