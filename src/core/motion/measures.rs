@@ -20,7 +20,7 @@ pub struct Measures {
     ///
     /// The value is 1 in the middle of the range and 0 at the limit. Beyond the limit, it is negative.
     pub limits: f64,
-    /// Joint that is nearest to a limit.
+    /// Index of the joint with the least value of [`Self::limits`].
     pub joint: usize,
     /// Manipulability measure that [`singularity`] returns.
     pub singularity: f64,
@@ -89,8 +89,8 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
 /// scaled like the Jacobian.
 ///
 /// The function solves the normal equations, which takes a fifth of the time of a singular value
-/// decomposition. Only for a nearly singular posture, or for more than six moving joints, does it use that
-/// decomposition. Singular values below `rank_tolerance` count as 0.
+/// decomposition. It uses that decomposition only for a nearly singular posture or for more than six moving
+/// joints. Singular values below `rank_tolerance` count as 0.
 pub(super) fn joint_displacements(
     chain: &Chain,
     frames: &Frames,

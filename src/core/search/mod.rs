@@ -69,7 +69,8 @@ pub struct SearchRecord {
     pub start: EvaluatedLayout,
     /// Best feasible layout; if none was found, the layout that comes nearest to being feasible.
     ///
-    /// Among the layouts with nearly the least objective, it is one whose pieces have much room.
+    /// The best layout is chosen for the room of its pieces among the layouts with nearly the least
+    /// objective.
     pub best: EvaluatedLayout,
     /// Least objective found (m, rad or a share); None if no layout is feasible and keeps every limit.
     pub least: Option<f64>,

@@ -12,11 +12,12 @@ pub struct ComparedPose {
     pub joints: JointVector,
     /// Index of the reflector in the session.
     pub reflector: usize,
-    /// Position of the reflector for the nominal arm.
+    /// Position of the reflector for the nominal arm, base frame, m.
     pub nominal: Vector3<f64>,
-    /// Measured minus nominal position.
+    /// Measured minus nominal position, base frame, m.
     pub measured: Vector3<f64>,
-    /// Predicted mean of the measured error, without the part that the fit of base and reflectors absorbs.
+    /// Predicted mean of the measured error, base frame, m, without the part that the fit of base and
+    /// reflectors absorbs.
     pub predicted: Vector3<f64>,
     /// Predicted size of the error, m: the length of [`Self::predicted`], or the root mean square of the
     /// error if deviations count.

@@ -54,7 +54,8 @@ impl PredictedErrors {
         self.may_vary
     }
 
-    /// Returns whether the deviations count in the predicted size of an error. In the signed reading they do not.
+    /// Returns whether the deviations count in the predicted size of an error. In the signed reading, the
+    /// deviations do not count.
     pub fn counts_deviations(&self) -> bool {
         self.counts_deviations
     }
