@@ -230,7 +230,8 @@ impl Inverse {
     ///
     /// # Errors
     /// If the branch does not exist, returns the distance, m, by which the target is out of reach in the
-    /// attitude of the branch. The distance is 0 if other branches exist.
+    /// attitude of the branch. The distance is 0 if other branches exist, and infinite for the numeric
+    /// solver.
     pub fn branch_beyond_limits(
         &self,
         target: &Vector3<f64>,

@@ -29,8 +29,8 @@ impl Inverse {
 
     /// Calls `found` with the first member of each family whose joints before the last keep their limits.
     ///
-    /// The last joint of the first member may violate a limit, and so may other members; [`Self::members`]
-    /// checks them. The first argument of `found` is the branch index of the first member.
+    /// The last joint may violate its limit in the first member and in other members; [`Self::members`]
+    /// checks this limit. The first argument of `found` is the branch index of the first member.
     ///
     /// Returns false for a redundant arm if none of the families found has a usable member. The target may
     /// still have usable branches, which [`Self::visit`] finds between the sampled values of the redundant

@@ -70,14 +70,16 @@ impl<'a> CornerModel<'a> {
         CornerError { size: components.norm(), components }
     }
 
-    /// Predicts the flips of all signs at a corner, for [`Self::may_exceed`].
+    /// Predicts how a flip of each sign changes the error at a corner. [`Self::may_exceed`] uses these
+    /// predictions.
     pub fn stand_at(&mut self, signs: &[f64; MAX_SOURCES]) {
         if let Some(flips) = &mut self.prediction {
             flips.set_corner(&self.evaluator.sources, &self.evaluator.signs_of_sources(signs), &self.measure);
         }
     }
 
-    /// Returns whether some flips at the corner of [`Self::stand_at`] may increase the error.
+    /// Returns whether the sign flips `flips`, made together at the corner of [`Self::stand_at`], may
+    /// increase the error.
     ///
     /// The error at that corner is `error`. The answer is true if the flips cannot be predicted.
     pub fn may_exceed(&self, error: &CornerError, mut flips: impl Iterator<Item = usize>) -> bool {

@@ -132,7 +132,7 @@ fn above(spectrum: &Spectrum, p: f64) -> f64 {
             high = x
         }
         let upper = p >= 0.5;
-        // These are g and its derivatives by x, or by log x in the lower tail.
+        // These are g and its derivatives with respect to x, or to log x in the lower tail.
         let (g, g1, g2) = if upper {
             let g1 = -d / (1.0 - f);
             (((1.0 - f) / (1.0 - p)).ln(), g1, -slope / (1.0 - f) - g1 * g1)

@@ -16,7 +16,7 @@ use nalgebra::Vector6;
 
 /// Largest rounding error of a bound, as a share of the bound.
 const ROUNDING: f64 = 1e-9;
-/// Largest number of corners that the search for a bad corner visits.
+/// Largest number of corners that the search for a corner with a large linear error visits.
 const MAX_STEPS: usize = 4;
 
 impl ErrorEvaluator {
@@ -88,8 +88,8 @@ impl ErrorEvaluator {
     }
 }
 
-/// Returns the length of the longest sum of all columns that a few changes of their signs find. The farthest
-/// vertex is at least at this distance.
+/// Returns the greatest length of the sum of all columns, each with a sign, that a few steps of ascent find.
+/// The farthest vertex of the zonotope is at least this far from the origin.
 fn bad_corner(columns: &[Vector6<f64>]) -> f64 {
     let mut longest = 0.0;
     let mut along = columns.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied();

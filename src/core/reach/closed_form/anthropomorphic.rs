@@ -150,7 +150,7 @@ impl Anthropomorphic {
     /// always contains a minimum, because the derivative has different signs at the ends.
     fn distance_from_circle(&self, size: f64, radius: f64, height: f64) -> f64 {
         const MAX_STEPS: usize = 60;
-        // Distance of the target, and two derivatives of half its square by the angle.
+        // Distance of the target, and two derivatives of half its square with respect to the angle.
         let at = |(c, s): (f64, f64)| {
             let (u, du, up) = (self.l1 + size * c, -size * s, size * s - height);
             let r = (u * u + self.lateral * self.lateral).sqrt().max(f64::MIN_POSITIVE);

@@ -1,4 +1,4 @@
-//! Volume and extent of a working envelope, by line integrals.
+//! Volume of a working envelope by line integrals, and extent by searches from sampled points.
 
 use super::extent::{EnvelopeExtent, RefinementEffort, SampledEnvelope};
 use super::{Envelope, Fineness};
@@ -37,7 +37,8 @@ struct FreedArm {
 }
 
 impl Envelope<'_> {
-    /// Returns volume and extent, integrated along lines; discontinuities are located by bisection.
+    /// Returns volume and extent. The volume is integrated along lines, and discontinuities of the integrand
+    /// are located by bisection.
     ///
     /// If the envelope is [symmetric](Self::is_symmetric), the reachable angle about the base axis is
     /// integrated over radius and height (r, z). Any other envelope is integrated over (x, y, z).
