@@ -52,7 +52,7 @@ pub struct Transfer {
     /// Joint vector of the next operation at its spot.
     ///
     /// Joint angles may be changed by whole turns, so that they are nearest to the angles at the previous
-    /// operation. At the end of a cycle, they are the angles at which the cycle started.
+    /// operation. At the end of a cycle, the joint angles are those at which the cycle started.
     pub arrival: JointVector,
 }
 

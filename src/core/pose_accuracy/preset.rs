@@ -19,7 +19,7 @@ pub struct ErrorPreset {
     pub length_mm: f64,
     /// Half width of the errors of the twists, and of the fifth parameter between parallel axes, degrees.
     pub twist_deg: f64,
-    /// Origin of the numbers.
+    /// Source from which the tolerances are taken or estimated.
     pub source: &'static str,
 }
 

@@ -14,8 +14,8 @@ use crate::kinematic_error::{JointValues, Screws};
 use crate::robot::Chain;
 use std::f64::consts::PI;
 
-/// Sine of the angle below which axes count as parallel. It is far above rounding errors, and far below any
-/// tolerance.
+/// Sine of the angle below which axes count as parallel. This sine is far above rounding errors, and far
+/// below any tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
 /// Tolerance, rad or m, of the joint limits in the inverse kinematics.
 ///

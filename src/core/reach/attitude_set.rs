@@ -196,10 +196,10 @@ impl AttitudeSet {
         if off > ROUNDING { off } else { 0.0 }
     }
 
-    /// Returns whether [`Self::off`] is needed.
+    /// Returns whether every posture must be checked by [`Self::off`].
     ///
-    /// It is needed if the attitude requires a heading. It is also needed if the attitude requires a spin and
-    /// the arm cannot choose the spin.
+    /// The check is needed if the attitude requires a heading. The check is also needed if the attitude
+    /// requires a spin and the arm cannot choose the spin.
     pub(super) fn is_checked(&self, rolls: bool) -> bool {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }

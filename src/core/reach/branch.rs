@@ -51,7 +51,7 @@ pub struct Gap {
     /// Least violation of joint limits and attitude by a branch, in mixed units (m, rad, cosine); 0 if a
     /// branch violates neither.
     ///
-    /// It is also 0 if the target is out of reach.
+    /// The value is also 0 if the target is out of reach.
     pub limits: f64,
 }
 

@@ -23,8 +23,8 @@ pub(super) struct HeldTarget<'a> {
 }
 
 impl Inverse {
-    /// Returns the branch index with the held joint of a redundant arm moved by `share` of the distance between two
-    /// sampled values, rounded to the lattice of the held joint.
+    /// Returns a branch index of a redundant arm after its held joint is moved. The motion is `share` times
+    /// the distance between two sampled values, rounded to the lattice of the held joint.
     ///
     /// Returns None if the arm has no held joint, or if the value lies outside its range.
     pub fn with_held_joint_moved(&self, branch: u64, share: f64) -> Option<u64> {

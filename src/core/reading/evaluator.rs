@@ -287,8 +287,8 @@ impl ErrorEvaluator {
         NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
     }
 
-    /// Returns the covariance of the error's components along the rows of the operation's sense (m or rad,
-    /// squared), the number of these rows, and the size of the mean error (m or rad).
+    /// Returns three figures of the error's components along the rows of the operation's sense. They are the
+    /// covariance (m or rad, squared), the number of rows, and the size of the mean error (m or rad).
     pub fn covariance(
         &self,
         context: &WorkContext,

@@ -54,8 +54,8 @@ impl Figures {
 pub struct PostureErrors {
     /// Figure that the search minimizes: an error (m or rad), or a share of failures.
     pub value: f64,
-    /// Error by the model of the cell, base frame: of the signed sample in the signed reading, otherwise of
-    /// the worst corner of the tolerance box.
+    /// Error by the model of the cell, base frame. In the signed reading, it is the error of the signed
+    /// sample. In the other readings, it is the error at the worst corner of the tolerance box.
     pub error: Displacement,
     /// Error by the nonlinear model, base frame, for the sample or corner that `error` refers to.
     pub nonlinear: Displacement,

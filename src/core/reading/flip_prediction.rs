@@ -13,10 +13,10 @@
 //! the rotation vector, `w_j / 2` replaces `g_j` in the cross products of different motions, and there are no
 //! cross products of equal motions. One pass from the base to the tool and back gives every `G_i`. The
 //! prediction leaves out products of three and more errors. Let A be the largest sum of the sizes of all
-//! rotations, and D the largest sum of the sizes of all displacements. The products that contain `d_i` are at
-//! most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)` in third order, and less than twice this in all orders
-//! together if A is small. A point at a distance r from the TCP adds `|d_i| |w_i| A^2 r`, because the
-//! second-order model truncates only the rotation.
+//! rotations, and D the largest sum of the sizes of all displacements. The third-order products that contain
+//! `d_i` are at most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)`. If A is small, the products of all orders from
+//! the third on are together less than twice this bound. A point at a distance r from the TCP adds `|d_i|
+//! |w_i| A^2 r`, because the second-order model truncates only the rotation.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use super::sense_rows::SenseRows;

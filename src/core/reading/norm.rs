@@ -102,7 +102,7 @@ impl NormDistribution {
     ///
     /// The bound is the quantile of the absolute value of the component with the largest variance, computed
     /// for zero mean. No component exceeds the norm, and a mean only enlarges the quantile of a component.
-    /// Callers can discard hopeless postures by this bound before they compute the exact quantile.
+    /// Callers can use this bound to discard postures before they compute the exact quantile.
     pub fn quantile_lower_bound(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if spectrum.correction.is_some() || p <= 0.0 {

@@ -12,7 +12,7 @@ use crate::robot::Frames;
 impl ErrorEvaluator {
     /// Returns whether the errors of the posture have a worst case and statistics.
     ///
-    /// They have none in the signed reading if they compensate each other
+    /// In the signed reading, errors that compensate each other have neither
     /// ([`crate::cell::Cell::errors_compensate`]).
     pub fn has_tolerances(&self) -> bool {
         self.reading != Reading::Signed || !self.errors_compensate

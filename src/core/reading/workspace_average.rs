@@ -133,7 +133,7 @@ impl WorkspaceAverage {
     }
 
     /// Returns the moments in the frame before the rows `rows`, given the moments `after` in the frame after
-    /// them.
+    /// these rows.
     ///
     /// `joints` holds the coordinates of the actuators that drive these rows.
     fn before(

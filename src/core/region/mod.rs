@@ -125,7 +125,7 @@ impl Regions {
 pub struct RoomScale {
     /// Room below which the estimate need not be accurate, m.
     pub poor: f64,
-    /// Largest room that counts, m.
+    /// Upper limit of the estimated room, m.
     pub widest: f64,
     /// Whether a displaced piece is checked only with the operations that it carries, which is several times
     /// faster.

@@ -147,7 +147,7 @@ impl SearchJournal {
         &self.checkpoint
     }
 
-    /// Returns the number of the current run.
+    /// Returns the number of the current run, counted from 0.
     pub fn run(&self) -> u64 {
         self.checkpoint.run
     }

@@ -43,11 +43,11 @@ pub struct Watch<'a> {
 /// Time at which the state of a search is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moment {
-    /// Before the first evaluation.
+    /// The search has not yet evaluated a layout.
     Begun,
-    /// After every batch of evaluations.
+    /// The search has finished a batch of evaluations.
     Going,
-    /// At the end of an interrupted search.
+    /// The search has ended early, because the observer stopped it.
     Stopped,
 }
 

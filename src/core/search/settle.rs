@@ -1,4 +1,5 @@
-//! Last phase of a search: among the layouts with nearly the least objective, it finds one with much room.
+//! Last phase of a search: among the layouts with nearly the least objective, the search selects one with
+//! much room.
 //!
 //! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective
 //! is larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among them
@@ -34,9 +35,9 @@ const GENERATIONS: u64 = 70;
 const POLL: f64 = 1.0 / 256.0;
 /// Number of steps of the polls.
 const POLLS: i32 = 4;
-/// Largest room that counts, m.
+/// Upper limit of an estimated room, m.
 const WIDEST: f64 = 0.25;
-/// Largest room that counts at first, m. This limit grows with the largest room found so far, up to
+/// Upper limit of an estimated room at first, m. This limit grows with the largest room found so far, up to
 /// [`WIDEST`].
 const FIRST_WIDEST: f64 = 0.02;
 /// Share of the largest room so far below which a room is not estimated accurately.
@@ -58,21 +59,20 @@ struct RoomProblem<'a> {
     state: Mutex<RoomState>,
 }
 
-/// Progress of the maximization.
+/// Progress of the maximization of the room.
 struct RoomState {
     left: u64,
     /// Usable points with their rooms (m), in the order of evaluation.
     rooms: Vec<(f64, Vec<f64>)>,
-    /// Most room so far, m.
+    /// Largest room so far, m.
     most: f64,
 }
 
 /// Returns the layout of a search that has the most room among those with nearly the least objective.
 ///
 /// `best` is the point with the least objective, `least`. If `bound` is given, it is a further upper limit of
-/// the objective. The result is None if the search does not choose its layout by the room: if its layout is
-/// not rounded, the indifference is 0, the search is a Pareto search, or no piece can move in plan. The
-/// result is also None if the observer stops the search.
+/// the objective. The result is None for an ideal layout, for an indifference of 0, for a Pareto search, and
+/// if no piece can move in plan. The result is also None if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

@@ -34,7 +34,7 @@ pub struct EnvelopeExtent {
     pub within: f64,
 }
 
-/// Effort of a refinement.
+/// Effort of the searches that refine the extent of an envelope.
 #[derive(Clone, Copy)]
 pub(super) struct RefinementEffort {
     /// Number of sampled points from which searches start.
@@ -95,7 +95,8 @@ impl<const N: usize> SampledEnvelope<'_, N> {
 
     /// Runs one compass search for a greater `goal`.
     fn climbed(&self, start: [f64; N], goal: &SoughtLength<'_, N>) -> [f64; N] {
-        // A point on the sampled boundary may lie just outside the envelope; then any reachable point beside it counts.
+        // A point on the sampled boundary may lie just outside the envelope. Then any polled point inside the
+        // envelope counts as a gain.
         let mut best = start;
         let mut most = if (self.contains)(&start) { goal(&start) } else { f64::NEG_INFINITY };
         let (mut step, mut failures) = (self.step / 2.0, 0);

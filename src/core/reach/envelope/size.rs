@@ -164,8 +164,8 @@ impl Envelope<'_> {
 
 /// Returns the least change from one sample line to the next that counts as a jump of the integrand.
 ///
-/// The integrand jumps where the boundary of the envelope is parallel to the lines. It does not jump at a
-/// rounded end of the envelope.
+/// The integrand jumps where the boundary of the envelope is parallel to the lines. The integrand does not
+/// jump at a rounded end of the envelope.
 fn jump_between_lines(values: &[f64]) -> f64 {
     0.2 * values.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
 }
