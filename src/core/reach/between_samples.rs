@@ -9,10 +9,10 @@ use super::held_joint::{HeldJoint, HeldSample};
 use super::redundancy::HeldTarget;
 use crate::robot::Posture;
 
-/// Number of lattice steps between successive values of the held joint that the search between samples scans.
+/// Number of lattice steps between successive values of the held joint in the scan between the samples.
 const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 
-/// Number of values that the scan tries.
+/// Number of values of the held joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
 /// Violation of limits (rad, m or cosine) above which no usable posture is expected within one step of the scan.

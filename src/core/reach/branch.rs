@@ -4,7 +4,7 @@ use super::limits::LimitViolation;
 use crate::cell::JointVector;
 use crate::robot::Posture;
 
-/// Bits of a branch index that number the attitude, for a closed form that solves for a whole pose.
+/// Mask of the bits that number the attitude in a branch index of a closed form for a whole pose.
 const ATTITUDE_BITS: u64 = 0xfff0;
 
 /// Position of the lowest bit that numbers the value of the held joint of a redundant arm.

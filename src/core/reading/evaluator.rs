@@ -54,7 +54,8 @@ pub struct EvaluatorScratch {
     pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
     pub(super) scratch: ZonotopeScratch,
-    /// Prediction of flips at corners of the tolerance box; None if the evaluator has none.
+    /// Prediction of the changes of the error by sign flips at corners of the tolerance box. None if the
+    /// evaluator has no prediction.
     pub(super) flips: Option<Box<FlipPrediction>>,
     conditional: ConditionalScratch,
 }

@@ -22,7 +22,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Method that bounds the value of an operation over all rotations of the tool by the last joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum SpinBound {
-    /// The values of the signed sample differ by at most this length, m.
+    /// The values of the signed sample after any two rotations differ by at most this length, m.
     Signed(f64),
     /// All parameters are normal.
     Normal(NormalBound),

@@ -33,7 +33,7 @@ const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 const GENERATIONS: u64 = 70;
 /// First step of the polls, as a share of the search range. Each step is half the previous one.
 const POLL: f64 = 1.0 / 256.0;
-/// Number of steps of the polls.
+/// Number of polling steps.
 const POLLS: i32 = 4;
 /// Upper limit of an estimated room, m.
 const WIDEST: f64 = 0.25;
@@ -42,7 +42,7 @@ const WIDEST: f64 = 0.25;
 const FIRST_WIDEST: f64 = 0.02;
 /// Share of the largest room so far below which a room is not estimated accurately.
 const POOR: f64 = 0.3;
-/// Share of the largest room from which on the room of a layout counts as equally large.
+/// Least share of the largest room at which the room of a layout counts as equally large.
 const NEARLY: f64 = 0.98;
 /// Least cost of a layout whose objective is too large. The room of such a layout does not count.
 const BEYOND: f64 = 1.0;

@@ -16,7 +16,7 @@ const POLISH_AND_LOCAL_SHARE: f64 = 0.25;
 /// Fraction of [`POLISH_AND_LOCAL_SHARE`] that the polish may use; the local search uses the remainder.
 const POLISH_PART: f64 = 0.3;
 
-/// End of a search.
+/// Reason why a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SearchEnd {

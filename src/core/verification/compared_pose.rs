@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// One measured position beside its prediction; vectors are in the base frame of the robot, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedPose {
-    /// Row of the file, counted from 1.
+    /// Row of the measurement file, counted from 1.
     pub row: usize,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,

@@ -22,12 +22,12 @@ const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// Extent of an envelope about the base axis, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnvelopeExtent {
-    /// Least and greatest distance from the base axis.
+    /// Least and greatest distance from the base axis, m.
     pub radius: (f64, f64),
-    /// Least and greatest height of the envelope.
+    /// Least and greatest height of the envelope, m.
     pub height: (f64, f64),
-    /// Height at which the distance from the base axis is greatest. The error of this height can be as large
-    /// as the distance between sampled points, because the envelope is often round there.
+    /// Height, m, at which the distance from the base axis is greatest. The error of this height can be as
+    /// large as the distance between sampled points, because the envelope is often round there.
     pub widest: f64,
     /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance between
     /// sampled points may be missed.
