@@ -154,7 +154,8 @@ impl<'w> PathQuery<'w> {
             };
             (bounds.displacement(&spheres[link], first), of_deviation)
         };
-        // Most pairs are with equipment, so the displacement of a solid relative to the base is computed once.
+        // Most pairs are with equipment, so the displacement of a solid relative to the base is computed
+        // once.
         let from_base: Vec<_> = (0..spheres.len()).map(|link| displacements(link, 0)).collect();
         let approached = |&NumberedPair { number, pair }: &NumberedPair| {
             let equipment = self.scene.equipment_of(self.placed, pair);

@@ -103,7 +103,8 @@ impl Guard {
         self.transfer.as_ref().is_some_and(|rules| rules.via.contains(joints))
     }
 
-    /// Returns the lengths of the straight approach to the spot of an operation and of the retract from it, m.
+    /// Returns the lengths of the straight approach to the spot of an operation and of the retract from it,
+    /// m.
     pub fn approach_and_retract(&self, operation: usize) -> (f64, f64) {
         self.lengths[operation]
     }

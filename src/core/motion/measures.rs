@@ -10,7 +10,8 @@ use nalgebra::{Matrix6, SMatrix, Vector3, Vector6};
 /// rotation.
 pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 
-/// Least diagonal entry of the Cholesky factor of `J^T J` at which the normal equations keep half of the digits.
+/// Least diagonal entry of the Cholesky factor of `J^T J` at which the normal equations keep half of the
+/// digits.
 const WELL_CONDITIONED: f64 = 1e-4;
 
 /// Measures of a posture that a search may maximize while it minimizes the error.
@@ -55,8 +56,8 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
 
 /// Returns whether the [`singularity`] measure of a posture is at least `least`.
 ///
-/// All singular values of a matrix J are at least s if the matrix `J^T J - s^2` is positive definite. This test
-/// takes a tenth of the time of a singular value decomposition.
+/// All singular values of a matrix J are at least s if the matrix `J^T J - s^2` is positive definite. This
+/// test takes a tenth of the time of a singular value decomposition.
 pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> bool {
     let jacobian = scaled_jacobian(chain, frames, reach);
     let count = moving_joints(chain).count();

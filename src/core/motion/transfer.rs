@@ -111,8 +111,8 @@ impl Guard {
 
     /// Returns the first collision-free transfer between two operations.
     ///
-    /// Collisions are checked with the parts that the robot holds in either operation. Paths that `check` refuses
-    /// are not used.
+    /// Collisions are checked with the parts that the robot holds in either operation. Paths that `check`
+    /// refuses are not used.
     ///
     /// # Errors
     /// Returns the hindrances on all routes if no route can be used.

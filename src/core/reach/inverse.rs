@@ -387,8 +387,8 @@ impl Inverse {
         })
     }
 
-    /// Calls `found` with the posture of the solved attitude `first`, and with the postures that follow from it by a
-    /// rotation of the last joint.
+    /// Calls `found` with the posture of the solved attitude `first`, and with the postures that follow from
+    /// it by a rotation of the last joint.
     #[inline]
     pub(super) fn spin(
         &self,

@@ -50,7 +50,8 @@ impl Inverse {
     /// Solves attitude `first` with the redundant joint held at one value. Also derives the attitudes that
     /// follow from attitude `first` by a rotation of the last joint.
     ///
-    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a solution.
+    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a
+    /// solution.
     pub(super) fn solve_held_spins(
         &self,
         sample: &HeldSample<'_>,
@@ -66,7 +67,8 @@ impl Inverse {
 
     /// Solves attitude `first` with the redundant joint held at one value.
     ///
-    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a solution.
+    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a
+    /// solution.
     pub(super) fn solve_held_one(
         &self,
         sample: &HeldSample<'_>,
@@ -147,7 +149,8 @@ impl Inverse {
         least
     }
 
-    /// Returns the distance by which the target is out of reach, m, with the redundant joint held at one value.
+    /// Returns the distance by which the target is out of reach, m, with the redundant joint held at one
+    /// value.
     pub(super) fn held_distance(
         &self,
         sample: &HeldSample<'_>,
@@ -174,8 +177,8 @@ impl Inverse {
 impl HeldTarget<'_> {
     /// Calls `found` with the usable branches at one value of the held joint.
     ///
-    /// Returns the [`Gap`] of the target at this value, whose distance may be a lower bound, and whether a usable
-    /// branch exists.
+    /// Returns the [`Gap`] of the target at this value, whose distance may be a lower bound, and whether a
+    /// usable branch exists.
     pub fn gap(&self, sample: &HeldSample<'_>, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let Self { inverse, target, attitudes, first, .. } = *self;
         let (mut limits, mut usable) = (f64::INFINITY, false);

@@ -40,7 +40,8 @@ pub struct Share {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
     pub shares: Vec<Share>,
-    /// Linear worst case of the error in the operation's sense, m or rad; infinite if the errors are not tolerances.
+    /// Linear worst case of the error in the operation's sense, m or rad; infinite if the errors are not
+    /// tolerances.
     pub worst: f64,
     /// Standard deviation of the linear error in the operation's sense, m or rad; infinite if the errors are
     /// not tolerances.

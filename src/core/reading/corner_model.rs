@@ -98,11 +98,11 @@ impl<'a> CornerModel<'a> {
         !all_known || components.norm() + margin >= error.size
     }
 
-    /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order of
-    /// [`gray_code`]. All other signs are those at the corner of [`Self::stand_at`].
+    /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order
+    /// of [`gray_code`]. All other signs are those at the corner of [`Self::stand_at`].
     ///
-    /// The error at that corner is `error`, and its signs are `signs`. Returns an upper bound of the prediction error
-    /// of these sizes; None if there is no prediction.
+    /// The error at that corner is `error`, and its signs are `signs`. Returns an upper bound of the
+    /// prediction error of these sizes; None if there is no prediction.
     pub fn predict_combinations(
         &self,
         signs: &[f64; MAX_SOURCES],
@@ -134,7 +134,8 @@ impl<'a> CornerModel<'a> {
     }
 }
 
-/// Returns the steps of the Gray code of `count` bits: the number of each step, from 1, and the bit that it flips.
+/// Returns the steps of the Gray code of `count` bits: the number of each step, from 1, and the bit that it
+/// flips.
 pub fn gray_code(count: usize) -> impl Iterator<Item = (usize, usize)> {
     (1usize..1 << count).map(|step| (step, step.trailing_zeros() as usize))
 }

@@ -126,7 +126,8 @@ impl SearchCorner {
 struct CornerSearch<'a, 'm> {
     /// Linear effects of the sources at their tolerances.
     columns: &'a [Vector6<f64>],
-    /// For each column, a bit set of the later columns that are parallel to it, as the function `groups` returns it.
+    /// For each column, a bit set of the later columns that are parallel to it, as the function `groups`
+    /// returns it.
     groups: [u128; MAX_SOURCES],
     /// Threshold of the change of the linear error, m or rad; only flips up to this change are tried.
     gap: f64,
@@ -183,7 +184,8 @@ impl CornerSearch<'_, '_> {
         }
     }
 
-    /// Flips the first pair of signs that increases the error and changes the linear error by at most the gap.
+    /// Flips the first pair of signs that increases the error and changes the linear error by at most the
+    /// gap.
     ///
     /// Pairs matter because products of errors may dominate if the linear effects are small. Returns false if
     /// there is no such pair.
@@ -192,8 +194,8 @@ impl CornerSearch<'_, '_> {
         (0..n).any(|j| (j + 1..n).any(|k| self.flip(at, 1 << j | 1 << k)))
     }
 
-    /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error by
-    /// at most the gap. Returns whether the signs were reversed.
+    /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error
+    /// by at most the gap. Returns whether the signs were reversed.
     #[inline]
     fn flip(&mut self, at: &mut SearchCorner, flipped: u128) -> bool {
         if !self.model.may_exceed(&at.error, members(flipped)) {

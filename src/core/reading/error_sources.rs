@@ -189,7 +189,8 @@ impl ErrorSources {
 }
 
 impl ErrorSource {
-    /// Returns the value of the parameter at the upper end (`sign` = 1) or the lower end (-1) of its tolerance.
+    /// Returns the value of the parameter at the upper end (`sign` = 1) or the lower end (-1) of its
+    /// tolerance.
     pub fn at(&self, sign: f64) -> f64 {
         self.mean + self.plus_minus * sign
     }

@@ -39,7 +39,8 @@ pub struct ErrorEvaluator {
     pub(super) alone: bool,
     /// Equipment on which the robot works, if neither a registration nor a pick removes a part of the errors.
     untied: Option<usize>,
-    /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is known.
+    /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is
+    /// known.
     pub(super) spin_bound: Option<SpinBound>,
     /// Whether the value is bit for bit the same after a rotation of the tool by the last joint.
     ignores_spin: bool,

@@ -6,8 +6,8 @@ use crate::pose::Displacement;
 /// Error figures of one sense at one posture, m or rad; infinite if the errors are not tolerances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Error of the signed sample in the signed reading. In the other readings, it is the error at the corner of the
-    /// tolerance box that is worst in the operation's sense.
+    /// Error of the signed sample in the signed reading. In the other readings, it is the error at the corner
+    /// of the tolerance box that is worst in the operation's sense.
     pub error: f64,
     /// Worst case by the linear model, or an upper bound of it ([`super::WorstCase::linear`]).
     pub worst_linear: f64,

@@ -25,8 +25,8 @@ use crate::kinematic_error::{Expansion, MotionTerm};
 use crate::pose::{Displacement, Pose};
 use nalgebra::{Vector3, Vector6};
 
-/// Largest sum of all rotations, rad, for which products of four and more errors are smaller than products of three
-/// errors.
+/// Largest sum of all rotations, rad, for which products of four and more errors are smaller than products of
+/// three errors.
 const MAX_ROTATION: f64 = 0.25;
 
 /// Part of the cell to which a small motion belongs.
@@ -241,8 +241,8 @@ impl FlipPrediction {
         self.flips[..self.sources.len()].get(k)
     }
 
-    /// Returns an upper bound of the interaction of a flip with earlier flips: the joint change beyond the sum of the
-    /// single changes.
+    /// Returns an upper bound of the interaction of a flip with earlier flips: the joint change beyond the
+    /// sum of the single changes.
     ///
     /// The earlier flips have the given sums of rotations and of displacements.
     pub fn product_bound(&self, (rotation, displacement): (f64, f64), flip: &PredictedFlip) -> f64 {
@@ -250,8 +250,8 @@ impl FlipPrediction {
         self.weights[0] * of_position + self.weights[1] * rotation * flip.rotation / 2.0
     }
 
-    /// Returns the interaction of flips of the sources `k` and `l`: the joint change beyond the sum of the two single
-    /// changes.
+    /// Returns the interaction of flips of the sources `k` and `l`: the joint change beyond the sum of the
+    /// two single changes.
     pub fn product_of(
         &self,
         sources: &ErrorSources,

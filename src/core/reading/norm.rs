@@ -43,9 +43,10 @@ pub struct NormDistribution {
 impl NormDistribution {
     /// Returns the distribution of `|e|`, where `e` are the first `m` components of a random vector.
     ///
-    /// `columns` are the effects of parameters of unit variance on `e`, and `mean` is the mean of `e`. `kurtosis` is
-    /// the excess kurtosis of each parameter; parameters beyond the end of the slice have 0. A negative excess
-    /// kurtosis must belong to a sum of equal uniform variables: -1.2 for one (uniform), -0.6 for two (triangular).
+    /// `columns` are the effects of parameters of unit variance on `e`, and `mean` is the mean of `e`.
+    /// `kurtosis` is the excess kurtosis of each parameter; parameters beyond the end of the slice have 0. A
+    /// negative excess kurtosis must belong to a sum of equal uniform variables: -1.2 for one (uniform), -0.6
+    /// for two (triangular).
     pub fn new(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> Self {
         match Spectrum::new(m, columns, kurtosis, mean) {
             None => Self { spectrum: None, unit: 0.0 },

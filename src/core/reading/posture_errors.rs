@@ -35,7 +35,8 @@ impl ErrorEvaluator {
         PostureErrors { value, error, nonlinear, linear, second_order, figures, success: None }
     }
 
-    /// Returns the error by the nonlinear, the linear and the second-order model, for the given source values.
+    /// Returns the error by the nonlinear, the linear and the second-order model, for the given source
+    /// values.
     fn by_all_models(
         &self,
         values: &[f64],

@@ -94,8 +94,8 @@ impl WorkspaceAverage {
         (mean, square)
     }
 
-    /// Returns the moments of the position error of the TCP by a model, base frame. Without elastic errors, the
-    /// function allocates no memory.
+    /// Returns the moments of the position error of the TCP by a model, base frame. Without elastic errors,
+    /// the function allocates no memory.
     pub fn error(&self, errors: &Perturbation, model: Model) -> ErrorMoments {
         let PositionMoments { error, second, .. } = self.moments(errors, model);
         match errors.elastic {

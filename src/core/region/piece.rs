@@ -34,8 +34,8 @@ pub fn movable(cell: &Cell) -> Vec<MovableBody> {
     bodies.filter(|body| (0..4).any(|axis| domain(cell, *body, axis).is_some())).collect()
 }
 
-/// Returns the interval in which a coordinate of a body may lie, and the reason that limits the interval; None if the
-/// coordinate is fixed.
+/// Returns the interval in which a coordinate of a body may lie, and the reason that limits the interval;
+/// None if the coordinate is fixed.
 fn domain(cell: &Cell, body: MovableBody, axis: usize) -> Option<((f64, f64), RoomEnd)> {
     let (coordinates, tolerance) = match body {
         MovableBody::Base => (&cell.base, &cell.base_tolerance),

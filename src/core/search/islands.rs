@@ -85,8 +85,8 @@ pub fn best_island(islands: &[Island]) -> Option<usize> {
     })
 }
 
-/// Merges islands, which must be in the order of their seeds, into the result of one search. `bound` is the proven
-/// lower bound of the objective, m or rad. Returns None if there is no island.
+/// Merges islands, which must be in the order of their seeds, into the result of one search. `bound` is the
+/// proven lower bound of the objective, m or rad. Returns None if there is no island.
 ///
 /// The best layout and the reason why the search ended are those of the best island ([`best_island`]).
 /// Evaluations are added, and the trace is that of islands searched one after the other. Pareto fronts are

@@ -22,13 +22,14 @@ pub struct ComparedPose {
     /// Predicted size of the error, m: the length of [`Self::predicted`], or the root mean square of the
     /// error if deviations count.
     pub size: f64,
-    /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are predicted.
+    /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are
+    /// predicted.
     ///
-    /// The deviations are constant over all poses, because they belong to one arm. The fit of base and reflectors
-    /// absorbs a part of them.
+    /// The deviations are constant over all poses, because they belong to one arm. The fit of base and
+    /// reflectors absorbs a part of them.
     pub is_inside: Option<bool>,
-    /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose; None
-    /// unless the errors are measured.
+    /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose;
+    /// None unless the errors are measured.
     pub is_inside_varying: Option<bool>,
 }
 

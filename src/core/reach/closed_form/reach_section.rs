@@ -129,7 +129,8 @@ fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize
     nearest
 }
 
-/// Computes the distance transform along one line of cells: the lower envelope of the parabolas over the cells.
+/// Computes the distance transform along one line of cells: the lower envelope of the parabolas over the
+/// cells.
 ///
 /// For each cell, `square` holds the squared distance to the nearest filled cell, in cells, and `nearest`
 /// holds the number of that cell. `cell` returns the number of the cell at a place of the line.

@@ -29,8 +29,8 @@ pub struct EnvelopeExtent {
     /// Height, m, at which the distance from the base axis is greatest. The error of this height can be as
     /// large as the distance between sampled points, because the envelope is often round there.
     pub widest: f64,
-    /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance between
-    /// sampled points may be missed.
+    /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance
+    /// between sampled points may be missed.
     pub within: f64,
 }
 

@@ -33,7 +33,8 @@ pub struct CentredBound {
 }
 
 impl CentredBound {
-    /// Returns the bound for a vector with `rows` components; None for a yield, and for more than three components.
+    /// Returns the bound for a vector with `rows` components; None for a yield, and for more than three
+    /// components.
     pub fn new(quantity: Quantity, rows: usize) -> Option<Self> {
         static TABLES: [[OnceLock<Vec<f64>>; 3]; 3] = [const { [const { OnceLock::new() }; 3] }; 3];
         if rows == 0 || rows > 3 || quantity == Quantity::Yield {
