@@ -44,7 +44,7 @@ pub struct ErrorGuess {
 /// then normal.
 ///
 /// # Errors
-/// Returns the reason if no scale gives this accuracy.
+/// Returns the reason if no scale gives this accuracy, or if the tolerances do not move the TCP.
 pub fn guessed(
     robot: &Robot,
     chain: &Chain,
