@@ -1,12 +1,12 @@
 //! Continuous collision checking of a path of straight moves in joint coordinates.
 //!
-//! The distance between any two solids is computed in the middle of an interval of the path. The interval
-//! is collision-free if every distance exceeds the required clearance by a sufficient margin. The margin is
-//! the amount by which the pair can approach within half the interval. Otherwise the interval is halved (F.
-//! Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and multiple
-//! articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005). The first
-//! intervals span several moves, so that most pairs are checked once for the whole path. Only the joints
-//! between two solids of the robot change the distance between these solids.
+//! The distance between any two solids is computed in the middle of an interval of the path. The interval is
+//! collision-free if the distance of every pair of solids exceeds the required clearance by a margin. This
+//! margin is the amount by which the two solids can approach each other within half the interval. Otherwise
+//! the interval is halved (F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for
+//! single and multiple articulated robots in complex environments", IEEE Transactions on Robotics 21, 2005).
+//! The first intervals span several moves, so that most pairs are checked once for the whole path. Only the
+//! joints between two solids of the robot change the distance between these solids.
 
 use super::motion_bounds::MotionBounds;
 use crate::cell::{JointVector, MAX_JOINTS};
@@ -26,12 +26,12 @@ pub struct PathHit {
     pub hit: Hit,
 }
 
-/// Deviations from a path: of the robot from the joint coordinates of the path, and of the equipment from
-/// its placement.
+/// Upper bounds of the deviations from a path. The robot deviates from the joint coordinates of the path, and
+/// the equipment deviates from its placement.
 #[derive(Default)]
 pub struct PathSlack<'a> {
-    /// Largest deviation of each D-H coordinate at each knot of the path, rad or m. The list is empty
-    /// without deviations.
+    /// Largest deviation of each D-H coordinate at each knot of the path, rad or m. The list is empty if the
+    /// robot does not deviate from the path.
     ///
     /// On a move, the larger of the deviations at its two ends counts.
     pub joints: &'a [JointVector],
@@ -39,8 +39,8 @@ pub struct PathSlack<'a> {
     /// floor. Without this function, the equipment does not move.
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
     /// Upper bound, m, of the decrease of the distance between a robot solid (an index into
-    /// [`Scene::bounding_spheres`]) and a piece of equipment. The function returns None if the bound is not less than
-    /// the sum of both deviations.
+    /// [`Scene::bounding_spheres`]) and a piece of equipment. The function returns None if the bound is not
+    /// less than the sum of the deviations of the robot and of the equipment.
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 
@@ -154,7 +154,8 @@ impl<'w> PathQuery<'w> {
             };
             (bounds.displacement(&spheres[link], first), of_deviation)
         };
-        // Most pairs are with equipment, so the displacement of a solid relative to the base is computed once.
+        // Most pairs are with equipment, so the displacement of a solid relative to the base is computed
+        // once.
         let from_base: Vec<_> = (0..spheres.len()).map(|link| displacements(link, 0)).collect();
         let approached = |&NumberedPair { number, pair }: &NumberedPair| {
             let equipment = self.scene.equipment_of(self.placed, pair);

@@ -103,7 +103,8 @@ impl Guard {
         self.transfer.as_ref().is_some_and(|rules| rules.via.contains(joints))
     }
 
-    /// Returns the lengths of the straight approach to the spot of an operation and of the retract from it, m.
+    /// Returns the lengths of the straight approach to the spot of an operation and of the retract from it,
+    /// m.
     pub fn approach_and_retract(&self, operation: usize) -> (f64, f64) {
         self.lengths[operation]
     }
@@ -137,7 +138,8 @@ impl Guard {
         (least < self.singularity).then_some(least.max(0.0))
     }
 
-    /// Returns joint vectors that move the TCP from a spot back along the tool axis by a length (m).
+    /// Returns joint vectors that move the TCP back from a spot, against the direction of the tool axis, by
+    /// `length` (m).
     pub fn back(&self, joints: &JointVector, length: f64) -> Result<Vec<JointVector>, Stopped> {
         let tcp = self.chain.forward(&self.chain.posture(joints));
         let axis: Vector3<f64> = tcp.rotation * self.chain.tool_axis;

@@ -10,7 +10,8 @@ use nalgebra::{Matrix6, SMatrix, Vector3, Vector6};
 /// rotation.
 pub(super) type ScaledJacobian = SMatrix<f64, 6, MAX_JOINTS>;
 
-/// Least diagonal entry of the Cholesky factor of `J^T J` at which the normal equations keep half of the digits.
+/// Least diagonal entry of the Cholesky factor of `J^T J` at which the normal equations keep half of the
+/// digits.
 const WELL_CONDITIONED: f64 = 1e-4;
 
 /// Measures of a posture that a search may maximize while it minimizes the error.
@@ -20,7 +21,7 @@ pub struct Measures {
     ///
     /// The value is 1 in the middle of the range and 0 at the limit. Beyond the limit, it is negative.
     pub limits: f64,
-    /// Joint that is nearest to a limit.
+    /// Index of the joint with the least value of [`Self::limits`].
     pub joint: usize,
     /// Manipulability measure that [`singularity`] returns.
     pub singularity: f64,
@@ -55,8 +56,8 @@ pub fn singularity(chain: &Chain, frames: &Frames, reach: f64) -> f64 {
 
 /// Returns whether the [`singularity`] measure of a posture is at least `least`.
 ///
-/// All singular values of a matrix J are at least s if the matrix `J^T J - s^2` is positive definite. This test
-/// takes a tenth of the time of a singular value decomposition.
+/// All singular values of a matrix J are at least s if the matrix `J^T J - s^2` is positive definite. This
+/// test takes a tenth of the time of a singular value decomposition.
 pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> bool {
     let jacobian = scaled_jacobian(chain, frames, reach);
     let count = moving_joints(chain).count();
@@ -89,8 +90,8 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
 /// scaled like the Jacobian.
 ///
 /// The function solves the normal equations, which takes a fifth of the time of a singular value
-/// decomposition. Only for a nearly singular posture, or for more than six moving joints, does it use that
-/// decomposition. Singular values below `rank_tolerance` count as 0.
+/// decomposition. It uses that decomposition only for a nearly singular posture or for more than six moving
+/// joints. Singular values below `rank_tolerance` count as 0.
 pub(super) fn joint_displacements(
     chain: &Chain,
     frames: &Frames,

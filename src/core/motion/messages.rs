@@ -34,7 +34,7 @@ impl Hindrance {
                 format!("joint {name} reaches its limit after {:.1} mm", mm_from_m(*after))
             }
             Self::Stopped(Stopped::Lost { after }) => {
-                format!("the arm cannot follow the line after {:.1} mm", mm_from_m(*after))
+                format!("the arm cannot follow the line beyond {:.1} mm", mm_from_m(*after))
             }
         }
     }
@@ -46,8 +46,8 @@ impl TransferRoute {
         match self {
             Self::Direct => "direct".into(),
             Self::Lift => "lifted".into(),
-            Self::Via(k) => format!("through via {}", k + 1),
-            Self::LiftVia(k) => format!("lifted, through via {}", k + 1),
+            Self::Via(k) => format!("through via posture {}", k + 1),
+            Self::LiftVia(k) => format!("lifted, through via posture {}", k + 1),
         }
     }
 }

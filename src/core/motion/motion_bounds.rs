@@ -11,9 +11,9 @@
 //! row ends at the centre of the solid's bounding sphere (F. Schwarzer, M. Saha, J.-C. Latombe, IEEE
 //! Transactions on Robotics 21, 2005).
 //!
-//! Around one posture of a straight move, a Taylor expansion gives a closer bound. The velocity at that
-//! posture counts the rotations with their signs. The second derivative is at most twice the product of the
-//! bound above and the sum of all |dtheta_i|.
+//! Around one posture of a straight move, a Taylor expansion gives a closer bound. The first-order term is
+//! the velocity at that posture, in which opposite rotations cancel each other. The magnitude of the second
+//! derivative is at most twice the product of the bound above and the sum of all |dtheta_i|.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::clearance::BoundingSphere;

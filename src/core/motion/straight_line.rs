@@ -108,11 +108,11 @@ fn extrapolated(knots: &[JointVector]) -> JointVector {
     }
 }
 
-/// Solves for the joint coordinates at the pose `to` by Newton's method, starting from `guess`, near the posture `from`.
-/// Each step is the least-norm solution of the linearized equations.
+/// Solves for the joint coordinates at the pose `to` by Newton's method, starting from `guess`, near the
+/// posture `from`. Each step is the least-norm solution of the linearized equations.
 ///
-/// Returns None if the method does not converge. It also returns None if a joint coordinate changes by 1
-/// rad or 1 m or more. The solution then belongs to another branch.
+/// Returns None if the method does not converge. Also returns None if a joint coordinate differs from `from`
+/// by 1 rad or 1 m or more, because the solution then belongs to another branch.
 fn follow(
     chain: &Chain,
     from: &JointVector,

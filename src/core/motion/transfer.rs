@@ -52,7 +52,7 @@ pub struct Transfer {
     /// Joint vector of the next operation at its spot.
     ///
     /// Joint angles may be changed by whole turns, so that they are nearest to the angles at the previous
-    /// operation. At the end of a cycle, they are the angles at which the cycle started.
+    /// operation. At the end of a cycle, the joint angles are those at which the cycle started.
     pub arrival: JointVector,
 }
 
@@ -79,7 +79,7 @@ impl Guard {
     /// Returns the transfers between consecutive operations. In a cycle, the transfer from the last
     /// operation to the first is added.
     ///
-    /// The list is empty if the cell does not ask for transfers.
+    /// The list is empty if the cell has no transfer rules.
     ///
     /// # Errors
     /// Returns the first transfer that is blocked.
@@ -111,8 +111,8 @@ impl Guard {
 
     /// Returns the first collision-free transfer between two operations.
     ///
-    /// Collisions are checked with the parts that the robot holds in either operation. Paths that `check` refuses
-    /// are not used.
+    /// Collisions are checked with the parts that the robot holds in either operation. Paths that `check`
+    /// refuses are not used.
     ///
     /// # Errors
     /// Returns the hindrances on all routes if no route can be used.
@@ -235,8 +235,8 @@ pub fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> Joi
     let mut near = *to;
     for j in 0..chain.axes() {
         let link = &chain.links[j];
-        // After a whole turn of joint j, a revolute joint i has the same posture if its coupling factor is
-        // whole. A prismatic joint i must not move at all.
+        // After a whole turn of joint j, a revolute joint i returns to its position if its coupling factor is
+        // an integer. A prismatic joint i must not move at all.
         let comes_back = |i: usize| match chain.links[i].kind {
             JointKind::Revolute => chain.coupling[i][j].fract() == 0.0,
             JointKind::Prismatic => chain.coupling[i][j] == 0.0,

@@ -43,7 +43,8 @@ impl<'a> PoseAccuracyTest<'a> {
         Self { chain, frames, fit: fitted.then(|| BaseFit::new(chain)) }
     }
 
-    /// Returns the distance (m) of the attained position from the command position at each pose, for one robot.
+    /// Returns the distance (m) of the attained position from the command position at each pose, for one
+    /// robot.
     pub fn distances(&self, errors: &Perturbation) -> [f64; 5] {
         let at = self.frames.each_ref().map(|frames| frames.tcp.translation);
         let removed = self.fit.as_ref().map_or([Vector3::zeros(); 5], |fit| fit.displacements(errors, &at));
@@ -54,8 +55,8 @@ impl<'a> PoseAccuracyTest<'a> {
 
     /// Returns the pose accuracy of the series whose parameters have the given spreads.
     ///
-    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same random numbers,
-    /// so the accuracy is a smooth function of the spreads.
+    /// The spreads are in the order of [`crate::cell::Parameter::of_robot`]. Every call uses the same random
+    /// numbers, so the accuracy is a smooth function of the spreads.
     pub fn accuracy(&self, spreads: &[Spread]) -> PoseAccuracy {
         let mut at: Vec<(f64, f64)> = richtmyer_steps().take(spreads.len()).map(|step| (0.5, step)).collect();
         let (mut means, mut largest) = (Vec::with_capacity(ROBOTS), Vec::with_capacity(ROBOTS));

@@ -38,8 +38,8 @@ impl BaseFit {
         Self { frames, centre, inverse }
     }
 
-    /// Returns the displacement (m) that the fitted motion of a sample of errors causes at each of the points
-    /// `at` (base frame, m).
+    /// Returns the displacement (m) of each of the points `at` (base frame, m) by the rigid motion that is
+    /// fitted to a sample of errors.
     pub fn displacements<const N: usize>(
         &self,
         errors: &Perturbation,

@@ -29,7 +29,8 @@ pub struct ErrorGuess {
     pub scale: f64,
     /// Number of predictions that the search for the factor took.
     pub steps: usize,
-    /// Pose accuracy, which depends on the constant errors alone.
+    /// Predicted pose accuracy with the scaled tolerances. It does not depend on the random errors of the
+    /// joints.
     pub accuracy: PoseAccuracy,
     /// Standard deviations of the joint coordinates of one robot, rad or m; None without a repeatability.
     pub scatter: Option<JointVector>,
@@ -38,11 +39,12 @@ pub struct ErrorGuess {
 /// Returns the tolerances `spreads`, scaled until the predicted accuracy is `ap` (m). Without `ap`, the
 /// tolerances are not scaled.
 ///
-/// The random errors of the joints with the repeatability `rp` (m), if given, are added to the tolerances
-/// of the joint coordinates. The sum is a root sum square. Such a tolerance is normally distributed.
+/// If `rp` is given, the joints have random errors that cause this repeatability (m). These errors are added
+/// to the tolerances of the joint coordinates by root sum square. The distribution of such a tolerance is
+/// then normal.
 ///
 /// # Errors
-/// Returns the reason if no scale gives this accuracy.
+/// Returns the reason if no scale gives this accuracy, or if the tolerances do not move the TCP.
 pub fn guessed(
     robot: &Robot,
     chain: &Chain,

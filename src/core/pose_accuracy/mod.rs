@@ -10,13 +10,14 @@
 //! ```text
 //! AP_p = |e_p - M_p|                 e_p = position error at pose p, M = rigid motion of the fitted base frame
 //! AP   = mean of AP_p over p         one number of one robot
-//! set  : median of AP over robots    half of the robots of the series are better
+//! series: median of AP over robots   half of the robots of the series are better
 //! RP   = mean over p of l + 3 S      l, S = mean and standard deviation of the distance from the barycentre
 //! ```
 //!
-//! A data sheet states the AP of a series as one number, and the median robot of the series meets it. The
-//! base frame is fitted to the robot, because a test measures in a frame that is aligned with the robot.
-//! The base frame is fitted over the working space, as in the registration `best-fit`.
+//! A data sheet states one AP for a whole series. The prediction assumes that this is the AP of the median
+//! robot of the series. The base frame is fitted to the robot, because a test measures in a frame that is
+//! aligned with the robot. The base frame is fitted over the working space, as in the registration
+//! `best-fit`.
 
 mod arm_series;
 mod base_fit;

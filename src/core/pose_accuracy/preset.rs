@@ -19,7 +19,7 @@ pub struct ErrorPreset {
     pub length_mm: f64,
     /// Half width of the errors of the twists, and of the fifth parameter between parallel axes, degrees.
     pub twist_deg: f64,
-    /// Origin of the numbers.
+    /// Source from which the tolerances are taken or estimated.
     pub source: &'static str,
 }
 
@@ -44,7 +44,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.1,
         length_mm: 0.4,
         twist_deg: 0.04,
-        source: "our estimate: smaller than those of the preset medium, because the arm is shorter",
+        source: "our estimate: smaller tolerances than in the preset medium, because the arm is shorter",
     },
     ErrorPreset {
         name: "medium",
@@ -96,12 +96,13 @@ pub const PRESETS: [ErrorPreset; 7] = [
 impl ErrorPreset {
     /// Returns the spreads of a robot in the order of [`Parameter::of_robot`].
     ///
-    /// Only parameters that a calibration can distinguish have a spread. Between parallel axes, the fifth parameter
-    /// takes the place of the axial offset.
+    /// Only parameters that a calibration can distinguish have a spread other than 0. Between parallel axes,
+    /// the fifth parameter takes the place of the axial offset.
     pub fn spreads(&self, robot: &Robot, chain: &Chain) -> Vec<Spread> {
         let known = identifiable(chain, ParameterSet::FiveParameter);
         let last = robot.axes().saturating_sub(1);
-        // A file with modified rows has no keys for the end of the last standard row.
+        // A cell file in the modified convention has no keys for l, alpha and beta of the last row in the
+        // standard convention.
         let is_stated = |parameter: &Parameter| match parameter {
             Parameter::Dl(i) | Parameter::Dalpha(i) | Parameter::Dbeta(i) => {
                 robot.convention == Convention::Standard || *i != last

@@ -43,10 +43,11 @@ pub struct TestCube {
 impl TestCube {
     /// Returns the largest cube in the working space of the robot; None if no cube fits.
     ///
-    /// The corners of the cube and the five poses are reachable within the joint limits with one
-    /// orientation of the tool. The cube is beside the robot base. Among the possible centres of a cube of
-    /// this size, the one nearest to their mean is chosen. A cube above the base plane is preferred to any
-    /// cube that extends below it.
+    /// The corners of the cube and the five poses are reachable within the joint limits with one orientation
+    /// of the tool. The cube is beside the robot base. Among the possible centres of a cube of this size, the
+    /// one nearest to their mean is chosen. A cube of a size in the standard is preferred to any smaller
+    /// cube. Among the sizes of the standard, and among the smaller sizes, a cube above the base plane is
+    /// preferred to any cube that extends below it.
     pub fn largest(robot: &Robot, chain: &Chain, inverse: &Inverse) -> Option<Self> {
         let search = CubeSearch { robot, chain, inverse };
         let sizes = |above: bool, edges: &'static [f64]| edges.iter().map(move |edge| (above, *edge));

@@ -2,11 +2,11 @@
 //!
 //! In every box, the constraints are expanded first. If a constraint cannot be met, the box is discarded.
 //! Otherwise the constraints contract the box, and Lagrangian relaxation bounds the value `phi` from below.
-//! Let `c_m` be the constrained quantities and `lambda_m` any multipliers. The bound is the sum of two
-//! lower bounds: that of `phi - sum lambda_m c_m` over the whole box, and that of `sum lambda_m c_m` over
-//! the allowed values of `c_m`. With the multipliers of the optimum in the box, the error of the bound
-//! decreases with the square of the size of the box. Boxes therefore need not become small where
-//! constraints are active.
+//! Let `c_m` be the constrained quantities and `lambda_m` any multipliers. The bound is the sum of two lower
+//! bounds. The first is the bound of `phi - sum lambda_m c_m` over the whole box. The second is the bound of
+//! `sum lambda_m c_m` over the allowed values of `c_m`. With the multipliers of the optimum in the box, the
+//! error of the bound decreases with the square of the size of the box. Boxes therefore need not become small
+//! where constraints are active.
 
 use super::coordinates::Coordinates;
 use super::region::Constraint;
@@ -21,8 +21,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 
-/// Number of boxes examined per round. It is large enough to occupy all threads. It is small enough for the
-/// bounds of the boxes to be close to the least bound.
+/// Number of boxes examined per round. The number is large enough to occupy all threads, and small enough
+/// that the examined boxes have bounds close to the least bound.
 const BOXES_PER_ROUND: usize = 64;
 /// Number of boxes per round in which the search seeks a posture that keeps all constraints.
 const WITNESSES_PER_ROUND: usize = 8;
@@ -31,8 +31,8 @@ const WITNESSES_PER_ROUND: usize = 8;
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;
-/// Margin subtracted from the bound for rounding. It is the bound times this number, plus this number in m
-/// or rad.
+/// Margin subtracted from the bound for rounding. The margin is the bound times this number, plus this number
+/// in m or rad.
 ///
 /// The values that are bounded are accurate to 1e-13.
 const ROUNDING: f64 = 1e-11;

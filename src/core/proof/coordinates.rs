@@ -2,20 +2,20 @@
 //! parallel.
 //!
 //! The coordinate of a joint is its displacement. For successive revolute joints with parallel axes, it is
-//! the sum of the angles from the first of these joints to the joint itself. If such a sum changes alone,
-//! one link rotates, and the links after it are shifted. A planar arm therefore decouples into independent
-//! links, and the elevation of its tool is a coordinate. Let `y` be the coordinates and `theta` the
-//! displacements of the joints from the middle of their limits. Then `theta = D y` with a constant matrix
-//! D. Let C be the matrix of the joint coupling, and `q_0` the middle of the joint limits. The actuator
-//! coordinates are `q = q_0 + C^-1 D y`. Each lies between its limits.
+//! the sum of the angles from the first of these joints to the joint itself. If such a sum changes alone, one
+//! link rotates, and the links after it are shifted. A planar arm therefore decouples into independent links,
+//! and the elevation of its tool is a coordinate. Let `y` be the coordinates and `theta` the displacements of
+//! the joints from the middle of their limits. Then `theta = D y` with a constant matrix D. Let C be the
+//! matrix of the joint coupling, and `q_0` the middle of the joint limits. The actuator coordinates are `q =
+//! q_0 + C^-1 D y`. Each actuator coordinate lies between its limits.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::kinematic_error::{JointValues, Screws};
 use crate::robot::Chain;
 use std::f64::consts::PI;
 
-/// Sine of the angle below which axes count as parallel. It is far above rounding errors, and far below any
-/// tolerance.
+/// Sine of the angle below which axes count as parallel. This sine is far above rounding errors, and far
+/// below any tolerance.
 const PARALLEL_SINE: f64 = 1e-12;
 /// Tolerance, rad or m, of the joint limits in the inverse kinematics.
 ///

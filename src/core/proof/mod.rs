@@ -121,7 +121,9 @@ impl WhyNot {
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",
             Self::Cost => "the cost of its tolerances has no bound yet",
-            Self::Boxes => "no bound above 0 was found within the boxes allowed",
+            Self::Boxes => {
+                "no bound above 0 was found within the allowed number of boxes of joint coordinates"
+            }
             Self::Mean => "a nonlinear worst case about measured means has no bound",
             Self::Refuted => "a bound would apply to its first-order figure, which the samples refute",
         }

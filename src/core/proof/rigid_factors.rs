@@ -1,4 +1,5 @@
-//! Rigid factors: random factors of the errors that do not depend on the elastic errors.
+//! Rigid factors: the random factors of the rigid errors, without the part that correlates with elastic
+//! errors.
 
 use crate::reading::ErrorSources;
 use nalgebra::DMatrix;

@@ -32,8 +32,8 @@ pub(super) struct Task<'a> {
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,
-    /// Upper bound, m, of the value computed from the field `error`, minus the value of the operation. The
-    /// value of the operation is computed with the error model of the cell.
+    /// Upper bound, m, of the amount by which the value computed from the field `error` exceeds the value of
+    /// the operation. The value of the operation is computed with the error model of the cell.
     ///
     /// This upper bound is subtracted from the lower bound of the value.
     lost: f64,
@@ -146,8 +146,8 @@ impl<'a> Task<'a> {
         Ok(task)
     }
 
-    /// Returns an upper bound, m, of the value computed from the [`BoundedError`], minus the value of the
-    /// operation.
+    /// Returns an upper bound, m, of the amount by which the value computed from the [`BoundedError`] exceeds
+    /// the value of the operation.
     ///
     /// The value of the operation is computed with the error model of the cell.
     ///

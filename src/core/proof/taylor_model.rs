@@ -80,8 +80,8 @@ impl Taylor {
     }
 }
 
-/// Returns the derivatives of `point` with respect to the joint displacements. If `point` is None, they are
-/// the derivatives of the tool axis.
+/// Returns the derivatives of `point` with respect to the joint displacements. If `point` is None, returns
+/// the derivatives of the tool axis instead.
 pub(super) fn rates(
     screws: &Screws,
     placed: &PosedScrews,

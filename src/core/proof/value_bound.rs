@@ -8,7 +8,7 @@
 //! ```text
 //! signed        u = e / |e|:  |e| >= u . e
 //! worst-case    the farthest corner s at c is one of the corners everywhere
-//! statistical   |e| ~ N(mu, S):  a mean enlarges each quantity, so mu = 0 gives a lower bound; with
+//! statistical   e ~ N(mu, S):  a mean enlarges each quantity, so mu = 0 gives a lower bound; with
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
 //!

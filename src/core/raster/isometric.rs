@@ -136,7 +136,7 @@ impl VisibilityTest<'_> {
             if last > first {
                 let [p, q] = [first, last].map(|k| self.camera.seen(&at(k)).at);
                 let start = format!("M{:.1} {:.1}", p.x, p.y);
-                // A line that starts at the end of the last line needs no start point.
+                // A line that starts at the end of the previous line needs no start point.
                 if !d.ends_with(&start[1..]) {
                     d.push_str(&start);
                 }

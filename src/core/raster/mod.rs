@@ -112,7 +112,9 @@ impl Shot {
             ));
         }
         match self.operation {
-            Some(k) if k >= drawing.cell.operations.len() => Err(format!("there is no operation {k}")),
+            Some(k) if k >= drawing.cell.operations.len() => {
+                Err(format!("there is no operation with the index {k}, counted from 0"))
+            }
             _ => Ok(()),
         }
     }

@@ -70,9 +70,10 @@ impl SceneLine {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelSide {
     Above,
-    /// Below the top of the object, centred under the two top points that are lowest in the picture.
+    /// The label is below the top of the object, centred under the two top points that are lowest in the
+    /// picture.
     Below,
-    /// Beside a spot, to which a leader line is drawn.
+    /// The label is beside a spot, and a leader line connects label and spot.
     Spot,
 }
 

@@ -98,7 +98,7 @@ pub fn signs(drawing: &Drawing<'_>, shot: &Shot) -> Vec<LegendSign> {
     let mut signs: Vec<LegendSign> = Vec::new();
     if shot.show != Show::Nothing {
         signs.extend(NodeSign::ALL.into_iter().filter(occurs).map(|sign| match sign.is_usable() {
-            // Usable nodes are dots in the colours of the scale. A ring marks the best of them.
+            // Usable nodes are dots in the colours of the scale. A ring marks the best node.
             true => LegendSign::Spot,
             false => LegendSign::Node(sign),
         }));

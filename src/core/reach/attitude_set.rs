@@ -108,8 +108,8 @@ impl AttitudeSet {
         }
     }
 
-    /// Finds the attitudes that differ only by a rotation of the tool about its axis. `spins` says whether the last
-    /// joint alone can rotate the tool in this way.
+    /// Finds the attitudes that differ only by a rotation of the tool about its axis. `spins` says whether
+    /// the last joint alone can rotate the tool in this way.
     ///
     /// [`Self::update_columns`] must be called first.
     pub fn update_spin_turns(&mut self, spins: bool) {
@@ -147,8 +147,8 @@ impl AttitudeSet {
         self.elevations.len() + if self.tilts_sideways { 2 } else { 0 }
     }
 
-    /// Returns the azimuth in the base frame, rad, from which the attitudes at a target are measured. If the azimuth
-    /// of the attitudes is radial, the result is the direction of the target.
+    /// Returns the azimuth in the base frame, rad, from which the attitudes at a target are measured. If the
+    /// azimuth of the attitudes is radial, the result is the direction of the target.
     pub(super) fn heading(&self, target: &Vector3<f64>) -> f64 {
         if self.radial { target.y.atan2(target.x) } else { self.zero }
     }
@@ -196,10 +196,10 @@ impl AttitudeSet {
         if off > ROUNDING { off } else { 0.0 }
     }
 
-    /// Returns whether [`Self::off`] is needed.
+    /// Returns whether every posture must be checked by [`Self::off`].
     ///
-    /// It is needed if the attitude requires a heading. It is also needed if the attitude requires a spin and
-    /// the arm cannot choose the spin.
+    /// The check is needed if the attitude requires a heading. The check is also needed if the attitude
+    /// requires a spin and the arm cannot choose the spin.
     pub(super) fn is_checked(&self, rolls: bool) -> bool {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }

@@ -9,13 +9,14 @@ use super::held_joint::{HeldJoint, HeldSample};
 use super::redundancy::HeldTarget;
 use crate::robot::Posture;
 
-/// Number of lattice steps between successive values of the held joint that the search between samples scans.
+/// Number of lattice steps between successive values of the held joint in the scan between the samples.
 const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 
-/// Number of values that the scan tries.
+/// Number of values of the held joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// Violation of limits (rad, m or cosine) above which no usable posture is expected within one step of the scan.
+/// Violation of limits (rad, m or cosine) above which no usable posture is expected within one step of the
+/// scan.
 const HOPELESS: f64 = 0.5;
 
 /// Largest number of bisections in the search for a joint value at which the target is in reach.
@@ -25,8 +26,8 @@ const MAX_PARTS: usize = 128;
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {
-    /// Calls [`Self::gap`], and replaces a lower bound of the distance that is below `near` (m) by the distance
-    /// itself.
+    /// Calls [`Self::gap`], and replaces a lower bound of the distance that is below `near` (m) by the
+    /// distance itself.
     fn gap_near(
         &self,
         sample: &HeldSample<'_>,
@@ -43,9 +44,9 @@ impl HeldTarget<'_> {
 
     /// Searches values between the samples of the held joint for usable postures.
     ///
-    /// A finer scan covers the whole range of the held joint. A golden-section search narrows the interval around
-    /// every value whose [`Gap`] is not larger than the gaps of its neighbours. Returns the least gap found, and
-    /// whether a usable posture was found.
+    /// A finer scan covers the whole range of the held joint. A golden-section search narrows the interval
+    /// around every value whose [`Gap`] is not larger than the gaps of its neighbours. Returns the least gap
+    /// found, and whether a usable posture was found.
     pub fn search_between(&self, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let flange = self.inverse.flange(self.first, self.target, self.attitudes);
         let near = self.joint.most_travel(&flange) * f64::from(SCAN_STEP);
@@ -69,7 +70,8 @@ impl HeldTarget<'_> {
         (least, any)
     }
 
-    /// Searches the lattice values around the number `best` for one with a usable posture, towards the least [`Gap`].
+    /// Searches the lattice values around the number `best` for one with a usable posture, towards the least
+    /// [`Gap`].
     ///
     /// `least` is the gap at `best`. The gaps one step of the scan away must be larger.
     fn search_around(&self, best: u32, least: Gap, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
@@ -85,11 +87,11 @@ impl HeldTarget<'_> {
         }
     }
 
-    /// Searches an interval of lattice numbers for one at which the target is in reach; returns the number with the
-    /// least gap, and this gap.
+    /// Searches an interval of lattice numbers for one at which the target is in reach; returns the number
+    /// with the least gap, and this gap.
     ///
-    /// The distance from the reach is a Lipschitz function of the held joint's value. Parts of the interval whose ends
-    /// are too far out of reach are left out (Piyavskii 1972).
+    /// The distance from the reach is a Lipschitz function of the held joint's value. Parts of the interval
+    /// whose ends are too far out of reach are left out (Piyavskii 1972).
     fn nearest_reached(
         &self,
         (lo, hi): (u32, u32),
@@ -131,8 +133,8 @@ impl HeldTarget<'_> {
         least
     }
 
-    /// Searches an interval of lattice numbers for one with a usable posture, by the golden section towards the least
-    /// [`Gap`].
+    /// Searches an interval of lattice numbers for one with a usable posture, by the golden section towards
+    /// the least [`Gap`].
     ///
     /// `best` lies inside the interval, and `least` is the gap there.
     fn golden_section(

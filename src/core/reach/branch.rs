@@ -4,7 +4,7 @@ use super::limits::LimitViolation;
 use crate::cell::JointVector;
 use crate::robot::Posture;
 
-/// Bits of a branch index that number the attitude, for a closed form that solves for a whole pose.
+/// Mask of the bits that number the attitude in a branch index of a closed form for a whole pose.
 const ATTITUDE_BITS: u64 = 0xfff0;
 
 /// Position of the lowest bit that numbers the value of the held joint of a redundant arm.
@@ -52,7 +52,7 @@ pub struct Gap {
     /// Least violation of joint limits and attitude by a branch, in mixed units (m, rad, cosine); 0 if a
     /// branch violates neither.
     ///
-    /// It is also 0 if the target is out of reach.
+    /// The value is also 0 if the target is out of reach.
     pub limits: f64,
 }
 

@@ -248,7 +248,8 @@ impl Inverse {
     ///
     /// # Errors
     /// If the branch does not exist, returns the distance, m, by which the target is out of reach in the
-    /// attitude of the branch. The distance is 0 if other branches exist.
+    /// attitude of the branch. The distance is 0 if other branches exist, and infinite for the numeric
+    /// solver.
     pub fn branch_beyond_limits(
         &self,
         target: &Vector3<f64>,
@@ -409,8 +410,8 @@ impl Inverse {
         })
     }
 
-    /// Calls `found` with the posture of the solved attitude `first`, and with the postures that follow from it by a
-    /// rotation of the last joint.
+    /// Calls `found` with the posture of the solved attitude `first`, and with the postures that follow from
+    /// it by a rotation of the last joint.
     #[inline]
     pub(super) fn spin(
         &self,

@@ -65,7 +65,8 @@ impl Inverse {
         }
     }
 
-    /// Returns a branch that the numeric solver has found, by one descent; `wanted` is the index of the branch.
+    /// Returns a branch that the numeric solver has found, by one descent; `wanted` is the index of the
+    /// branch.
     pub(super) fn numeric_branch_at(
         &self,
         target: &Vector3<f64>,
@@ -157,7 +158,8 @@ impl Inverse {
     }
 }
 
-/// Returns the index of a branch of the numeric solver: the number of its goal above the number of its start posture.
+/// Returns the index of a branch of the numeric solver: the number of its goal above the number of its start
+/// posture.
 fn numeric_index(goal: usize, found: &NumericSolution) -> u64 {
     (goal as u64) << START_BITS | found.start as u64
 }

@@ -65,8 +65,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. It is much cheaper than a
-    /// solution.
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. Computing the bound is much
+    /// cheaper than a solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
         match self {

@@ -23,8 +23,8 @@ pub(super) struct HeldTarget<'a> {
 }
 
 impl Inverse {
-    /// Returns the branch index with the held joint of a redundant arm moved by `share` of the distance between two
-    /// sampled values, rounded to the lattice of the held joint.
+    /// Returns a branch index of a redundant arm after its held joint is moved. The motion is `share` times
+    /// the distance between two sampled values, rounded to the lattice of the held joint.
     ///
     /// Returns None if the arm has no held joint, or if the value lies outside its range.
     pub fn with_held_joint_moved(&self, branch: u64, share: f64) -> Option<u64> {
@@ -50,7 +50,8 @@ impl Inverse {
     /// Solves attitude `first` with the redundant joint held at one value. Also derives the attitudes that
     /// follow from attitude `first` by a rotation of the last joint.
     ///
-    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a solution.
+    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a
+    /// solution.
     pub(super) fn solve_held_spins(
         &self,
         sample: &HeldSample<'_>,
@@ -66,7 +67,8 @@ impl Inverse {
 
     /// Solves attitude `first` with the redundant joint held at one value.
     ///
-    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a solution.
+    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a
+    /// solution.
     pub(super) fn solve_held_one(
         &self,
         sample: &HeldSample<'_>,
@@ -147,7 +149,8 @@ impl Inverse {
         least
     }
 
-    /// Returns the distance by which the target is out of reach, m, with the redundant joint held at one value.
+    /// Returns the distance by which the target is out of reach, m, with the redundant joint held at one
+    /// value.
     pub(super) fn held_distance(
         &self,
         sample: &HeldSample<'_>,
@@ -174,8 +177,8 @@ impl Inverse {
 impl HeldTarget<'_> {
     /// Calls `found` with the usable branches at one value of the held joint.
     ///
-    /// Returns the [`Gap`] of the target at this value, whose distance may be a lower bound, and whether a usable
-    /// branch exists.
+    /// Returns the [`Gap`] of the target at this value, whose distance may be a lower bound, and whether a
+    /// usable branch exists.
     pub fn gap(&self, sample: &HeldSample<'_>, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let Self { inverse, target, attitudes, first, .. } = *self;
         let (mut limits, mut usable) = (f64::INFINITY, false);

@@ -23,7 +23,7 @@ impl ChainSolver {
     /// Returns the solver of a chain.
     ///
     /// `limits_by_posture` says whether the joint limits can be checked from the sines and cosines of a
-    /// posture alone. If it is false, only the numeric solver can be used.
+    /// posture alone. If `limits_by_posture` is false, only the numeric solver can be used.
     pub fn new(chain: &Chain, limits_by_posture: bool) -> Self {
         if limits_by_posture {
             if let Ok(arm) = PlanarArm::new(chain) {

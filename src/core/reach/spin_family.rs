@@ -1,7 +1,7 @@
 //! Spin families: the postures of one solution that differ only by the rotation of the tool about its axis.
 //!
-//! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates in a family.
-//! Every quantity that depends only on these joints is computed once per family.
+//! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates in a
+//! family. Every quantity that depends only on these joints is computed once per family.
 
 use super::branch::{attitude_of, sample_of, with_attitude};
 use super::held_joint::HeldJoint;
@@ -17,8 +17,8 @@ const PLANAR_BITS: u64 = 63;
 impl Inverse {
     /// Returns whether [`Self::visit_families`] finds the postures of this arm.
     ///
-    /// A planar arm qualifies only if it can roll its tool and the attitude has no tolerance. If the tool is tilted
-    /// within a tolerance, the roll angles differ from the differences of the spins.
+    /// A planar arm qualifies only if it can roll its tool and the attitude has no tolerance. If the tool is
+    /// tilted within a tolerance, the roll angles differ from the differences of the spins.
     pub fn has_spin_families(&self, attitudes: &ToolAttitudes) -> bool {
         match &self.solver {
             ChainSolver::Planar(arm) => arm.rolls() && attitudes.set.tolerance == 0.0,
@@ -29,8 +29,8 @@ impl Inverse {
 
     /// Calls `found` with the first member of each family whose joints before the last keep their limits.
     ///
-    /// The last joint of the first member may violate a limit, and so may other members; [`Self::members`]
-    /// checks them. The first argument of `found` is the branch index of the first member.
+    /// The last joint may violate its limit in the first member and in other members; [`Self::members`]
+    /// checks this limit. The first argument of `found` is the branch index of the first member.
     ///
     /// Returns false for a redundant arm if none of the families found has a usable member. The target may
     /// still have usable branches, which [`Self::visit`] finds between the sampled values of the redundant
@@ -86,8 +86,8 @@ impl Inverse {
         }
     }
 
-    /// Calls `found` with every usable member of the family of the branch `first`, which [`Self::visit_families`] has
-    /// found.
+    /// Calls `found` with every usable member of the family of the branch `first`, which
+    /// [`Self::visit_families`] has found.
     pub fn members(
         &self,
         target: &Vector3<f64>,

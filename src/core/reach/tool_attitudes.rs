@@ -31,7 +31,8 @@ pub struct ToolAttitudes {
 }
 
 impl ToolAttitudes {
-    /// Returns cosine and sine of the rotations of the tool about its axis that lead from the first spin to each spin.
+    /// Returns cosine and sine of the rotations of the tool about its axis that lead from the first spin to
+    /// each spin.
     pub fn spin_rotations(&self) -> &[(f64, f64)] {
         &self.set.spin_rotations
     }

@@ -95,8 +95,8 @@ impl Inverse {
     }
 }
 
-/// Returns the coefficients of the pitch rate of a planar arm: 1 or -1 for each of the three parallel axes, otherwise
-/// 0.
+/// Returns the coefficients of the pitch rate of a planar arm: 1 or -1 for each of the three parallel axes,
+/// otherwise 0.
 fn pitch(frames: &Frames) -> [f64; MAX_JOINTS] {
     let axis = |j: usize| frames.links[j].rotation.column(2).into_owned();
     let mut row = [0.0; MAX_JOINTS];

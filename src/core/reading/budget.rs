@@ -32,16 +32,19 @@ pub struct Share {
     pub of_variance: f64,
 }
 
-/// Error budget of one posture, sorted by share, the largest first.
+/// Error budget of one posture, with the largest contribution first.
 ///
-/// If the errors are not tolerances ([`ErrorEvaluator::has_tolerances`]), it is sorted by [`Share::alone`].
+/// The budget is sorted by [`Share::of_variance`] in the statistical reading, and by [`Share::of_worst`] in
+/// the other readings. If the errors are not tolerances ([`ErrorEvaluator::has_tolerances`]), the budget is
+/// sorted by [`Share::alone`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
     pub shares: Vec<Share>,
-    /// Linear worst case of the error in the operation's sense, m or rad; infinite if the errors are not tolerances.
-    pub worst: f64,
-    /// Standard deviation of the linear error in the operation's sense, m or rad; infinite if the errors are no
+    /// Linear worst case of the error in the operation's sense, m or rad; infinite if the errors are not
     /// tolerances.
+    pub worst: f64,
+    /// Standard deviation of the linear error in the operation's sense, m or rad; infinite if the errors are
+    /// not tolerances.
     pub deviation: f64,
 }
 

@@ -30,7 +30,8 @@ pub struct CornerModel<'a> {
     context: &'a WorkContext,
     frames: &'a Frames,
     measure: SenseRows,
-    /// Prediction of sign flips; None if the evaluator has no prediction, or if the errors are too large for one.
+    /// Prediction of the changes of the error by sign flips. None if the evaluator has no prediction, or if
+    /// the errors are too large for a prediction.
     prediction: Option<&'a mut FlipPrediction>,
 }
 
@@ -70,14 +71,16 @@ impl<'a> CornerModel<'a> {
         CornerError { size: components.norm(), components }
     }
 
-    /// Predicts the flips of all signs at a corner, for [`Self::may_exceed`].
+    /// Predicts how a flip of each sign changes the error at a corner. [`Self::may_exceed`] uses these
+    /// predictions.
     pub fn stand_at(&mut self, signs: &[f64; MAX_SOURCES]) {
         if let Some(flips) = &mut self.prediction {
             flips.set_corner(&self.evaluator.sources, &self.evaluator.signs_of_sources(signs), &self.measure);
         }
     }
 
-    /// Returns whether some flips at the corner of [`Self::stand_at`] may increase the error.
+    /// Returns whether the sign flips `flips`, made together at the corner of [`Self::stand_at`], may
+    /// increase the error.
     ///
     /// The error at that corner is `error`. The answer is true if the flips cannot be predicted.
     pub fn may_exceed(&self, error: &CornerError, mut flips: impl Iterator<Item = usize>) -> bool {
@@ -95,11 +98,11 @@ impl<'a> CornerModel<'a> {
         !all_known || components.norm() + margin >= error.size
     }
 
-    /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order of
-    /// [`gray_code`]. All other signs are those at the corner of [`Self::stand_at`].
+    /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order
+    /// of [`gray_code`]. All other signs are those at the corner of [`Self::stand_at`].
     ///
-    /// The error at that corner is `error`, and its signs are `signs`. Returns an upper bound of the prediction error
-    /// of these sizes; None if there is no prediction.
+    /// The error at that corner is `error`, and its signs are `signs`. Returns an upper bound of the
+    /// prediction error of these sizes; None if there is no prediction.
     pub fn predict_combinations(
         &self,
         signs: &[f64; MAX_SOURCES],
@@ -131,7 +134,8 @@ impl<'a> CornerModel<'a> {
     }
 }
 
-/// Returns the steps of the Gray code of `count` bits: the number of each step, from 1, and the bit that it flips.
+/// Returns the steps of the Gray code of `count` bits: the number of each step, from 1, and the bit that it
+/// flips.
 pub fn gray_code(count: usize) -> impl Iterator<Item = (usize, usize)> {
     (1usize..1 << count).map(|step| (step, step.trailing_zeros() as usize))
 }

@@ -41,8 +41,9 @@ type Signs = [f64; MAX_SOURCES];
 /// signs of the weak sources from a corner of `largest`, and all other signs from `corner`. All signs of the
 /// weak sources, or all signs of the other sources, or both may be reversed.
 ///
-/// The error is computed only at corners where it may exceed the largest one so far by the prediction of
-/// [`CornerModel::may_exceed`]. The result is the same as if the error were computed at every corner.
+/// The error is computed only at corners where it may exceed the largest error so far. The function
+/// [`CornerModel::may_exceed`] predicts whether this is possible. The result is the same as if the error were
+/// computed at every corner.
 pub fn by_model(
     columns: &[Vector6<f64>],
     linear: &Farthest,
@@ -56,8 +57,8 @@ pub fn by_model(
     let gap = (2.0 * apart).max(NEAR_SHARE * linear.value).max(quadratic);
     let mut search = CornerSearch { columns, groups: groups(columns), gap, model, best: None };
     // Sources with hardly any linear effect act through products of errors. If there are only a few such
-    // sources, every combination of their signs is tried. Otherwise they take their signs from the corners in
-    // `largest`.
+    // sources, every combination of their signs is tried. Otherwise these sources take their signs from the
+    // corners in `largest`.
     let is_weak = |k: &usize| 2.0 * columns[*k].norm() <= gap;
     let count = (0..columns.len()).filter(is_weak).count();
     if (1..=MAX_FREE).contains(&count) {
@@ -125,7 +126,8 @@ impl SearchCorner {
 struct CornerSearch<'a, 'm> {
     /// Linear effects of the sources at their tolerances.
     columns: &'a [Vector6<f64>],
-    /// Columns parallel to each column.
+    /// For each column, a bit set of the later columns that are parallel to it, as the function `groups`
+    /// returns it.
     groups: [u128; MAX_SOURCES],
     /// Threshold of the change of the linear error, m or rad; only flips up to this change are tried.
     gap: f64,
@@ -182,7 +184,8 @@ impl CornerSearch<'_, '_> {
         }
     }
 
-    /// Flips the first pair of signs that increases the error and changes the linear error by at most the gap.
+    /// Flips the first pair of signs that increases the error and changes the linear error by at most the
+    /// gap.
     ///
     /// Pairs matter because products of errors may dominate if the linear effects are small. Returns false if
     /// there is no such pair.
@@ -191,8 +194,8 @@ impl CornerSearch<'_, '_> {
         (0..n).any(|j| (j + 1..n).any(|k| self.flip(at, 1 << j | 1 << k)))
     }
 
-    /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error by
-    /// at most the gap. Returns whether the signs were reversed.
+    /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error
+    /// by at most the gap. Returns whether the signs were reversed.
     #[inline]
     fn flip(&mut self, at: &mut SearchCorner, flipped: u128) -> bool {
         if !self.model.may_exceed(&at.error, members(flipped)) {

@@ -158,7 +158,7 @@ impl ErrorSources {
         self.at.map(|e| e.and_then(error))
     }
 
-    /// Returns an expansion of the TCP error in the robot parameters among these sources.
+    /// Returns an expansion of the TCP error with respect to the robot parameters among these sources.
     pub fn expansion(&self, chain: &Chain) -> Expansion {
         let parameters: Vec<usize> = self.list.iter().filter_map(|s| s.robot).collect();
         Expansion::of(chain, &parameters)
@@ -189,7 +189,8 @@ impl ErrorSources {
 }
 
 impl ErrorSource {
-    /// Returns the value of the parameter at the upper end (`sign` = 1) or the lower end (-1) of its tolerance.
+    /// Returns the value of the parameter at the upper end (`sign` = 1) or the lower end (-1) of its
+    /// tolerance.
     pub fn at(&self, sign: f64) -> f64 {
         self.mean + self.plus_minus * sign
     }

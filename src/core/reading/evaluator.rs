@@ -39,7 +39,8 @@ pub struct ErrorEvaluator {
     pub(super) alone: bool,
     /// Equipment on which the robot works, if neither a registration nor a pick removes a part of the errors.
     untied: Option<usize>,
-    /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is known.
+    /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is
+    /// known.
     pub(super) spin_bound: Option<SpinBound>,
     /// Whether the value is bit for bit the same after a rotation of the tool by the last joint.
     ignores_spin: bool,
@@ -54,7 +55,8 @@ pub struct EvaluatorScratch {
     pub(super) columns: [Vector6<f64>; MAX_SOURCES],
     distributions: [Distribution; MAX_SOURCES],
     pub(super) scratch: ZonotopeScratch,
-    /// Prediction of flips at corners of the tolerance box; None if the evaluator has none.
+    /// Prediction of the changes of the error by sign flips at corners of the tolerance box. None if the
+    /// evaluator has no prediction.
     pub(super) flips: Option<Box<FlipPrediction>>,
     conditional: ConditionalScratch,
 }
@@ -287,8 +289,8 @@ impl ErrorEvaluator {
         NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
     }
 
-    /// Returns the covariance of the error's components along the rows of the operation's sense (m or rad,
-    /// squared), the number of these rows, and the size of the mean error (m or rad).
+    /// Returns three figures of the error's components along the rows of the operation's sense. They are the
+    /// covariance (m or rad, squared), the number of rows, and the size of the mean error (m or rad).
     pub fn covariance(
         &self,
         context: &WorkContext,

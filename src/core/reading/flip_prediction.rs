@@ -13,10 +13,10 @@
 //! the rotation vector, `w_j / 2` replaces `g_j` in the cross products of different motions, and there are no
 //! cross products of equal motions. One pass from the base to the tool and back gives every `G_i`. The
 //! prediction leaves out products of three and more errors. Let A be the largest sum of the sizes of all
-//! rotations, and D the largest sum of the sizes of all displacements. The products that contain `d_i` are at
-//! most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)` in third order, and less than twice this in all orders
-//! together if A is small. A point at a distance r from the TCP adds `|d_i| |w_i| A^2 r`, because the
-//! second-order model truncates only the rotation.
+//! rotations, and D the largest sum of the sizes of all displacements. The third-order products that contain
+//! `d_i` are at most `|d_i| (|g_i| A^2 / 2 + 3/2 |w_i| A D)`. If A is small, the products of all orders from
+//! the third on are together less than twice this bound. A point at a distance r from the TCP adds `|d_i|
+//! |w_i| A^2 r`, because the second-order model truncates only the rotation.
 
 use super::error_sources::{ErrorSources, MAX_SOURCES};
 use super::sense_rows::SenseRows;
@@ -25,8 +25,8 @@ use crate::kinematic_error::{Expansion, MotionTerm};
 use crate::pose::{Displacement, Pose};
 use nalgebra::{Vector3, Vector6};
 
-/// Largest sum of all rotations, rad, for which products of four and more errors are smaller than products of three
-/// errors.
+/// Largest sum of all rotations, rad, for which products of four and more errors are smaller than products of
+/// three errors.
 const MAX_ROTATION: f64 = 0.25;
 
 /// Part of the cell to which a small motion belongs.
@@ -241,8 +241,8 @@ impl FlipPrediction {
         self.flips[..self.sources.len()].get(k)
     }
 
-    /// Returns an upper bound of the interaction of a flip with earlier flips: the joint change beyond the sum of the
-    /// single changes.
+    /// Returns an upper bound of the interaction of a flip with earlier flips: the joint change beyond the
+    /// sum of the single changes.
     ///
     /// The earlier flips have the given sums of rotations and of displacements.
     pub fn product_bound(&self, (rotation, displacement): (f64, f64), flip: &PredictedFlip) -> f64 {
@@ -250,8 +250,8 @@ impl FlipPrediction {
         self.weights[0] * of_position + self.weights[1] * rotation * flip.rotation / 2.0
     }
 
-    /// Returns the interaction of flips of the sources `k` and `l`: the joint change beyond the sum of the two single
-    /// changes.
+    /// Returns the interaction of flips of the sources `k` and `l`: the joint change beyond the sum of the
+    /// two single changes.
     pub fn product_of(
         &self,
         sources: &ErrorSources,

@@ -10,7 +10,8 @@ use nalgebra::Vector3;
 const ROUNDING: f64 = 1e-7;
 
 impl ErrorEvaluator {
-    /// Returns whether [`Self::least_over_spins`] is known.
+    /// Returns whether a method for [`Self::least_over_spins`] is known. Without a method, that function
+    /// returns 0.
     pub fn has_spin_bound(&self) -> bool {
         self.spin_bound.is_some()
     }

@@ -107,8 +107,9 @@ impl Histogram {
 impl MonteCarlo {
     /// Compares first-order figures and yield with the estimates, and returns whether all agree.
     ///
-    /// If any of them disagrees, the estimates replace all figures and the yield `success`. Then `value`
-    /// becomes the estimate of `quantity`; for a yield, the estimated share of failures.
+    /// If a figure or the yield disagrees, the estimates replace all figures and the yield `success`. Then
+    /// `value` becomes the estimate of `quantity`. For a yield, `value` becomes the estimated share of
+    /// failures.
     pub fn check(
         &self,
         quantity: Quantity,

@@ -43,9 +43,10 @@ pub struct NormDistribution {
 impl NormDistribution {
     /// Returns the distribution of `|e|`, where `e` are the first `m` components of a random vector.
     ///
-    /// `columns` are the effects of parameters of unit variance on `e`, and `mean` is the mean of `e`. `kurtosis` is
-    /// the excess kurtosis of each parameter; parameters beyond the end of the slice have 0. A negative excess
-    /// kurtosis must belong to a sum of equal uniform variables: -1.2 for one (uniform), -0.6 for two (triangular).
+    /// `columns` are the effects of parameters of unit variance on `e`, and `mean` is the mean of `e`.
+    /// `kurtosis` is the excess kurtosis of each parameter; parameters beyond the end of the slice have 0. A
+    /// negative excess kurtosis must belong to a sum of equal uniform variables: -1.2 for one (uniform), -0.6
+    /// for two (triangular).
     pub fn new(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> Self {
         match Spectrum::new(m, columns, kurtosis, mean) {
             None => Self { spectrum: None, unit: 0.0 },
@@ -102,7 +103,7 @@ impl NormDistribution {
     ///
     /// The bound is the quantile of the absolute value of the component with the largest variance, computed
     /// for zero mean. No component exceeds the norm, and a mean only enlarges the quantile of a component.
-    /// Callers can discard hopeless postures by this bound before they compute the exact quantile.
+    /// Callers can use this bound to discard postures before they compute the exact quantile.
     pub fn quantile_lower_bound(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if spectrum.correction.is_some() || p <= 0.0 {
@@ -132,7 +133,7 @@ fn above(spectrum: &Spectrum, p: f64) -> f64 {
             high = x
         }
         let upper = p >= 0.5;
-        // These are g and its derivatives by x, or by log x in the lower tail.
+        // These are g and its derivatives with respect to x, or to log x in the lower tail.
         let (g, g1, g2) = if upper {
             let g1 = -d / (1.0 - f);
             (((1.0 - f) / (1.0 - p)).ln(), g1, -slope / (1.0 - f) - g1 * g1)

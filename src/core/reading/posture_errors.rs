@@ -12,7 +12,7 @@ use crate::robot::Frames;
 impl ErrorEvaluator {
     /// Returns whether the errors of the posture have a worst case and statistics.
     ///
-    /// They have none in the signed reading if they compensate each other
+    /// In the signed reading, errors that compensate each other have neither
     /// ([`crate::cell::Cell::errors_compensate`]).
     pub fn has_tolerances(&self) -> bool {
         self.reading != Reading::Signed || !self.errors_compensate
@@ -35,7 +35,8 @@ impl ErrorEvaluator {
         PostureErrors { value, error, nonlinear, linear, second_order, figures, success: None }
     }
 
-    /// Returns the error by the nonlinear, the linear and the second-order model, for the given source values.
+    /// Returns the error by the nonlinear, the linear and the second-order model, for the given source
+    /// values.
     fn by_all_models(
         &self,
         values: &[f64],

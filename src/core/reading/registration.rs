@@ -37,8 +37,8 @@ pub struct BestFit {
     covariance: Matrix3<f64>,
     /// Inverse of the inertia matrix `E[|r|^2 I - r r^T]`, where r is the vector from the centre to the TCP.
     inverse: Matrix3<f64>,
-    /// Part of the effect of each source that the fit removes, as a twist. The reference point is the centre of the
-    /// fit.
+    /// Part of the effect of each source that the fit removes, as a twist. The reference point is the centre
+    /// of the fit.
     pub effects: Effects,
 }
 
@@ -59,7 +59,8 @@ impl BestFit {
         fit
     }
 
-    /// Returns the rigid motion fitted to the errors of a sample. The reference point is the centre of the fit.
+    /// Returns the rigid motion fitted to the errors of a sample. The reference point is the centre of the
+    /// fit.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let undo = |left: &mut ErrorMoments, back: &Displacement| {
             let turn = SmallRotation::of(&back.rotation);
@@ -95,8 +96,8 @@ impl BestFit {
         Displacement { position: *mean, rotation: self.inverse * moment }
     }
 
-    /// Returns the part of the effect of each source that the fit removes, as a twist. The reference point is the
-    /// centre of the fit.
+    /// Returns the part of the effect of each source that the fit removes, as a twist. The reference point is
+    /// the centre of the fit.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let count = sources.list.len();
         let moments =
@@ -126,8 +127,8 @@ impl BestFit {
 pub struct Taught {
     /// Postures that touch the points.
     pub postures: [Frames; 3],
-    /// Part of the effect of each source that the taught frame removes, as a twist. The reference point is the origin
-    /// of this frame.
+    /// Part of the effect of each source that the taught frame removes, as a twist. The reference point is
+    /// the origin of this frame.
     pub effects: Effects,
 }
 
@@ -153,8 +154,8 @@ impl Taught {
         taught
     }
 
-    /// Returns the rigid motion by which the errors of a sample move the taught frame. The reference point of the
-    /// motion is the origin of this frame.
+    /// Returns the rigid motion by which the errors of a sample move the taught frame. The reference point of
+    /// the motion is the origin of this frame.
     pub fn motion(&self, errors: &Perturbation, model: Model) -> Displacement {
         let moved = [0, 1, 2].map(|i| position_error(&self.postures[i], errors, model));
         let undo = |moved: &mut [Vector3<f64>; 3], back: &Displacement| {
@@ -187,8 +188,8 @@ impl Taught {
         self.postures[k].tcp.translation
     }
 
-    /// Returns the twist by which small displacements of the three points move the taught frame. The reference point
-    /// is the origin of this frame.
+    /// Returns the twist by which small displacements of the three points move the taught frame. The
+    /// reference point is the origin of this frame.
     fn twist(&self, moved: &[Vector3<f64>; 3]) -> Displacement {
         let [along, third] = [1, 2].map(|k| self.point(k) - self.point(0));
         let x = along.normalize();

@@ -4,12 +4,13 @@
 //! joint rotate with it: the errors of the last link after the joint, and the errors of the tool. All other
 //! effects do not change.
 //!
-//! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before it move the
-//!   displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
+//! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before it move
+//!   the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
 //! - Worst case: the worst case of only the tolerances before the joint is a lower bound.
-//! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the entries
-//!   of the covariance are trigonometric polynomials of degree 2. If the mean of an error is set to 0, no figure
-//!   increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176); [`CentredBound`] uses this fact.
+//! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the
+//!   entries of the covariance are trigonometric polynomials of degree 2. If the mean of an error is set to
+//!   0, no figure increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176); [`CentredBound`] uses
+//!   this fact.
 
 use super::norm::{CentredBound, CovarianceEntries};
 use super::{Effects, ErrorSources, SenseRows};
@@ -22,7 +23,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Method that bounds the value of an operation over all rotations of the tool by the last joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum SpinBound {
-    /// The values of the signed sample differ by at most this length, m.
+    /// The values of the signed sample after any two rotations differ by at most this length, m.
     Signed(f64),
     /// All parameters are normal.
     Normal(NormalBound),

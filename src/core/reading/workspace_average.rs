@@ -94,8 +94,8 @@ impl WorkspaceAverage {
         (mean, square)
     }
 
-    /// Returns the moments of the position error of the TCP by a model, base frame. Without elastic errors, the
-    /// function allocates no memory.
+    /// Returns the moments of the position error of the TCP by a model, base frame. Without elastic errors,
+    /// the function allocates no memory.
     pub fn error(&self, errors: &Perturbation, model: Model) -> ErrorMoments {
         let PositionMoments { error, second, .. } = self.moments(errors, model);
         match errors.elastic {
@@ -133,7 +133,7 @@ impl WorkspaceAverage {
     }
 
     /// Returns the moments in the frame before the rows `rows`, given the moments `after` in the frame after
-    /// them.
+    /// these rows.
     ///
     /// `joints` holds the coordinates of the actuators that drive these rows.
     fn before(

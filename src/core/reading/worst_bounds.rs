@@ -16,7 +16,7 @@ use nalgebra::Vector6;
 
 /// Largest rounding error of a bound, as a share of the bound.
 const ROUNDING: f64 = 1e-9;
-/// Largest number of corners that the search for a bad corner visits.
+/// Largest number of corners that the search for a corner with a large linear error visits.
 const MAX_STEPS: usize = 4;
 
 impl ErrorEvaluator {
@@ -59,8 +59,8 @@ impl ErrorEvaluator {
         (bad_corner(&columns[..n]) * (1.0 - ROUNDING) - products).max(0.0)
     }
 
-    /// Returns a lower bound of the worst case by a nonlinear model at a posture. It is the larger of the errors at
-    /// the worst corner of the linear model and at the opposite corner.
+    /// Returns a lower bound of the worst case by a nonlinear model at a posture. It is the larger of the
+    /// errors at the worst corner of the linear model and at the opposite corner.
     pub fn corner_worst(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
         self.prepare_effects(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);
@@ -88,8 +88,8 @@ impl ErrorEvaluator {
     }
 }
 
-/// Returns the length of the longest sum of all columns that a few changes of their signs find. The farthest
-/// vertex is at least at this distance.
+/// Returns the greatest length of the sum of all columns, each with a sign, that a few steps of ascent find.
+/// The farthest vertex of the zonotope is at least this far from the origin.
 fn bad_corner(columns: &[Vector6<f64>]) -> f64 {
     let mut longest = 0.0;
     let mut along = columns.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied();

@@ -48,8 +48,9 @@ impl ErrorEvaluator {
 
     /// Returns whether all signs of a corner must be reversed, so that the mean gets the sign +1.
     ///
-    /// The linear error has the same size if all signs are reversed, including the sign of the mean. So the search
-    /// for the worst corner treats the mean as one more source, whose sign follows the signs of the sources.
+    /// The linear error has the same size if all signs are reversed, including the sign of the mean. So the
+    /// search for the worst corner treats the mean as one more source, whose sign follows the signs of the
+    /// sources.
     fn is_reversed(&self, signs: &[f64; MAX_SOURCES]) -> bool {
         self.mean.is_some() && signs[self.sources.list.len()] < 0.0
     }

@@ -44,7 +44,7 @@ const PERPENDICULAR: f64 = 1e-14;
 
 /// Working memory of the functions `farthest_2` to `farthest_6`; its content does not affect results.
 ///
-/// The parts have tens of kilobytes, so they are on the heap, and a move of this memory moves only pointers.
+/// Each part takes tens of kilobytes on the heap, so a move of this memory moves only pointers.
 #[derive(Default)]
 pub struct ZonotopeScratch {
     walk: Box<CircleWalk>,

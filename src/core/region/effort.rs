@@ -1,4 +1,4 @@
-//! Resolution of regions: the more expensive a judgement, the coarser the lattice.
+//! Resolution of regions: the longer the check of a placement takes, the coarser the lattice.
 
 use crate::layout::Workcell;
 
@@ -15,14 +15,14 @@ pub struct RegionEffort {
     pub directions: usize,
     /// Number of directions in which the room is estimated.
     pub estimated: usize,
-    /// Largest number of layouts that a search evaluates to find a roomy one.
+    /// Largest number of layouts that a search evaluates to find one with a large room.
     pub evaluations: u64,
-    /// Largest number of roomy layouts that a search compares accurately.
+    /// Largest number of layouts whose rooms a search compares accurately.
     pub compared: usize,
 }
 
 impl RegionEffort {
-    /// Resolution if a judgement takes microseconds.
+    /// Resolution if the check of a placement takes microseconds.
     const LOW: Self = Self {
         fine_mm: 5.0,
         divisions: 150.0,
@@ -32,7 +32,7 @@ impl RegionEffort {
         evaluations: 5000,
         compared: 32,
     };
-    /// Resolution if a judgement checks paths or all nodes, and takes milliseconds.
+    /// Resolution if the check of a placement includes paths or all nodes, and takes milliseconds.
     const PATHS: Self = Self {
         fine_mm: 20.0,
         divisions: 40.0,
@@ -45,7 +45,7 @@ impl RegionEffort {
     /// Resolution if postures are continued numerically.
     const NUMERIC: Self = Self { fine_mm: 40.0, divisions: 24.0, evaluations: 60, ..Self::PATHS };
 
-    /// Returns whether a judgement takes milliseconds.
+    /// Returns whether the check of a placement takes milliseconds.
     pub fn is_dear(&self) -> bool {
         self.fine_mm > Self::LOW.fine_mm
     }

@@ -72,8 +72,8 @@ impl RoomEnd {
     }
 }
 
-/// Region of one piece: the placements, world frame, at which the layout stays feasible and keeps every
-/// limit.
+/// Region of one piece: the placements in the world frame at which the layout remains feasible and keeps
+/// every limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     pub body: MovableBody,
@@ -81,9 +81,9 @@ pub struct Region {
     /// the piece along only one axis, the ring is a line of two points. The list is empty if the search moves
     /// the piece along neither axis.
     pub rings: Vec<Vec<PlanePoint>>,
-    /// Range of z, m.
+    /// Range of z of the piece in the world frame, m.
     pub z: (f64, f64),
-    /// Range of the yaw, rad.
+    /// Range of the yaw of the piece in the world frame, rad.
     pub yaw: (f64, f64),
     /// Largest distance, m, by which the piece may be displaced in plan, in every direction that the search
     /// allows. None if the search does not move the piece in plan.
@@ -125,7 +125,7 @@ impl Regions {
 pub struct RoomScale {
     /// Room below which the estimate need not be accurate, m.
     pub poor: f64,
-    /// Largest room that counts, m.
+    /// Upper limit of the estimated room, m.
     pub widest: f64,
     /// Whether a displaced piece is checked only with the operations that it carries, which is several times
     /// faster.

@@ -62,8 +62,8 @@ struct Trace<'a, I: Inside> {
 impl TwoLattices {
     /// Traces the region. Returns closed rings; a point is inside if it lies in an odd number of rings.
     ///
-    /// Every point of a ring is inside the region. Between the points, and at parts or holes that the coarse lattice
-    /// misses, the outline may be wrong.
+    /// Every point of a ring is inside the region. Between the points, and at parts or holes that the coarse
+    /// lattice misses, the outline may be wrong.
     pub fn trace<I: Inside>(&self, region: &I) -> Vec<Vec<PlanePoint>> {
         let mut trace = Trace { lattice: self, region, known: HashMap::new(), memory: I::Memory::default() };
         trace.test_all(self.coarse_vertices());

@@ -8,8 +8,9 @@ use crate::layout::{HeldLayout, HeldMemory, Moves, Uncarried};
 use crate::units::{m_from_mm, rad_from_deg};
 use std::f64::consts::{PI, TAU};
 
-/// Largest displacement and rotation that are examined for a layout without search variables, mm and degrees.
+/// Largest displacement that is examined for a layout without search variables, mm.
 const WINDOW_MM: f64 = 250.0;
+/// Largest rotation that is examined for a layout without search variables, degrees.
 const WINDOW_DEG: f64 = 15.0;
 /// Largest number of steps of a scan, and of the fine lattice along the longer side of the domain. If the
 /// range needs more steps, the steps become longer.
@@ -18,12 +19,12 @@ const MAX_STEPS: f64 = 10_000.0;
 const BISECTIONS: usize = 8;
 /// Relative accuracy of an estimate of the room.
 const ESTIMATE_SHARE: f64 = 0.02;
-/// Room below which a room counts as 0, and least distance beyond the room at which the limiting reason is
-/// sought, m.
+/// Room, m, below which the room counts as 0. The reason that limits a room is looked for at least this
+/// distance beyond the room.
 const OVERSHOOT: f64 = 1e-4;
 /// Factor by which the room is multiplied until the layout is accepted in all directions.
 const SHRINK: f64 = 0.98;
-/// Factor of the room that gives the distance at which the limiting reason is sought.
+/// Factor of the room that gives the distance at which the limiting reason is looked for.
 const BEYOND: f64 = 1.02;
 
 /// Returns the bodies that the search places or, if the search places none, the bodies with a placement
@@ -33,8 +34,8 @@ pub fn movable(cell: &Cell) -> Vec<MovableBody> {
     bodies.filter(|body| (0..4).any(|axis| domain(cell, *body, axis).is_some())).collect()
 }
 
-/// Returns the interval in which a coordinate of a body may lie, and the reason that limits the interval; None if the
-/// coordinate is fixed.
+/// Returns the interval in which a coordinate of a body may lie, and the reason that limits the interval;
+/// None if the coordinate is fixed.
 fn domain(cell: &Cell, body: MovableBody, axis: usize) -> Option<((f64, f64), RoomEnd)> {
     let (coordinates, tolerance) = match body {
         MovableBody::Base => (&cell.base, &cell.base_tolerance),
@@ -59,8 +60,8 @@ pub struct MovablePiece<'a> {
     /// Placement in the frame in which the cell file states it.
     own: Placement,
     effort: RegionEffort,
-    /// Values of the operations that the piece does not carry. None unless every judgement begins with a
-    /// cheap estimate from these values.
+    /// Values of the operations that the piece does not carry. None unless every check of a placement begins
+    /// with a cheap estimate from these values.
     uncarried: Option<Uncarried>,
 }
 
@@ -142,8 +143,8 @@ impl<'a> MovablePiece<'a> {
         under.map_or(Placement::from_values([0.0; 4]), |under| self.held.layout().placements[under])
     }
 
-    /// Judges the layout with some coordinates of the piece changed to `at`, m and rad. Returns its
-    /// objective.
+    /// Checks the layout with some coordinates of the piece changed. Each entry of `at` is an axis and its
+    /// value, m or rad. Returns the objective of this layout.
     ///
     /// The result is an estimate if `uncarried` is given.
     fn judge(
@@ -217,7 +218,7 @@ impl<'a> MovablePiece<'a> {
         (0.0, ended.unwrap_or(RoomEnd::Range))
     }
 
-    /// Judges a point in plan; with `uncarried`, the result is an estimate.
+    /// Checks the layout with the piece at a point in plan; with `uncarried`, the result is an estimate.
     fn in_plan(
         &self,
         at: PlanePoint,
@@ -238,7 +239,7 @@ impl MovablePiece<'_> {
     /// Estimates the room, m: the largest displacement that the layout allows in all tried directions. It is
     /// at most the field `widest` of `scale`.
     ///
-    /// Only single displacements are judged, not all smaller ones, so the estimate may exceed the room.
+    /// Only single displacements are checked, not all smaller ones, so the estimate may exceed the room.
     pub fn estimated_room(&self, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {
         let uncarried = match (scale.is_rough, self.body) {
             (true, MovableBody::Equipment(k)) => self.held.uncarried(k, memory),

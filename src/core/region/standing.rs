@@ -12,10 +12,12 @@ use crate::units::m_from_mm;
 
 /// Largest displacement that is examined for a piece that the search does not place, mm.
 const WINDOW_MM: f64 = 1000.0;
-/// Number of spacings of the lattice along the longer side of the domain. [`REFINED`] multiplies this number for a
-/// refined outline.
+/// Number of spacings of the lattice along the longer side of the domain. [`REFINED`] multiplies this number
+/// for a refined outline.
 const DIVISIONS: f64 = 40.0;
+/// Number of spacings of the lattice if the check of a placement takes milliseconds.
 const DIVISIONS_OF_DEAR: f64 = 12.0;
+/// Factor by which a refined outline divides the spacing of the lattice.
 const REFINED: i32 = 4;
 
 /// One piece of a layout that is moved in plan.

@@ -23,7 +23,8 @@ pub struct WholeTurn {
     pub ended: RoomEnd,
 }
 
-/// Returns how far all pieces may be rotated together; None if a piece of an operation cannot be rotated.
+/// Returns how far all pieces with ranges of x, y and yaw may be rotated together about the base axis.
+/// Returns None if a piece of an operation cannot be rotated.
 pub fn turn(held: &HeldLayout<'_>, most: f64) -> Option<WholeTurn> {
     let cell = &held.workcell().cell;
     let turns = |k: usize| {

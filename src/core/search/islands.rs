@@ -1,7 +1,8 @@
 //! Islands: searches of one cell that differ only in their seeds, merged into one result.
 //!
-//! The result depends only on the islands and on the order of their seeds. It does not matter when or where
-//! each island was searched. The result of one island is the result of a plain search with its seed.
+//! The result depends only on the islands and on the order of their seeds. It does not depend on when or
+//! where the search of each island ran. The result of one island is the result of a plain search with its
+//! seed.
 
 use super::pareto_front::{MAX_MEMBERS, Member, ParetoFront, differ};
 use super::problem::LOSS_DIGITS;
@@ -84,12 +85,13 @@ pub fn best_island(islands: &[Island]) -> Option<usize> {
     })
 }
 
-/// Merges islands, which must be in the order of their seeds, into the result of one search. `bound` is the proven
-/// lower bound of the objective, m or rad. Returns None if there is no island.
+/// Merges islands, which must be in the order of their seeds, into the result of one search. `bound` is the
+/// proven lower bound of the objective, m or rad. Returns None if there is no island.
 ///
-/// The best layout and the end of the search are those of the best island ([`best_island`]). Evaluations are added,
-/// and the trace is that of islands searched one after the other. Pareto fronts are merged into the front of all
-/// their members. Shortlists are merged into the best layouts that differ from each other.
+/// The best layout and the reason why the search ended are those of the best island ([`best_island`]).
+/// Evaluations are added, and the trace is that of islands searched one after the other. Pareto fronts are
+/// merged into the front of all their members. Shortlists are merged into the best layouts that differ from
+/// each other.
 pub fn merged(workcell: &Workcell, islands: &[Island], bound: Option<f64>) -> Option<SearchRecord> {
     let best = &islands[best_island(islands)?];
     let settings = &workcell.cell.search;

@@ -147,7 +147,7 @@ impl SearchJournal {
         &self.checkpoint
     }
 
-    /// Returns the number of the current run.
+    /// Returns the number of the current run, counted from 0.
     pub fn run(&self) -> u64 {
         self.checkpoint.run
     }
@@ -197,7 +197,8 @@ impl SearchJournal {
         self.until = most.min(self.record.evaluations + run);
     }
 
-    /// Returns the scalarization that the current run minimizes; None if the search minimizes the error now.
+    /// Returns the scalarization that the current run minimizes; None if the current phase minimizes the cost
+    /// of the layout.
     ///
     /// The scalarization depends only on the record at the start of the run.
     pub fn scalarization(&self) -> Option<Scalarization> {

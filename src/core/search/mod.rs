@@ -69,7 +69,8 @@ pub struct SearchRecord {
     pub start: EvaluatedLayout,
     /// Best feasible layout; if none was found, the layout that comes nearest to being feasible.
     ///
-    /// Among the layouts with nearly the least objective, it is one whose pieces have much room.
+    /// The best layout is chosen for the room of its pieces among the layouts with nearly the least
+    /// objective.
     pub best: EvaluatedLayout,
     /// Least objective found (m, rad or a share); None if no layout is feasible and keeps every limit.
     pub least: Option<f64>,
@@ -169,8 +170,8 @@ pub fn search_job(
     let mut alternatives = alternatives(workcell, &space, &journal.record, settings.keep);
     let mut record = journal.record;
     let mut best = candidate(workcell, space.layout(&record.point));
-    // The search rounds coordinates, so the unrounded layout in the file may be better. A layout to build must
-    // have rounded coordinates.
+    // The search rounds coordinates, so the unrounded layout in the file may be better. A layout to build
+    // must have rounded coordinates.
     if workcell.cell.search.ideal && start.evaluation.cost < best.evaluation.cost {
         best = start.clone();
         record.trace.extend(best.evaluation.objective.map(|e| (record.evaluations, e)));

@@ -43,11 +43,11 @@ pub struct Watch<'a> {
 /// Time at which the state of a search is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moment {
-    /// Before the first evaluation.
+    /// The search has not yet evaluated a layout.
     Begun,
-    /// After every batch of evaluations.
+    /// The search has finished a batch of evaluations.
     Going,
-    /// At the end of an interrupted search.
+    /// The search has ended early, because the observer stopped it.
     Stopped,
 }
 
@@ -67,7 +67,8 @@ pub struct Problem<'a> {
     budget: u64,
     goals: Goals,
     journal: Mutex<SearchJournal>,
-    /// Scalarization that the current run minimizes; None if the search minimizes the error now.
+    /// Scalarization that the current run minimizes; None if the current phase minimizes the cost of the
+    /// layout.
     scalarization: Mutex<Option<Scalarization>>,
     /// Working memory of the threads, reused between calls.
     workspaces: Mutex<Vec<Workspace>>,
@@ -195,7 +196,7 @@ impl<'a> Problem<'a> {
         locked(&self.journal).record.point.clone()
     }
 
-    /// Returns whether the current run minimizes a scalarization instead of the error.
+    /// Returns whether the current run minimizes a scalarization instead of the cost of the layout.
     pub fn is_scalarized(&self) -> bool {
         locked(&self.scalarization).is_some()
     }

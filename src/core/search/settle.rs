@@ -1,4 +1,5 @@
-//! Last phase of a search: among the layouts with nearly the least objective, it finds one with much room.
+//! Last phase of a search: among the layouts with nearly the least objective, the search selects one with
+//! much room.
 //!
 //! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective
 //! is larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among them
@@ -30,18 +31,18 @@ const SHARE: f64 = 0.25;
 const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 /// Largest number of generations of a run.
 const GENERATIONS: u64 = 70;
-/// First step of the polls, as a share of the search range, and the number of polled steps; each step is half the
-/// previous one.
+/// First step of the polls, as a share of the search range. Each step is half the previous one.
 const POLL: f64 = 1.0 / 256.0;
+/// Number of polling steps.
 const POLLS: i32 = 4;
-/// Largest room that counts, m.
+/// Upper limit of an estimated room, m.
 const WIDEST: f64 = 0.25;
-/// Largest room that counts at first, m. This limit grows with the largest room found so far, up to
+/// Upper limit of an estimated room at first, m. This limit grows with the largest room found so far, up to
 /// [`WIDEST`].
 const FIRST_WIDEST: f64 = 0.02;
-/// Share of the most room below which a room is not estimated accurately.
+/// Share of the largest room so far below which a room is not estimated accurately.
 const POOR: f64 = 0.3;
-/// Share of the most room at which a layout counts as equally roomy.
+/// Least share of the largest room at which the room of a layout counts as equally large.
 const NEARLY: f64 = 0.98;
 /// Least cost of a layout whose objective is too large. The room of such a layout does not count.
 const BEYOND: f64 = 1.0;
@@ -58,20 +59,20 @@ struct RoomProblem<'a> {
     state: Mutex<RoomState>,
 }
 
-/// Progress of the maximization.
+/// Progress of the maximization of the room.
 struct RoomState {
     left: u64,
     /// Usable points with their rooms (m), in the order of evaluation.
     rooms: Vec<(f64, Vec<f64>)>,
-    /// Most room so far, m.
+    /// Largest room so far, m.
     most: f64,
 }
 
 /// Returns the layout of a search that has the most room among those with nearly the least objective.
 ///
 /// `best` is the point with the least objective, `least`. If `bound` is given, it is a further upper limit of
-/// the objective. The result is None if the room has no meaning for this search, or if the observer stops the
-/// search.
+/// the objective. The result is None for an ideal layout, for an indifference of 0, for a Pareto search, and
+/// if no piece can move in plan. The result is also None if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,
@@ -152,7 +153,7 @@ impl RoomProblem<'_> {
         best.map(|(_, layout)| layout)
     }
 
-    /// Returns the costs of several points, and keeps the usable ones.
+    /// Returns the costs of several points, and stores the usable points with their rooms.
     fn costs(&self, points: &[&Vec<f64>]) -> Vec<f64> {
         let mut state = locked(&self.state);
         if state.left < points.len() as u64 || self.watch.stop.load(Ordering::Relaxed) {

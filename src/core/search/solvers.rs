@@ -20,13 +20,13 @@ const SIGMA: f64 = 0.3;
 const RESTART_PERIOD: u64 = 3;
 /// Number of particles of a swarm.
 const PARTICLES: usize = 40;
-/// Number of generations after which a swarm has converged.
+/// Number of generations of one particle-swarm run, after which the swarm has usually converged.
 const GENERATIONS: u64 = 80;
 /// Number of evaluations of one annealing run.
 const ANNEALING_EVALUATIONS: u64 = 4000;
-/// First temperature of annealing, m of error.
+/// First temperature of simulated annealing, as a cost in m.
 const FIRST_TEMPERATURE: f64 = 1e-2;
-/// Last temperature of annealing, m of error.
+/// Last temperature of simulated annealing, as a cost in m.
 const LAST_TEMPERATURE: f64 = 1e-8;
 /// Edge of the first simplex of the polish in the unit cube.
 const SIMPLEX_EDGE: f64 = 0.01;
@@ -52,7 +52,8 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(run);
         let random = |rng: &mut ChaCha8Rng| (0..problem.dimensions()).map(|_| rng.random()).collect();
-        // Every other run of a Pareto search starts from the best member for its scalarization.
+        // Every other run of a Pareto search starts from the member of the front that is best for its
+        // scalarization.
         let known = if run % 2 == 1 { problem.best_for_scalarization() } else { None };
         let from = if run == 0 { start.clone() } else { known.unwrap_or_else(|| random(&mut rng)) };
         let from = problem.separated(from);

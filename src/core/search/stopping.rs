@@ -16,7 +16,7 @@ const POLISH_AND_LOCAL_SHARE: f64 = 0.25;
 /// Fraction of [`POLISH_AND_LOCAL_SHARE`] that the polish may use; the local search uses the remainder.
 const POLISH_PART: f64 = 0.3;
 
-/// End of a search.
+/// Reason why a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SearchEnd {
@@ -79,10 +79,10 @@ pub struct Stopping {
     /// Number of consecutive evaluations without improvement after which the polish begins. An improvement
     /// lowers the best cost by more than one millionth of its size.
     pub stagnation: Option<u64>,
-    /// Goals of a Pareto search; empty for a search that minimizes the error alone.
+    /// Goals of a Pareto search; empty for a search that minimizes the objective alone.
     ///
-    /// A Pareto search does not end by the relative gap, because the bound applies to the error alone. For
-    /// the rule [`Self::stagnation`], a new member of the front counts as an improvement.
+    /// A Pareto search does not end by the relative gap, because the bound applies to the objective alone.
+    /// For the rule [`Self::stagnation`], a new member of the front counts as an improvement.
     #[serde(default)]
     pub pareto: Goals,
     /// Number of layouts to keep; 0 keeps only the best layout, or the whole front of a Pareto search.

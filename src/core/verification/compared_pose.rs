@@ -6,28 +6,30 @@ use nalgebra::Vector3;
 /// One measured position beside its prediction; vectors are in the base frame of the robot, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedPose {
-    /// Row of the file, counted from 1.
+    /// Row of the measurement file, counted from 1.
     pub row: usize,
     /// Actuator coordinates, rad or m.
     pub joints: JointVector,
     /// Index of the reflector in the session.
     pub reflector: usize,
-    /// Position of the reflector for the nominal arm.
+    /// Position of the reflector for the nominal arm, base frame, m.
     pub nominal: Vector3<f64>,
-    /// Measured minus nominal position.
+    /// Measured minus nominal position, base frame, m.
     pub measured: Vector3<f64>,
-    /// Predicted mean of the measured error, without the part that the fit of base and reflectors absorbs.
+    /// Predicted mean of the measured error, base frame, m, without the part that the fit of base and
+    /// reflectors absorbs.
     pub predicted: Vector3<f64>,
     /// Predicted size of the error, m: the length of [`Self::predicted`], or the root mean square of the
     /// error if deviations count.
     pub size: f64,
-    /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are predicted.
+    /// Whether the measured error is inside the predicted 95 % ellipsoid; None if no deviations are
+    /// predicted.
     ///
-    /// The deviations are constant over all poses, because they belong to one arm. The fit of base and reflectors
-    /// absorbs a part of them.
+    /// The deviations are constant over all poses, because they belong to one arm. The fit of base and
+    /// reflectors absorbs a part of them.
     pub is_inside: Option<bool>,
-    /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose; None
-    /// unless the errors are measured.
+    /// Whether the measured error is inside the 95 % ellipsoid of deviations that change from pose to pose;
+    /// None unless the errors are measured.
     pub is_inside_varying: Option<bool>,
 }
 

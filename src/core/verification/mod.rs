@@ -1,9 +1,9 @@
 //! Verification: the errors that a cell predicts, compared with positions that an instrument has measured.
 //!
-//! Only the commanded joints and the measured positions are known. The pose of the robot base in the frame of the
-//! instrument and the places of the reflectors are fitted with the nominal arm. This fit absorbs a part of the
-//! errors, so the same part must be removed from the prediction. Let `p_i` be the measured positions in the fitted
-//! base frame, and `n_i` the nominal ones:
+//! Only the commanded joints and the measured positions are known. The pose of the robot base in the frame of
+//! the instrument and the places of the reflectors are fitted with the nominal arm. This fit absorbs a part
+//! of the errors, so the same part must be removed from the prediction. Let `p_i` be the measured positions
+//! in the fitted base frame, and `n_i` the nominal ones:
 //!
 //! ```text
 //! measured    m_i = p_i - n_i
@@ -11,9 +11,9 @@
 //! covariance  C_i = (J_i - F_i K) C (J_i - F_i K)^T + s_i^2 I
 //! ```
 //!
-//! Here C is the covariance of the parameters, and `J_i` their effect on position i. `F_i` is the effect of the
-//! fitted frames on position i, and K the least-squares fit of the frames to the effects. The standard deviation of
-//! the measurement is `s_i`.
+//! Here C is the covariance of the parameters, and `J_i` their effect on position i. `F_i` is the effect of
+//! the fitted frames on position i, and K the least-squares fit of the frames to the effects. The standard
+//! deviation of the measurement is `s_i`.
 
 mod clusters;
 mod compared_pose;

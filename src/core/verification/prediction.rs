@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 
 /// Errors of the robot of a cell, as the cell interprets them: a mean, and random deviations from it.
 ///
-/// A signed sample is a mean without deviations. Tolerances are deviations about 0, read statistically. Measured
-/// errors have both.
+/// A signed sample is a mean without deviations. Tolerances are deviations about 0, read statistically.
+/// Measured errors have both.
 pub struct PredictedErrors {
     chain: Chain,
     model: Model,
@@ -54,7 +54,8 @@ impl PredictedErrors {
         self.may_vary
     }
 
-    /// Returns whether the deviations count in the predicted size of an error. In the signed reading they do not.
+    /// Returns whether the deviations count in the predicted size of an error. In the signed reading, the
+    /// deviations do not count.
     pub fn counts_deviations(&self) -> bool {
         self.counts_deviations
     }

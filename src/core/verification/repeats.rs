@@ -14,7 +14,7 @@ const SAME_COMMAND: f64 = 1e-6;
 /// Accuracy and repeatability of one posture that was visited several times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RepeatedPosture {
-    /// Row of the first visit.
+    /// Row of the first visit in the measurement file, counted from 1.
     pub row: usize,
     pub visits: usize,
     /// Nominal position of the reflector, m, base frame.

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 pub struct MeasuredSpot {
     /// Mean of the nominal positions, m, base frame.
     pub position: Vector3<f64>,
-    /// Number of poses.
+    /// Number of poses at this position.
     pub poses: usize,
     /// Mean size of the measured errors, m.
     pub measured: f64,

@@ -60,8 +60,8 @@ impl Anthropomorphic {
     /// `p` is in frame 0, m. Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if
     /// the arm leans back over its base. If the wrist centre lies on axis 1, theta_1 is free and becomes 0.
     ///
-    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast` is set,
-    /// the function returns a lower bound of the distance.
+    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast`
+    /// is set, the function returns a lower bound of the distance.
     #[inline]
     pub fn solve(
         &self,
@@ -102,7 +102,8 @@ impl Anthropomorphic {
 
     /// Returns a lower bound of the distance, m, that [`Self::solve`] returns for a target in frame 0.
     ///
-    /// All reachable points are between two spheres about the origin of frame 1, and outside a cylinder about axis 1.
+    /// All reachable points are between two spheres about the origin of frame 1, and outside a cylinder about
+    /// axis 1.
     pub fn bound(&self, p: &Vector3<f64>) -> f64 {
         let (least, most) = self.links.range();
         let outer = (most + self.l1.abs()).hypot(self.lateral);
@@ -118,8 +119,8 @@ impl Anthropomorphic {
     /// `radius` is the distance of the target from axis 1. `height` is the height of the target above the
     /// origin of frame 1, negated if alpha_1 is -90 degrees.
     ///
-    /// In the plane of the arm, the wrist centre is between two circles. The nearest point is on one of them, or where
-    /// the arm is nearest to axis 1. The inner circle matters only to a target inside it.
+    /// In the plane of the arm, the wrist centre is between two circles. The nearest point is on one of them,
+    /// or where the arm is nearest to axis 1. The inner circle matters only to a target inside it.
     fn missing(&self, radius: f64, height: f64) -> f64 {
         let (least, most) = self.links.range();
         if self.lateral == 0.0 {
@@ -150,7 +151,7 @@ impl Anthropomorphic {
     /// always contains a minimum, because the derivative has different signs at the ends.
     fn distance_from_circle(&self, size: f64, radius: f64, height: f64) -> f64 {
         const MAX_STEPS: usize = 60;
-        // Distance of the target, and two derivatives of half its square by the angle.
+        // Distance of the target, and two derivatives of half its square with respect to the angle.
         let at = |(c, s): (f64, f64)| {
             let (u, du, up) = (self.l1 + size * c, -size * s, size * s - height);
             let r = (u * u + self.lateral * self.lateral).sqrt().max(f64::MIN_POSITIVE);

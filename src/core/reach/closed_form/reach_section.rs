@@ -60,8 +60,8 @@ impl ReachSection {
             samples[section.cell_at(place)] = k;
         }
         let nearest = nearest_filled(&samples, section.count);
-        // A point of the cell may be half a diagonal away from the centre. A reachable point may be as far from a
-        // sampled one as half a step of both angles moves it.
+        // A point of the cell may be half a diagonal away from the centre. A reachable point may be away from
+        // the nearest sampled point by the motion that half a step of both angles causes.
         let slack = side / 2f64.sqrt() + point.travel() * TAU / ANGLES as f64 / 2.0;
         for (k, &from) in nearest.iter().enumerate() {
             let apart = section.centre(k).0 - section.centre(from).0;
@@ -129,10 +129,11 @@ fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize
     nearest
 }
 
-/// Computes the distance transform along one line of cells: the lower envelope of the parabolas over the cells.
+/// Computes the distance transform along one line of cells: the lower envelope of the parabolas over the
+/// cells.
 ///
-/// `square` holds squared distances in cells, `nearest` the cells to which they lead. `cell` returns the number of the
-/// cell at a place of the line.
+/// For each cell, `square` holds the squared distance to the nearest filled cell, in cells, and `nearest`
+/// holds the number of that cell. `cell` returns the number of the cell at a place of the line.
 fn transform(square: &mut [f64], nearest: &mut [usize], cell: impl Fn(usize) -> usize, count: usize) {
     let known: Vec<(f64, usize)> = (0..count).map(|k| (square[cell(k)], nearest[cell(k)])).collect();
     // Parabolas of the envelope: apex, and the place from which the parabola is the lowest one.

@@ -97,8 +97,8 @@ impl SphericalWrist {
         Self { arm: self.arm.fast(), ..self.clone() }
     }
 
-    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. It is much cheaper than a
-    /// solution.
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. Computing the bound is much
+    /// cheaper than a solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
         let centre = match &self.reversed {

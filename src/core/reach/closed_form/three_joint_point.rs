@@ -127,8 +127,8 @@ impl ThreeJointPoint {
         rest.into_iter().fold(first, |a, b| if b.0 < a.0 { b } else { a })
     }
 
-    /// Returns the posture at `place` in a grid of `count` by `count` angles of joints 2 and 3; prismatic joints
-    /// have coordinate 0.
+    /// Returns the posture at `place` in a grid of `count` by `count` angles of joints 2 and 3; prismatic
+    /// joints have coordinate 0.
     pub fn on_grid(&self, place: [usize; 2], count: usize) -> ThreeJointState {
         let mut joints =
             ThreeJointState { theta: [(1.0, 0.0); 3], r: std::array::from_fn(|k| self.links[k].r) };
@@ -143,11 +143,11 @@ impl ThreeJointPoint {
         joints
     }
 
-    /// Moves the point towards `p` by Newton's method with damping; returns the remaining distance, m, and the
-    /// joints.
+    /// Moves the point towards `p` by Newton's method with damping; returns the remaining distance, m, and
+    /// the joints.
     ///
-    /// The Hessian matrix of half the squared distance includes the curvature of the point's path. Far from the
-    /// reach, the method therefore takes few steps, unlike a method that uses only the Jacobian.
+    /// The Hessian matrix of half the squared distance includes the curvature of the point's path. Far from
+    /// the reach, the method therefore takes few steps, unlike a method that uses only the Jacobian.
     pub fn approached(&self, p: &Vector3<f64>, mut joints: ThreeJointState) -> (f64, ThreeJointState) {
         const MAX_STEPS: usize = 100;
         const LEAST_DAMPING: f64 = 1e-14;
@@ -184,8 +184,9 @@ impl ThreeJointPoint {
 
     /// Returns the Hessian matrix of half the squared distance from the point to a target, m^2.
     ///
-    /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m. The derivative
-    /// of column i with respect to joint j is `z_j x moves_i` for a revolute joint j <= i, and 0 for a prismatic one.
+    /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m. The
+    /// derivative of column i with respect to joint j is `z_j x moves_i` for a revolute joint j <= i, and 0
+    /// for a prismatic one.
     fn hessian(&self, joints: &ThreeJointState, moves: &Matrix3<f64>, off: &Vector3<f64>) -> Matrix3<f64> {
         let mut hessian = moves.tr_mul(moves);
         let mut axis = Vector3::z();

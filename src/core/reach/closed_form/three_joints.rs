@@ -87,8 +87,8 @@ impl ThreeJoints {
     ///
     /// If the point lies on the axis of a joint, the angle theta of that joint is 0.
     ///
-    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast` is set,
-    /// the function returns a lower bound of the distance.
+    /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast`
+    /// is set, the function returns a lower bound of the distance.
     pub fn solve(
         &self,
         p: &Vector3<f64>,

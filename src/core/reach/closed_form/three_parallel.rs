@@ -19,7 +19,8 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThreeParallel {
     first: Link,
-    /// Directions of axes 3 and 4 relative to axis 2, each 1 or -1: cos alpha_2, and cos alpha_2 times cos alpha_3.
+    /// Directions of axes 3 and 4 relative to axis 2, each 1 or -1: cos alpha_2, and cos alpha_2 times cos
+    /// alpha_3.
     sense: (f64, f64),
     /// Coordinate of the wrist centre along axis 2, measured from the origin of frame 1.
     along: f64,

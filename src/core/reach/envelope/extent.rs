@@ -22,19 +22,19 @@ const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// Extent of an envelope about the base axis, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnvelopeExtent {
-    /// Least and greatest distance from the base axis.
+    /// Least and greatest distance from the base axis, m.
     pub radius: (f64, f64),
-    /// Least and greatest height of the envelope.
+    /// Least and greatest height of the envelope, m.
     pub height: (f64, f64),
-    /// Height at which the distance from the base axis is greatest. The error of this height can be as large
-    /// as the distance between sampled points, because the envelope is often round there.
+    /// Height, m, at which the distance from the base axis is greatest. The error of this height can be as
+    /// large as the distance between sampled points, because the envelope is often round there.
     pub widest: f64,
-    /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance between
-    /// sampled points may be missed.
+    /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance
+    /// between sampled points may be missed.
     pub within: f64,
 }
 
-/// Effort of a refinement.
+/// Effort of the searches that refine the extent of an envelope.
 #[derive(Clone, Copy)]
 pub(super) struct RefinementEffort {
     /// Number of sampled points from which searches start.
@@ -95,7 +95,8 @@ impl<const N: usize> SampledEnvelope<'_, N> {
 
     /// Runs one compass search for a greater `goal`.
     fn climbed(&self, start: [f64; N], goal: &SoughtLength<'_, N>) -> [f64; N] {
-        // A point on the sampled boundary may lie just outside the envelope; then any reachable point beside it counts.
+        // A point on the sampled boundary may lie just outside the envelope. Then any polled point inside the
+        // envelope counts as a gain.
         let mut best = start;
         let mut most = if (self.contains)(&start) { goal(&start) } else { f64::NEG_INFINITY };
         let (mut step, mut failures) = (self.step / 2.0, 0);

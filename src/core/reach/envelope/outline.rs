@@ -32,7 +32,7 @@ pub(super) struct Lattice {
     step: f64,
 }
 
-/// Value that marks an edge of the lattice which does not cross the outline.
+/// Mark of a lattice edge that does not cross the outline.
 const NO_CROSSING: u32 = u32::MAX;
 
 impl EnvelopeSection {

@@ -1,4 +1,4 @@
-//! Volume and extent of a working envelope, by line integrals.
+//! Volume of a working envelope by line integrals, and extent by searches from sampled points.
 
 use super::extent::{EnvelopeExtent, RefinementEffort, SampledEnvelope};
 use super::{Envelope, Fineness};
@@ -37,7 +37,8 @@ struct FreedArm {
 }
 
 impl Envelope<'_> {
-    /// Returns volume and extent, integrated along lines; discontinuities are located by bisection.
+    /// Returns volume and extent. The volume is integrated along lines, and discontinuities of the integrand
+    /// are located by bisection.
     ///
     /// If the envelope is [symmetric](Self::is_symmetric), the reachable angle about the base axis is
     /// integrated over radius and height (r, z). Any other envelope is integrated over (x, y, z).
@@ -163,8 +164,8 @@ impl Envelope<'_> {
 
 /// Returns the least change from one sample line to the next that counts as a jump of the integrand.
 ///
-/// The integrand jumps where the boundary of the envelope is parallel to the lines. It does not jump at a
-/// rounded end of the envelope.
+/// The integrand jumps where the boundary of the envelope is parallel to the lines. The integrand does not
+/// jump at a rounded end of the envelope.
 fn jump_between_lines(values: &[f64]) -> f64 {
     0.2 * values.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
 }

@@ -118,7 +118,8 @@ impl Numeric {
         if out.is_empty() { self.missing(&goal, &mut frames) } else { Shortfall::None }
     }
 
-    /// Returns a solution that [`Self::all`] has found, by one descent; `start` is [`NumericSolution::start`].
+    /// Returns a solution that [`Self::all`] has found, by one descent; `start` is
+    /// [`NumericSolution::start`].
     pub fn again(&self, goal: &TcpGoal, start: usize) -> Option<JointVector> {
         let goal = goal.checked()?;
         let mut frames = Frames::default();

@@ -1,4 +1,4 @@
-//! Explanation of a goal without a solution: out of reach, attitude missed, or not converged.
+//! Reason why a goal has no solution: out of reach, attitude missed, or not converged.
 
 use super::Numeric;
 use super::full_descent::RestingPoint;

@@ -21,7 +21,7 @@ use std::sync::LazyLock;
 
 /// Number of points on the upper half of the parabola.
 const N: usize = 14;
-/// Noncentrality up to which the parabola is accurate to 1e-10.
+/// Noncentrality up to which the integral along the parabola is accurate to 1e-10.
 ///
 /// The noncentrality is `sum mu_i^2 / l_i`, where `l_i` is an eigenvalue and `mu_i` the component of the mean
 /// along its eigenvector.

@@ -11,13 +11,13 @@ use crate::cell::Quantity;
 use nalgebra::Vector6;
 use std::sync::OnceLock;
 
-/// Number of intervals of the ratio in a plane.
+/// Number of intervals of the eigenvalue ratio for vectors with two components.
 const PLANE_STEPS: usize = 2048;
-/// Number of intervals of each ratio in space.
+/// Number of intervals of each eigenvalue ratio for vectors with three components.
 const SPACE_STEPS: usize = 96;
 /// Largest relative rounding error of an eigenvalue.
 const ROUNDING: f64 = 1e-7;
-/// Quantities with a table.
+/// Quantities whose bound is a table of samples.
 const QUANTITIES: [Quantity; 3] = [Quantity::Mean, Quantity::P95, Quantity::P99];
 
 /// Symmetric matrix with up to three rows, as the entries 11, 22, 33, 12, 13 and 23.
@@ -33,7 +33,8 @@ pub struct CentredBound {
 }
 
 impl CentredBound {
-    /// Returns the bound for a vector with `rows` components; None for a yield, and for more than three components.
+    /// Returns the bound for a vector with `rows` components; None for a yield, and for more than three
+    /// components.
     pub fn new(quantity: Quantity, rows: usize) -> Option<Self> {
         static TABLES: [[OnceLock<Vec<f64>>; 3]; 3] = [const { [const { OnceLock::new() }; 3] }; 3];
         if rows == 0 || rows > 3 || quantity == Quantity::Yield {

@@ -163,7 +163,7 @@ impl<'a> ConditionalNorm<'a> {
         x
     }
 
-    /// Returns `P(|e| <= c)` and its derivative by c.
+    /// Returns `P(|e| <= c)` and its derivative with respect to c.
     fn cdf_and_density(&self, c: f64) -> [f64; 2] {
         let scale = 1.0 / self.width;
         // Independent sums in each lane let the processor add several points at once.
@@ -191,7 +191,7 @@ impl<'a> ConditionalNorm<'a> {
     }
 }
 
-/// Returns the first and second antiderivative of `sqrt(r + s^2)` by s.
+/// Returns the first and second antiderivatives of `sqrt(r + s^2)` with respect to s.
 fn antiderivatives(s: f64, r: f64) -> [f64; 2] {
     let q = (r + s * s).sqrt();
     let turn = if r > 0.0 { (s / r.sqrt()).asinh() } else { 0.0 };
