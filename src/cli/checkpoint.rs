@@ -215,7 +215,7 @@ fn refused(path: &Path, line: usize, why: &str) -> Exit {
 /// Returns the number of layouts evaluated before a checkpoint, given the bytes of the checkpoint file.
 ///
 /// # Errors
-/// Returns the line of the file and why it cannot be used.
+/// Returns the number of the faulty line, and the reason why the file cannot be used.
 pub fn evaluations_of_checkpoint(bytes: &[u8]) -> Result<u64, (usize, String)> {
     understood(bytes).map(|content| content.state.evaluations())
 }

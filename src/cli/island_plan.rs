@@ -60,8 +60,8 @@ pub fn planned(a: &SearchArguments, cell: &Path) -> Result<IslandPlan, Exit> {
     Ok(IslandPlan { plan, kept, loaded })
 }
 
-/// Reads the plan of the islands in the folder that the command line names. Refuses flags, because the plan states
-/// them.
+/// Reads the plan of the islands in the folder that the command line names. Refuses flags, because the plan
+/// states them.
 pub fn joined(a: &SearchArguments) -> Result<IslandPlan, Exit> {
     let parent = a.folder().unwrap_or(Path::new("."));
     let folder = parent.join(ISLANDS);
@@ -100,7 +100,7 @@ fn refuse_flags(a: &SearchArguments, parent: &Path) -> Result<(), Exit> {
         given.join(", ")
     ));
     output::talk(
-        "  help: leave this out, or start other islands in a new folder with CELL, --islands and \
+        "  help: leave out these arguments, or start other islands in a new folder with CELL, --islands and \
     --out",
     );
     Err(Exit::BadInput)

@@ -39,7 +39,8 @@ fn script(folder: &Path, options: ArrayOptions<'_>) -> Result<String, Exit> {
     ))
 }
 
-/// Writes the script of a sweep and returns it. With `anew` false, keeps a script that the user may have edited.
+/// Writes the script of a sweep and returns it. If `anew` is false, keeps an existing script, which the user
+/// may have edited.
 pub fn write_script(folder: &Path, options: ArrayOptions<'_>, anew: bool) -> Result<String, Exit> {
     let folder = absolute(folder.canonicalize())?.join(SLURM);
     loading::make_folder(&folder)?;
@@ -130,7 +131,8 @@ fn absolute(path: std::io::Result<PathBuf>) -> Result<PathBuf, Exit> {
 pub enum QueueState {
     /// A task waits or runs.
     Queued,
-    /// Slurm holds the tasks that are left, because a node failed to start them. They never run by themselves.
+    /// Slurm holds the tasks that are left, because a node failed to start them. These tasks never run by
+    /// themselves.
     Held,
     Gone,
 }

@@ -229,7 +229,7 @@ fn best(problem: &PlanProblem, count: usize) -> Result<Vec<usize>, Exit> {
     })
 }
 
-/// Keeps the `count` most informative rows of every session; only their joint coordinates are used.
+/// Keeps the `count` most informative rows of every session. The choice uses only the joint coordinates.
 pub fn choose(
     sessions: &mut [MeasuringSession],
     count: usize,
@@ -243,7 +243,10 @@ pub fn choose(
         Some(cell) => {
             let workcell = workcell(loading::load(cell, &a.packages)?.cell, cell)?;
             if workcell.cell.robot.axes() != chain.axes() {
-                output::error(&format!("{}: its robot has another number of joints", path_word(cell)));
+                output::error(&format!(
+                    "{}: its robot has another number of joints than the measured robot",
+                    path_word(cell)
+                ));
                 output::talk("  help: state a cell of the measured robot with --for");
                 return Err(Exit::BadInput);
             }
@@ -253,7 +256,7 @@ pub fn choose(
     };
     for session in sessions {
         let mut rows: Vec<&MeasuredPosition> = session.measured.iter().collect();
-        // Several reflectors may be measured at one posture.
+        // Several reflectors may be measured at one posture, so several positions may belong to one row.
         rows.dedup_by_key(|m| m.row);
         let candidates: Vec<_> = rows.iter().map(|m| m.joints).collect();
         if candidates.len() < count {

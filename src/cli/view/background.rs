@@ -13,7 +13,8 @@ pub struct BackgroundView {
 }
 
 impl BackgroundView {
-    /// Serves a page for the cell of `workcell` on a port of 127.0.0.1; port 0 lets the operating system choose one.
+    /// Serves a page for the cell of `workcell` on a port of 127.0.0.1. Port 0 lets the operating system choose
+    /// a port.
     ///
     /// # Errors
     /// Returns the reason if the port is taken or the operating system refuses.

@@ -102,7 +102,7 @@ async fn accept(listener: TcpListener, shared: Shared) {
 
 /// Answers the requests of one connection until it ends or breaks a limit.
 async fn connection(stream: TcpStream, shared: Shared, slot: OwnedSemaphorePermit) {
-    // Otherwise Nagle's algorithm may delay the last packet of a response until an acknowledgement arrives.
+    // Without this option, Nagle's algorithm may delay the last packet of a response until an acknowledgement arrives.
     let _ = stream.set_nodelay(true);
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(SEND_TIME));

@@ -1,4 +1,4 @@
-//! A sweep of one process that shares no combination with another.
+//! Sweep by one process, which shares no combination with other processes.
 
 use super::combination::{CheckedSweep, run_one};
 use super::threads::pools;

@@ -26,7 +26,7 @@ const LOOK: Duration = Duration::from_millis(500);
 /// Time between two queries to Slurm.
 const ASK: Duration = Duration::from_secs(3);
 
-/// Writes script and list of the first job, and shows the script.
+/// Writes the script of all jobs and the task list of the next job. Prints the script, and submits nothing.
 pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, options: ArrayOptions<'_>) -> Result<(), Exit> {
     let run = ClusterRun::new(sweep, missing, options)?;
     output::data(&write_script(&sweep.folder, options, true)?)?;
