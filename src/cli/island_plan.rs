@@ -19,7 +19,7 @@ pub const ISLANDS: &str = "islands";
 /// Key of the cell that differs between islands.
 const SEED: &str = "search.seed";
 
-/// Plan of islands, with the cell for which all islands search.
+/// Plan of islands, with the cell whose layout all islands search for.
 pub struct IslandPlan {
     pub plan: SweepPlan,
     /// Files of the cell; a worker that joins others reads them from the folder of the islands.

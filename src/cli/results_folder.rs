@@ -11,7 +11,7 @@ use crate::record::{HashedFile, ManifestDocument, ResolvedSettings, SearchResult
 use crate::report::page::Manifest;
 use std::path::{Path, PathBuf};
 
-/// Folder of a search.
+/// Content of the result folder of a search.
 pub struct SearchFolder {
     /// Cell in the folder `inputs`, read with the settings of the search.
     pub loaded: Loaded,
@@ -32,7 +32,7 @@ struct FolderOrigin {
     resolved: Option<ResolvedSettings>,
 }
 
-/// Reads the folder of a search. Prints every fault that makes the folder unusable.
+/// Reads the result folder of a search. Prints the reason if the folder cannot be used.
 pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Exit> {
     let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
     untouched(folder, &manifest)?;

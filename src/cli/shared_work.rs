@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 /// Number of owners that may die at one combination before the workers give it up.
 pub const MAX_LOSSES: u32 = 6;
 
-/// Number of leases that other workers wait for the files of a combination that its owner has reported as
-/// done. A network share may show the files late.
+/// Time, in leases, for which other workers wait for the files of a combination that its owner has reported
+/// as done. A network share may show the files late.
 const LATE_LEASES: u32 = 3;
 
 /// Number of heartbeats in one lease, so that some may be late.
@@ -117,7 +117,7 @@ impl<'f> SharedWork<'f> {
         locked(&self.queue).given_up.clone()
     }
 
-    /// Returns the combinations of other workers.
+    /// Returns the unfinished combinations that other workers have claimed.
     pub fn of_others(&self) -> Vec<usize> {
         locked(&self.queue).others.iter().map(|watched| watched.index).collect()
     }

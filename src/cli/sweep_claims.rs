@@ -4,10 +4,10 @@
 //! combination. Creation that fails if the file exists is atomic on local disks, on SMB, and on NFS since
 //! version 3. A rename cannot decide who came first, because it replaces the target.
 //!
-//! The owner rewrites its claim with a growing count: the heartbeat. Another worker takes the combination over
-//! if it sees no change for the time of the lease. That worker measures the time with its own clock, so that
-//! the clocks of hosts may differ. It then creates claim G + 1. No claim is ever removed, so at most one worker
-//! takes over.
+//! The owner rewrites its claim with a growing count: the heartbeat. Another worker takes the combination
+//! over if it sees no change for the time of the lease. That worker measures the time with its own clock, so
+//! that the clocks of hosts may differ. It then creates claim G + 1. No claim is ever removed, so at most one
+//! worker takes over.
 
 use super::{Exit, loading};
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,8 @@ pub struct SweepClaim {
 }
 
 impl SweepClaim {
-    /// Parses the bytes of a claim; returns None if they are incomplete, because the owner died while writing.
+    /// Parses the bytes of a claim; returns None if they are incomplete, because the owner died while
+    /// writing.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         serde_json::from_slice(bytes.split(|b| *b == b'\n').next()?).ok()
     }

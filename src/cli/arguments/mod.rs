@@ -138,7 +138,7 @@ pub enum Command {
     Completions(CompletionsArguments),
 }
 
-/// Returns the command line that the user typed.
+/// Returns the words of the command line after the name of the program.
 pub fn typed() -> Vec<String> {
     std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }

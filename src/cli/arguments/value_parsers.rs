@@ -39,7 +39,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     if number > 0.0 { Ok(number) } else { Err("it must be more than 0".into()) }
 }
 
-/// Parses a share from 0 to 1, without 1.
+/// Parses a share that is at least 0 and below 1.
 pub fn share(text: &str) -> Result<f64, String> {
     let number = number(text)?;
     if (0.0..1.0).contains(&number) { Ok(number) } else { Err("it must be at least 0 and below 1".into()) }

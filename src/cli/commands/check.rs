@@ -105,7 +105,7 @@ fn error_sets(cell: &Cell) -> String {
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
 }
 
-/// Describes which postures a search judges in each operation, one line per operation.
+/// Describes the inverse kinematics, and which postures a search judges in each operation: one line for each.
 fn posture_orders(workcell: &Workcell) -> String {
     let operations = workcell.cell.operations.iter().zip(workcell.posture_orders());
     let line = |(o, order): (&Operation, PostureOrder)| {

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 const CELL: &str = "cell.toml";
 
-/// Least share of usable nodes with which a placement of the table is good.
+/// Least share of usable nodes with which a place of the table is accepted, and no other place is tried.
 const GOOD: f64 = 0.95;
 
 /// Attitudes that are tried: elevation of the tool axis, degrees, and height of the TCP above the table,

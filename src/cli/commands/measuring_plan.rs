@@ -148,7 +148,8 @@ fn enough(intended: &IntendedCalibration<'_>, count: usize) -> Result<(), Exit> 
     Err(Exit::BadInput)
 }
 
-/// Returns the place of the tracker; refuses a tracker inside a solid.
+/// Returns the position of the tracker and the opening of the reflector; None without --tracker. Refuses a
+/// tracker inside a solid, and an opening of length 0.
 fn sightline(
     a: &CalibrateArguments,
     workcell: &Workcell,
@@ -213,7 +214,7 @@ fn too_few(found: &MeasurablePoses, count: usize) -> Exit {
     if *hidden == 0 && *colliding == 0 { Exit::BadInput } else { Exit::AnswerIsNo }
 }
 
-/// Chooses the best candidates, and shows a progress bar.
+/// Returns the indices of the `count` most informative candidates, and shows a progress bar.
 fn best(problem: &PlanProblem, count: usize) -> Result<Vec<usize>, Exit> {
     let bar = output::points_bar();
     let mut last = 0;

@@ -40,7 +40,7 @@ pub struct OwnCell<'a> {
     pub place: TablePlace,
 }
 
-/// Path of the table in the folder of the cell.
+/// Path of the file of the table in the folder of the cell.
 pub const TABLE: &str = "equipment/table.toml";
 
 impl OwnCell<'_> {

@@ -279,7 +279,7 @@ struct UrdfSource<'a> {
 }
 
 impl UrdfSource<'_> {
-    /// Reads the robot with these meshes.
+    /// Reads the robot with these meshes, and with guesses for what the URDF does not state.
     fn robot(&self, meshes: &MeshFiles, guesses: &Guesses) -> Result<LoadedRobot, Vec<Fault>> {
         let given = self.path.file_name().map_or(String::new(), |name| shown(&name.to_string_lossy()));
         let (stem, file) = (stem(self.path), file_path(self.path));

@@ -142,7 +142,7 @@ impl<'s> ClusterRun<'s> {
                     }
                     break;
                 }
-                // The controller may be down for a while; its jobs go on.
+                // The controller of Slurm may be down for a while; the jobs continue.
                 Err(why) if !is_told => {
                     output::talk(&format!(
                         "note: Slurm does not answer, so the files alone are followed: {why}"

@@ -91,7 +91,7 @@ fn note(status: &mut SweepStatus, folder: &Path, index: usize, now: SystemTime) 
     status.failed.push(FailedCombination { index, host, process, why, given_up });
 }
 
-/// Adds a finished combination to its host.
+/// Adds a finished combination to the work of the host that processed it.
 fn credit(status: &mut SweepStatus, index: usize, claim: SweepClaim) {
     let known = status.hosts.iter().position(|host| host.host == claim.host);
     let k = known.unwrap_or_else(|| {

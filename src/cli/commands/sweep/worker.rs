@@ -99,8 +99,8 @@ impl SharedRun<'_> {
             }
             Ok(false) => self.work.end(index, ClaimState::Stopped, None),
             Err(exit) => {
-                // A failure to write the claim is ignored: the first failure is already printed, and often has the
-                // same cause.
+                // A failure to write the claim is ignored: the first failure is already printed, and often
+                // has the same cause.
                 let _ = self.work.end(index, ClaimState::Failed, output::last_error());
                 Err(exit)
             }
