@@ -134,7 +134,9 @@ impl StoppedSearch {
         if !path.is_file() {
             let folder = path_word(folder);
             output::error(&format!("{folder} holds no {CHECKPOINT}: there is nothing to resume"));
-            output::talk("  help: a finished search has no checkpoint; start one with sweetspot search CELL");
+            output::talk(
+                "  help: a finished search has no checkpoint; start a new search with sweetspot search CELL",
+            );
             return Err(Exit::BadInput);
         }
         let folder = OutputFolder::existing(folder, Sharing::Alone)?;

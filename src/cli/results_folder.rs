@@ -41,7 +41,7 @@ pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Ex
     let packages = packages.clone().with_kept(&folder.join(INPUTS));
     let loaded = asked::load_for_search(&file, &packages, &settings)?;
     if resolved.is_some_and(|resolved| resolved != ResolvedSettings::new(&loaded.cell)) {
-        let why = "the settings that this program reads from inputs/ differ from those in the manifest: its defaults have changed";
+        let why = "the settings that this program reads from inputs/ differ from those in the manifest: the defaults of this program have changed";
         return Err(refused(folder, "manifest.json", why));
     }
     let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)

@@ -257,7 +257,7 @@ fn warn_of_suspects(name: &str, suspect: &SuspectRows) {
         (&suspect.stuck_positions, "rows repeat the position of another posture", ""),
         (
             &suspect.stuck_joints,
-            "rows repeat the joints of the row before, although the reflector has moved",
+            "rows repeat the joint coordinates of the row before, although the reflector has moved",
             "; if they belong to several reflectors, name the reflectors in a column `reflector`",
         ),
     ];

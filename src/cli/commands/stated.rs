@@ -138,7 +138,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     })?;
     let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     output::talk(&format!(
-        "note: {}: the errors are those of the joint origins, and of the tip link as the tool",
+        "note: {}: the errors are those of the joint origins and of the tip link, which counts as the tool",
         path_word(path)
     ));
     Ok((errors, source))

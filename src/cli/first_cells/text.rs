@@ -12,13 +12,13 @@ impl Sketch {
         let Self { name, robot, errors, .. } = self;
         let what = match *errors {
             "placeholder" => {
-                "# PLACEHOLDER values: manufacturers do not publish tolerances of these parameters. Add those of your robot\n\
-                 # to its file, under [errors.NAME], and name the set here. Until then, use the errors only to compare\n\
-                 # layouts."
+                "# PLACEHOLDER values: manufacturers do not publish tolerances of these parameters. Add the tolerances of\n\
+                 # your robot to its file, under [errors.NAME], and name the set here. Until then, use the errors only to\n\
+                 # compare layouts."
             }
             _ => {
-                "# The magnitudes of Table 3 of the seed paper as tolerances. Add those of your robot to its file, under\n\
-                 # [errors.NAME], and name the set here."
+                "# Tolerances with the magnitudes of Table 3 of the seed paper, which the robot file describes. Add the\n\
+                 # tolerances of your robot to its file, under [errors.NAME], and name the set here."
             }
         };
         format!(
