@@ -63,8 +63,8 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
 /// Refuses the sense of a flag if the limit of an operation in the cell file has another unit than that
 /// sense.
 ///
-/// `cell` has the sense of the flag; `drawn` is the cell file without flags. Otherwise the search would
-/// write an invalid best.toml: the file would state the new sense and inherit the limit.
+/// `cell` has the sense of the flag; `drawn` is the cell file without flags. Without this refusal, the search
+/// would write an invalid best.toml: the file would state the new sense and inherit the limit.
 fn refuse_lost_limits(cell: &Cell, drawn: &Cell) -> Result<(), Exit> {
     let pairs = cell.operations.iter().zip(&drawn.operations);
     let Some((lost, _)) = pairs.into_iter().find(|(now, drawn)| now.limit.is_none() && drawn.limit.is_some())

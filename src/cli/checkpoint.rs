@@ -134,7 +134,9 @@ impl StoppedSearch {
         if !path.is_file() {
             let folder = path_word(folder);
             output::error(&format!("{folder} holds no {CHECKPOINT}: there is nothing to resume"));
-            output::talk("  help: a finished search has no checkpoint; start one with sweetspot search CELL");
+            output::talk(
+                "  help: a finished search has no checkpoint; start a new search with sweetspot search CELL",
+            );
             return Err(Exit::BadInput);
         }
         let folder = OutputFolder::existing(folder, Sharing::Alone)?;
@@ -215,7 +217,7 @@ fn refused(path: &Path, line: usize, why: &str) -> Exit {
 /// Returns the number of layouts evaluated before a checkpoint, given the bytes of the checkpoint file.
 ///
 /// # Errors
-/// Returns the line of the file and why it cannot be used.
+/// Returns the number of the faulty line, and the reason why the file cannot be used.
 pub fn evaluations_of_checkpoint(bytes: &[u8]) -> Result<u64, (usize, String)> {
     understood(bytes).map(|content| content.state.evaluations())
 }

@@ -17,7 +17,8 @@ use std::time::{Duration, Instant};
 /// Least time between two checkpoints, which limits the load on file servers.
 const LEAST_PERIOD: Duration = Duration::from_secs(2);
 
-/// Time between two checkpoints, as a multiple of the time that writing one takes: checkpoints cost 2 % at most.
+/// Time between two checkpoints, as a multiple of the time that writing one takes. Checkpoints thus take at
+/// most 2 % of the time.
 const PERIOD_PER_WRITE: u32 = 50;
 
 /// State of a search, and the proven bound of its objective, so that the proof is not repeated.
@@ -49,8 +50,9 @@ impl<'f> CombinationCheckpoint<'f> {
         self.folder.join(self.name())
     }
 
-    /// Reads the state from which the search continues; None if no checkpoint fits. `bound` is the
-    /// proven bound if the caller knows it.
+    /// Reads the state from which the search continues; returns None if no checkpoint fits.
+    ///
+    /// `bound` is None if the caller has made no proof, and Some(None) if its proof found no bound.
     pub fn read(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Option<StoredSearch> {
         if !self.path().is_file() {
             return None;

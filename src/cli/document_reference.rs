@@ -77,7 +77,7 @@ fn value(schema: &Value) -> String {
     }
 }
 
-/// Returns an object without a name as its fields with their values.
+/// Describes an unnamed object by the names of its fields and the kinds of their values.
 fn fields_in_words(schema: &Value) -> String {
     let fields = schema["properties"].as_object().into_iter().flatten();
     let fields: Vec<_> = fields.map(|(name, field)| format!("`{name}` ({})", value(field))).collect();
@@ -89,7 +89,7 @@ fn paragraph(schema: &Value) -> &str {
     schema["description"].as_str().unwrap_or_default()
 }
 
-/// Returns the description of a schema on one line, with that of its values if it is a list of words.
+/// Returns the description of a schema on one line.
 fn line(schema: &Value) -> String {
     paragraph(schema).split_whitespace().collect::<Vec<_>>().join(" ")
 }

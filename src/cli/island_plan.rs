@@ -19,7 +19,7 @@ pub const ISLANDS: &str = "islands";
 /// Key of the cell that differs between islands.
 const SEED: &str = "search.seed";
 
-/// Plan of islands, with the cell for which all islands search.
+/// Plan of islands, with the cell whose layout all islands search for.
 pub struct IslandPlan {
     pub plan: SweepPlan,
     /// Files of the cell; a worker that joins others reads them from the folder of the islands.
@@ -60,8 +60,8 @@ pub fn planned(a: &SearchArguments, cell: &Path) -> Result<IslandPlan, Exit> {
     Ok(IslandPlan { plan, kept, loaded })
 }
 
-/// Reads the plan of the islands in the folder that the command line names. Refuses flags, because the plan states
-/// them.
+/// Reads the plan of the islands in the folder that the command line names. Refuses flags, because the plan
+/// states them.
 pub fn joined(a: &SearchArguments) -> Result<IslandPlan, Exit> {
     let parent = a.folder().unwrap_or(Path::new("."));
     let folder = parent.join(ISLANDS);
@@ -100,7 +100,7 @@ fn refuse_flags(a: &SearchArguments, parent: &Path) -> Result<(), Exit> {
         given.join(", ")
     ));
     output::talk(
-        "  help: leave this out, or start other islands in a new folder with CELL, --islands and \
+        "  help: leave out these arguments, or start other islands in a new folder with CELL, --islands and \
     --out",
     );
     Err(Exit::BadInput)

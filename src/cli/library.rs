@@ -1,4 +1,5 @@
-//! Built-in robots and equipment: the files of cells/robots and some of cells/equipment, embedded in the program.
+//! Built-in robots and equipment: the files of cells/robots and some of cells/equipment, embedded in the
+//! program.
 
 use crate::files;
 use crate::files::{LoadedRobot, ReadFile};

@@ -39,7 +39,8 @@ pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -
     Ok(loaded)
 }
 
-/// Returns the warnings without those of the import of a URDF. Only `check` lists the import warnings.
+/// Returns the warnings without those of the import of a URDF. Only `check`, `robot` and `init` print the
+/// import warnings.
 pub fn without_import(warnings: &[Fault]) -> Vec<Fault> {
     warnings.iter().filter(|fault| fault.kind != FaultKind::Import).cloned().collect()
 }
@@ -203,8 +204,8 @@ pub fn read_data(path: &Path) -> Result<Vec<u8>, Exit> {
     })
 }
 
-/// Reads the bytes of a data file that the user names, as they are on the disk. Prints a message if the file cannot
-/// be read.
+/// Reads the bytes of a data file that the user names, without decompressing a gzip file. Prints a message if
+/// the file cannot be read.
 pub fn read_packed(path: &Path) -> Result<Vec<u8>, Exit> {
     std::fs::read(path).map_err(|e| {
         output::error(&format!("cannot read {}: {}", output::path_word(path), reason(&e)));
@@ -267,8 +268,8 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<bool, Exit> {
     write().map_err(|e| cannot_write(path, &e))
 }
 
-/// Writes a file atomically unless it has these bytes already. A file on NFS that is replaced is lost for hosts
-/// that read it at that moment.
+/// Writes a file atomically unless it has these bytes already. Replacing a file on NFS makes it unreadable
+/// for hosts that have it open.
 pub fn write_changed(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     let is_same = std::fs::read(path).is_ok_and(|present| present == bytes);
     if is_same { Ok(()) } else { write_whole(path, bytes) }

@@ -13,7 +13,8 @@ pub fn operation(cell: &Cell, name: &str) -> Result<usize, Exit> {
     found.ok_or_else(|| unknown(&format!("the cell has no operation `{}`", shown(name)), name, names()))
 }
 
-/// Number of known names above which a message lists only the names that contain the unknown one, if there are any.
+/// Number of known names above which a message lists only the names that contain the unknown name. If no name
+/// contains it, the message lists all.
 const MANY: usize = 12;
 
 /// Prints that a name is unknown, and which names are known.

@@ -54,15 +54,15 @@ use std::process::ExitCode;
 pub enum Exit {
     /// The command succeeded.
     Done = 0,
-    /// The command ran, and the answer is no: no layout is feasible, or a limit is exceeded.
+    /// The command ran, and the answer is no: for example, no layout is feasible, or a limit is exceeded.
     AnswerIsNo = 1,
     /// The usage or the input is invalid.
     BadInput = 2,
     /// A file could not be read or written.
     Io = 3,
-    /// A time limit was reached; the command can be resumed.
+    /// A limit of time or of attempts was reached; the command can be resumed.
     Limit = 4,
-    /// Ctrl-C or SIGTERM stopped the command, which can be resumed.
+    /// Ctrl-C or SIGTERM stopped the command. A search or a sweep can be resumed.
     Interrupted = 130,
 }
 
@@ -83,7 +83,9 @@ impl Exit {
             Self::BadInput => "The usage or the input is invalid. Nothing was done.",
             Self::Io => "A file could not be read or written.",
             Self::Limit => "A limit of time or of attempts was reached. The command can be resumed.",
-            Self::Interrupted => "Ctrl-C or SIGTERM stopped the command. The results so far are written.",
+            Self::Interrupted => {
+                "Ctrl-C or SIGTERM stopped the command. A search or a sweep has written its state and can be resumed."
+            }
         }
     }
 }

@@ -97,7 +97,7 @@ impl Reporter {
         });
         let gap = self.gap(p).map_or(String::new(), |gap| format!(", gap {:.2} %", 100.0 * gap));
         let share = 100.0 * p.feasible as f64 / p.evaluations.max(1) as f64;
-        format!("{best}{gap}, {share:.0} % usable, {:.0}/s", self.rate(p))
+        format!("{best}{gap}, {share:.0} % feasible, {:.0}/s", self.rate(p))
     }
 
     fn line(&self, p: Progress) -> Value {

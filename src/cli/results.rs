@@ -175,9 +175,9 @@ pub fn keep_inputs(folder: &Path, sources: &[Source]) -> Result<String, Exit> {
     Ok(places.into_iter().next().unwrap_or_default())
 }
 
-/// Reads every written layout file back and compares it with the search.
+/// Reads every written layout file back, and compares its evaluation with that of the search.
 fn check_layouts(folder: &Path, record: &SearchRecord, best: &Assessment<'_>) -> Result<(), Exit> {
-    // Only packages inside the folder are given, because its layouts must be readable without other files.
+    // Only the packages inside the result folder are used: its layouts must be readable without other files.
     let packages = PackageFolders::default().with_kept(&folder.join(INPUTS));
     if best.objective().is_some() {
         written_layout::check_best(&folder.join(BEST), &packages, best)?;
@@ -207,7 +207,7 @@ pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
 
 fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<WrittenFolder, Exit> {
     for (name, bytes) in outputs {
-        // Several workers may write the same result of islands.
+        // Several workers may write the same merged result of islands, so a file with these bytes is kept.
         loading::write_changed(&folder.join(name.as_ref()), bytes)?;
     }
     let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();

@@ -11,7 +11,7 @@ use crate::record::{HashedFile, ManifestDocument, ResolvedSettings, SearchResult
 use crate::report::page::Manifest;
 use std::path::{Path, PathBuf};
 
-/// Folder of a search.
+/// Content of the result folder of a search.
 pub struct SearchFolder {
     /// Cell in the folder `inputs`, read with the settings of the search.
     pub loaded: Loaded,
@@ -32,7 +32,7 @@ struct FolderOrigin {
     resolved: Option<ResolvedSettings>,
 }
 
-/// Reads the folder of a search. Prints every fault that makes the folder unusable.
+/// Reads the result folder of a search. Prints the reason if the folder cannot be used.
 pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Exit> {
     let FolderOrigin { manifest, settings, resolved } = origin(folder)?;
     untouched(folder, &manifest)?;
@@ -41,7 +41,7 @@ pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Ex
     let packages = packages.clone().with_kept(&folder.join(INPUTS));
     let loaded = asked::load_for_search(&file, &packages, &settings)?;
     if resolved.is_some_and(|resolved| resolved != ResolvedSettings::new(&loaded.cell)) {
-        let why = "the settings that this program reads from inputs/ differ from those in the manifest: its defaults have changed";
+        let why = "the settings that this program reads from inputs/ differ from those in the manifest: the defaults of this program have changed";
         return Err(refused(folder, "manifest.json", why));
     }
     let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)

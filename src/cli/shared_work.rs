@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 /// Number of owners that may die at one combination before the workers give it up.
 pub const MAX_LOSSES: u32 = 6;
 
-/// Number of leases that other workers wait for the files of a combination that its owner has reported as
-/// done. A network share may show them late.
+/// Time, in leases, for which other workers wait for the files of a combination that its owner has reported
+/// as done. A network share may show the files late.
 const LATE_LEASES: u32 = 3;
 
 /// Number of heartbeats in one lease, so that some may be late.
@@ -54,8 +54,8 @@ impl<'f> SharedWork<'f> {
         Ok(Self { folder, lease, queue, held: Mutex::new(Vec::new()) })
     }
 
-    /// Claims the next combination: a free combination or, if none is free, a combination whose owner is
-    /// dead.
+    /// Claims the next combination: a free combination or, if none is free, a combination whose owner died,
+    /// failed or was stopped.
     pub fn next(&self) -> Result<NextStep, Exit> {
         let mut queue = locked(&self.queue);
         while let Some(index) = queue.free.pop_front() {
@@ -112,12 +112,12 @@ impl<'f> SharedWork<'f> {
         claim.map_or(Ok(()), |claim| claim.end(state, why))
     }
 
-    /// Returns the combinations that all workers have given up.
+    /// Returns the combinations that this worker has given up, because too many owners died at them.
     pub fn given_up(&self) -> Vec<usize> {
         locked(&self.queue).given_up.clone()
     }
 
-    /// Returns the combinations of other workers.
+    /// Returns the unfinished combinations that other workers have claimed.
     pub fn of_others(&self) -> Vec<usize> {
         locked(&self.queue).others.iter().map(|watched| watched.index).collect()
     }

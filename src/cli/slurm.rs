@@ -22,7 +22,8 @@ pub struct ArrayOptions<'a> {
     pub time: Option<&'a str>,
 }
 
-/// Returns the script of all jobs of a sweep. Its argument is the list of an [`ArrayJob`].
+/// Returns the script of all jobs of a sweep. The script takes the path of the list
+/// of an [`ArrayJob`] as its argument.
 fn script(folder: &Path, options: ArrayOptions<'_>) -> Result<String, Exit> {
     let ArrayOptions { flags, time } = options;
     let EngineFlags { cpus, lease, .. } = flags;
@@ -39,7 +40,8 @@ fn script(folder: &Path, options: ArrayOptions<'_>) -> Result<String, Exit> {
     ))
 }
 
-/// Writes the script of a sweep and returns it. With `anew` false, keeps a script that the user may have edited.
+/// Writes the script of a sweep and returns it. If `anew` is false, keeps an existing script, which the user
+/// may have edited.
 pub fn write_script(folder: &Path, options: ArrayOptions<'_>, anew: bool) -> Result<String, Exit> {
     let folder = absolute(folder.canonicalize())?.join(SLURM);
     loading::make_folder(&folder)?;
@@ -103,7 +105,7 @@ impl ArrayJob {
             );
             Exit::Io
         })?;
-        // A cluster with several controllers answers NUMBER;CLUSTER.
+        // sbatch prints NUMBER;CLUSTER if it submits to a named cluster.
         let id = id.trim().split(';').next().unwrap_or_default().to_string();
         loading::write_whole(&self.file("job"), id.as_bytes())?;
         Ok(id)
@@ -130,12 +132,13 @@ fn absolute(path: std::io::Result<PathBuf>) -> Result<PathBuf, Exit> {
 pub enum QueueState {
     /// A task waits or runs.
     Queued,
-    /// Slurm holds the tasks that are left, because a node failed to start them. They never run by themselves.
+    /// Slurm holds the tasks that are left, because a node failed to start them. These tasks never run by
+    /// themselves.
     Held,
     Gone,
 }
 
-/// Asks for the state of a job. Fails with a reason if Slurm does not answer.
+/// Asks Slurm for the state of a job. Fails with the reason if Slurm does not answer.
 pub fn queue_state(id: &str) -> Result<QueueState, String> {
     // Slurm forgets finished jobs, so a query for this job alone may fail.
     let list = run(&["squeue", "--noheader", "--me", "--format=%F %r"].map(String::from))?;

@@ -22,8 +22,8 @@ const MAX_COMBINATIONS: usize = 10_000;
 
 const PLAN: &str = "plan.json";
 
-/// Returns the plan of the command line or, without a cell file, the plan stored in the folder. Also returns the
-/// files of the cell: a worker that joins a sweep reads them from the folder of the sweep.
+/// Returns the plan of the command line or, without a cell file, the plan stored in the folder. Also returns
+/// the files of the cell: a worker that joins a sweep reads them from the folder of the sweep.
 pub fn asked_plan(a: &SweepArguments) -> Result<(SweepPlan, FileSnapshot), Exit> {
     let Some(cell) = &a.cell else {
         let folder = a.folder().unwrap_or(Path::new("."));
@@ -48,8 +48,8 @@ pub fn asked_plan(a: &SweepArguments) -> Result<(SweepPlan, FileSnapshot), Exit>
     Ok((plan, FileSnapshot::default()))
 }
 
-/// Reads the plan of a folder, and replaces its version by that of this program. [`open`] compares it
-/// with the stored plan.
+/// Reads the plan of a folder, and replaces its version by that of this program. [`open`] therefore refuses a
+/// stored plan of another version.
 pub fn joined_plan(folder: &Path) -> Result<SweepPlan, Exit> {
     let version = env!("CARGO_PKG_VERSION").to_string();
     Ok(SweepPlan { version, sha256: None, ..stored_plan(folder)? })

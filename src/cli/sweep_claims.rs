@@ -4,9 +4,10 @@
 //! combination. Creation that fails if the file exists is atomic on local disks, on SMB, and on NFS since
 //! version 3. A rename cannot decide who came first, because it replaces the target.
 //!
-//! The owner rewrites its claim with a growing count: the heartbeat. Another worker takes the combination over if
-//! it sees no change for the time of the lease. It measures this time with its own clock, so that the clocks of
-//! hosts may differ. It then creates claim G + 1. No claim is ever removed, so one worker at most takes over.
+//! The owner rewrites its claim with a growing count: the heartbeat. Another worker takes the combination
+//! over if it sees no change for the time of the lease. That worker measures the time with its own clock, so
+//! that the clocks of hosts may differ. It then creates claim G + 1. No claim is ever removed, so at most one
+//! worker takes over.
 
 use super::{Exit, loading};
 use serde::{Deserialize, Serialize};
@@ -44,7 +45,7 @@ pub struct SweepClaim {
     pub beat: u64,
     /// Seconds without a heartbeat after which the combination may be taken over.
     pub lease: u16,
-    /// Number of earlier owners that died or failed.
+    /// Number of earlier owners that died.
     pub losses: u32,
     /// Seconds since the owner began, by the clock of the owner.
     pub seconds: f64,
@@ -52,7 +53,8 @@ pub struct SweepClaim {
 }
 
 impl SweepClaim {
-    /// Parses the bytes of a claim; returns None if its owner died before it wrote them.
+    /// Parses the bytes of a claim; returns None if they are incomplete, because the owner died while
+    /// writing.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         serde_json::from_slice(bytes.split(|b| *b == b'\n').next()?).ok()
     }
@@ -120,8 +122,8 @@ pub fn path(folder: &Path, index: usize, number: u32) -> PathBuf {
     folder.join(CLAIMS).join(format!("{index:04}-{number}"))
 }
 
-/// Reads a claim; returns None if it does not exist or cannot be read now. Opening a file asks the server of a
-/// network share, so that a cached copy does not hide a heartbeat.
+/// Reads a claim; returns None if it does not exist or cannot be read now. Opening a file asks the server of
+/// a network share, so that a cached copy does not hide a heartbeat.
 pub fn read(folder: &Path, index: usize, number: u32) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     let file = File::open(path(folder, index, number)).ok()?;

@@ -1,4 +1,5 @@
-//! Check of the layout files that a search writes: each must describe exactly the layout and the cell of the search.
+//! Check of the layout files that a search writes: each must describe exactly the layout and the cell of the
+//! search.
 
 use super::output::path_word;
 use super::packages::PackageFolders;
@@ -37,8 +38,9 @@ pub fn check_alternative(
 /// Compares the evaluation `again` of a layout with the evaluation `searched` from the search for
 /// `cell`.
 ///
-/// A search with the goal `cost` does not compare the error at the present tolerances with the limits. The file does not
-/// state the goals of a flag, so the penalty of a missed limit may differ.
+/// A search with the goal `cost` does not compare the error at the present tolerances with the limits. The
+/// layout file does not state goals that a flag chose, so the penalty of a missed limit may differ. The field
+/// `cost` is therefore not compared for such a search.
 fn is_same_evaluation(cell: &Cell, again: &Evaluation, searched: &Evaluation) -> bool {
     let cost = if cell.search.prices_tolerances() { searched.cost } else { again.cost };
     Evaluation { cost, ..again.clone() } == *searched
@@ -55,7 +57,7 @@ fn read_again(file: &Path, packages: &PackageFolders) -> Result<Workcell, Exit> 
 
 /// Prints why a layout file cannot be kept, and removes it.
 fn refused(file: &Path, why: &str) -> Exit {
-    output::error(&format!("{} is not the layout that was searched: {}", path_word(file), shown(why)));
+    output::error(&format!("{} is not the layout that the search found: {}", path_word(file), shown(why)));
     output::talk(
         "  help: the files of the folder changed during the search, or its disk is faulty: search again",
     );

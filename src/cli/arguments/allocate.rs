@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct AllocateArguments {
-    /// Cell file (TOML), or result folder of `search`
+    /// Cell file (TOML), or a result folder of `search`, whose best layout is used
     #[arg(value_name = "CELL")]
     pub of: PathBuf,
     #[command(flatten)]
@@ -17,7 +17,8 @@ pub struct AllocateArguments {
     /// Consider only this operation [default: all operations with a limit]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Node of the grid: `best`, or the indices along x and y
+    /// Node of the grid: `best` (the node of least error), or its indices along x and y, counted from 0
+    /// [default: best]
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
     /// Keep the limits at every usable node of the surfaces, not only at the spots
@@ -26,7 +27,7 @@ pub struct AllocateArguments {
     /// Move each operation to the node at which its limit is cheapest to keep
     #[arg(long, conflicts_with_all = ["at", "nodes"])]
     pub cheapest: bool,
-    /// Share of random arms that must keep each limit, with --quantity yield
+    /// Share of random arms that must keep each limit; applies only to the quantity yield
     #[arg(long = "yield", value_name = "SHARE", value_parser = share, default_value = "0.99", allow_hyphen_values = true)]
     pub share: f64,
     #[command(flatten)]

@@ -11,8 +11,8 @@ pub struct CalibrateArguments {
     /// Name of a built-in robot, a robot file (TOML), or a nominal URDF; with --plan, a cell file
     pub robot: PathBuf,
     /// Tables of measured positions (CSV or text, or compressed as .csv.gz), one for each set-up of the
-    /// instrument; or one file that states a calibration: the YAML of the driver or the calibration.conf
-    /// of Universal Robots, or a calibrated URDF
+    /// instrument; or one file that states a calibration: the YAML file of the ROS driver of Universal
+    /// Robots, the calibration.conf of their controller, or a calibrated URDF
     #[arg(required_unless_present = "plan")]
     pub data: Vec<PathBuf>,
     /// Judge the calibration by a table that is not part of the fit; can be given several times
@@ -26,15 +26,15 @@ pub struct CalibrateArguments {
     /// several seconds for 300 positions
     #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub harmonics: Option<u8>,
-    /// Take the prior standard deviations, those before the measurement, from this error set of the
-    /// robot; parameters without a tolerance keep their nominal values [default: 0.5 mm, 0.5 degrees for
-    /// zeros, 0.1 degrees for twists]
+    /// Take the prior standard deviations (before the measurement) from this error set of the robot;
+    /// parameters without a tolerance keep their nominal values [default: 0.5 mm for lengths, 0.5 degrees
+    /// for joint zeros, 0.1 degrees for other angles]
     #[arg(long, value_name = "ERRORS")]
     pub prior: Option<String>,
     /// Use this many randomly drawn rows of every table [default: all]
     #[arg(long, value_name = "N")]
     pub poses: Option<usize>,
-    /// Seed of the random draw, or of the postures among which a plan chooses
+    /// Seed of the random draw of --poses, or of the postures among which --plan chooses
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Read the joint coordinates from this table; rows are matched by a shared column such as id, or by

@@ -28,7 +28,7 @@ pub struct CorrectArguments {
     #[arg(long, conflicts_with = "targets")]
     pub nodes: bool,
     /// Correct the targets of this table (CSV): columns x, y, z in mm, optionally name, and rx, ry, rz in
-    /// degrees (Rz Ry Rx); without rotations, the tool keeps the attitude of the operation
+    /// degrees (rotation Rz Ry Rx); without rotations, the tool keeps the attitude of the operation
     #[arg(long, value_name = "FILE")]
     pub targets: Option<PathBuf>,
     /// Frame of the targets in the table

@@ -8,10 +8,10 @@ pub enum BatchEngine {
     Slurm,
 }
 
-/// Number of combinations of one task.
+/// Number of combinations or islands of one task.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ChunkSize {
-    /// As many combinations as take about a minute.
+    /// As many combinations or islands as take about a minute.
     #[default]
     Auto,
     Combinations(usize),
@@ -19,7 +19,8 @@ pub enum ChunkSize {
 
 #[derive(Args, Default)]
 pub struct EngineFlags {
-    /// Seconds without a heartbeat after which other workers take over a combination or an island of this worker
+    /// Seconds without a heartbeat after which other workers take over a combination or an island of this
+    /// worker
     #[arg(
         long,
         value_name = "LEASE",
@@ -37,7 +38,8 @@ pub struct EngineFlags {
     /// Number of cores of a task, which processes that many combinations or islands in parallel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024), requires = "on")]
     pub cpus: u16,
-    /// Number of combinations or islands of a task, or auto: as many as take about a minute, measured on this machine
+    /// Number of combinations or islands of a task, or auto: as many as take about a minute, measured on
+    /// this machine
     #[arg(long, value_name = "CHUNK", default_value = "auto", value_parser = chunk, requires = "on")]
     pub chunk: ChunkSize,
     /// Largest number of tasks of an array job
@@ -63,7 +65,7 @@ pub fn slurm_time(text: &str) -> Result<String, String> {
     if text.starts_with(|c: char| c.is_ascii_digit()) && text.chars().all(is_time) {
         Ok(text.into())
     } else {
-        Err("expected minutes, or a time such as 2:00:00 or 1-12".into())
+        Err("expected minutes, or a time such as 2:00:00 (2 hours) or 1-12 (1 day and 12 hours)".into())
     }
 }
 
@@ -71,6 +73,6 @@ fn chunk(text: &str) -> Result<ChunkSize, String> {
     match text.parse() {
         _ if text == "auto" => Ok(ChunkSize::Auto),
         Ok(count) if count > 0 => Ok(ChunkSize::Combinations(count)),
-        _ => Err("expected auto, or a number of combinations of at least 1".into()),
+        _ => Err("expected auto, or a number of combinations or islands of at least 1".into()),
     }
 }

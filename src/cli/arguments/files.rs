@@ -32,8 +32,8 @@ pub struct SchemaArguments {
 
 #[derive(Args)]
 pub struct InitArguments {
-    /// Your robot: a URDF, a xacro file, a robot file (TOML) or the folder of a ROS package; or the name of a first
-    /// cell or of a built-in robot [default: list the names]
+    /// Your robot: a URDF, a xacro file, a robot file (TOML) or the folder of a ROS package; or the name of a
+    /// first cell or of a built-in robot [default: list the names]
     #[arg(value_name = "ROBOT|NAME")]
     pub name: Option<String>,
     /// Arguments of the xacro file
@@ -42,8 +42,8 @@ pub struct InitArguments {
     /// Link of the URDF that carries the tool [default: the last link of the longest chain]
     #[arg(long, value_name = "LINK", requires = "name")]
     pub tip: Option<String>,
-    /// Write to this folder, which must be new or empty [default: the folder NAME; for a URDF, the folder NAME-cell
-    /// beside it]
+    /// Write to this folder, which must be new or empty [default: the folder NAME; for a URDF, the folder
+    /// NAME-cell beside it]
     #[arg(long, value_name = "DIR", requires = "name")]
     pub out: Option<PathBuf>,
     #[command(flatten)]

@@ -34,8 +34,8 @@ pub struct MapArguments {
     /// Write the map as a picture
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// Write map.json, map.csv, map.svg, discrepancy.svg and manifest.json to this new folder; with --measured also
-    /// measured.csv, measured.svg and residuals.svg
+    /// Write map.json, map.csv, map.svg, discrepancy.svg and manifest.json to this new folder; with
+    /// --measured also measured.csv, measured.svg and residuals.svg
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

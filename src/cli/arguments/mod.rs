@@ -101,7 +101,8 @@ pub enum Command {
     /// Guess the tolerances of a robot from its data sheet, and predict its pose accuracy (ISO 9283)
     #[command(before_help = "Example: sweetspot errors ur5e --preset collaborative --ap 0.5 --rp 0.03")]
     Errors(ErrorsArguments),
-    /// Correct a programme: the joint and pose commands that land on their targets despite known errors
+    /// Correct a programme: find the joint and pose commands that bring the tool to its targets despite known
+    /// errors
     #[command(before_help = "Example: sweetspot correct cells/hitachi_cell.toml --errors table-2")]
     Correct(CorrectArguments),
     /// List the built-in robots
@@ -122,7 +123,7 @@ pub enum Command {
     /// Print the JSON Schema of a file kind, or write all schemas for editors
     #[command(before_help = "Example: sweetspot schema --out schemas")]
     Schema(SchemaArguments),
-    /// Draw the figures of the seed paper for your own cells
+    /// Draw the figures of the paper on which sweetspot is based (the seed paper) for your own cells
     #[command(before_help = "Example: sweetspot figures cells/hitachi_paper.toml --out figures")]
     Figures(FiguresArguments),
     /// Write a first cell for your own robot (a URDF) or for a built-in robot, commented and ready to
@@ -137,7 +138,7 @@ pub enum Command {
     Completions(CompletionsArguments),
 }
 
-/// Returns the command line that the user typed.
+/// Returns the words of the command line after the name of the program.
 pub fn typed() -> Vec<String> {
     std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect()
 }

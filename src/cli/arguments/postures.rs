@@ -16,7 +16,8 @@ pub struct BudgetArguments {
     /// Show only this operation [default: all operations]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Node of the grid: `best`, or the indices along x and y
+    /// Node of the grid: `best` (the node of least error), or its indices along x and y, counted from 0
+    /// [default: best]
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
     #[command(flatten)]
@@ -35,7 +36,8 @@ pub struct ExplainArguments {
     /// Show this operation [default: the first]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
-    /// Node of the grid: `best`, or the indices along x and y
+    /// Node of the grid: `best` (the node of least error), or its indices along x and y, counted from 0
+    /// [default: best]
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
     /// Joint values (degrees or mm) that give the posture, instead of a node

@@ -8,7 +8,7 @@ use crate::files::{Setting, toml_string};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-/// Flags that choose error set, error model, sense and limit.
+/// Flags that choose error set, error model, sense and limit, or set any key of the cell file.
 #[derive(Args, Default)]
 pub struct ErrorFlags {
     /// Use this error set of the robot

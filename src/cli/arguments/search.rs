@@ -26,8 +26,8 @@ pub struct SearchArguments {
     /// Seed of all random numbers; the same seed gives the same files, byte for byte
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Find the layout that works exactly as drawn: placement tolerances do not count, and no clearance or margin
-    /// is assumed
+    /// Find the layout that works exactly as drawn: placement tolerances do not count, and clearance and
+    /// margins count only if the cell file states them
     #[arg(long)]
     pub ideal: bool,
     /// Minimize the worst case over the placement tolerances instead of the value as drawn
@@ -72,8 +72,8 @@ pub struct SearchArguments {
     pub claim: Option<PathBuf>,
     #[command(flatten)]
     pub engine: EngineFlags,
-    /// Time limit of a task in the notation of Slurm, for example 30, 2:00:00 or 1-12 [default: the limit of the
-    /// partition]
+    /// Time limit of a task in the notation of Slurm, for example 30 (minutes), 2:00:00 (2 hours) or 1-12
+    /// (1 day and 12 hours) [default: the limit of the partition]
     #[arg(long, value_name = "TIME", value_parser = slurm_time, requires = "on")]
     pub task_time: Option<String>,
     /// Number of threads; the result does not depend on it [default: all cores]

@@ -69,8 +69,8 @@ pub struct SweepArguments {
     pub claim: Option<PathBuf>,
     #[command(flatten)]
     pub engine: EngineFlags,
-    /// Time limit of a task in the notation of Slurm, for example 30, 2:00:00 or 1-12 [default: the limit of the
-    /// partition]
+    /// Time limit of a task in the notation of Slurm, for example 30 (minutes), 2:00:00 (2 hours) or 1-12
+    /// (1 day and 12 hours) [default: the limit of the partition]
     #[arg(long, value_name = "TIME", value_parser = slurm_time, requires = "on")]
     pub time: Option<String>,
     /// Show which combinations in this folder are done, which are running and where, which have failed, and

@@ -6,7 +6,7 @@
 use crate::assess::NodeChoice;
 use crate::files::{Choices, MAX_BEND, NumberRange, Setting};
 
-/// Parses an elevation in degrees.
+/// Parses the elevation of the tool axis in degrees.
 pub fn bend(text: &str) -> Result<f64, String> {
     let number = measure(text)?;
     if number.abs() <= MAX_BEND {
@@ -39,7 +39,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     if number > 0.0 { Ok(number) } else { Err("it must be more than 0".into()) }
 }
 
-/// Parses a share from 0 to 1, without 1.
+/// Parses a share that is at least 0 and below 1.
 pub fn share(text: &str) -> Result<f64, String> {
     let number = number(text)?;
     if (0.0..1.0).contains(&number) { Ok(number) } else { Err("it must be at least 0 and below 1".into()) }
@@ -68,7 +68,7 @@ pub fn setting(text: &str) -> Result<Setting, String> {
     match &choices.values[..] {
         [value] => Ok(Setting::new(choices.path, value.clone())),
         values => Err(format!(
-            "it has {} values; give one, or run `sweetspot sweep` for all (write a list in [ ])",
+            "it has {} values: give one, write a list in [ ], or run `sweetspot sweep` for all of them",
             values.len()
         )),
     }

@@ -30,7 +30,7 @@ pub fn calibrate(a: &CalibrateArguments) -> Result<Exit, Exit> {
     let chain = Chain::new(&robot);
     let options = TableOptions { columns: &a.column, joints: a.joints.as_deref() };
     let read_all = |paths: &[std::path::PathBuf]| -> Result<Vec<MeasuringSession>, Exit> {
-        // Every file is read before the first fault ends the command.
+        // Every file is read even if an earlier one is faulty, so that the faults of all files are printed.
         let sessions: Vec<_> = paths.iter().map(|path| session(path, &robot, &chain, &options)).collect();
         sessions.into_iter().collect()
     };

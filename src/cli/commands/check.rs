@@ -48,7 +48,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     let loaded = loading::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
     output::import_warnings(&loaded.warnings);
-    // Printed even if no inverse kinematics solves the robot, because its D-H rows show why.
+    // The D-H rows are printed even if no inverse kinematics solves the robot, because they show why.
     output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
@@ -105,7 +105,7 @@ fn error_sets(cell: &Cell) -> String {
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
 }
 
-/// Describes which postures a search judges in each operation, one line per operation.
+/// Describes the inverse kinematics, and which postures a search judges in each operation: one line for each.
 fn posture_orders(workcell: &Workcell) -> String {
     let operations = workcell.cell.operations.iter().zip(workcell.posture_orders());
     let line = |(o, order): (&Operation, PostureOrder)| {

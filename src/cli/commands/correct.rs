@@ -53,7 +53,7 @@ pub fn correct(a: &CorrectArguments) -> Result<Exit, Exit> {
     Ok(if all { Exit::Done } else { Exit::AnswerIsNo })
 }
 
-/// Prints a note on each operation that is corrected without its pick.
+/// Prints a note on each operation that is relative to a pick operation, because the pick is not corrected.
 fn say_picks(cell: &Cell) {
     for operation in cell.operations.iter().filter(|operation| operation.relative_to.is_some()) {
         let name = shown(&operation.name);
@@ -63,7 +63,7 @@ fn say_picks(cell: &Cell) {
     }
 }
 
-/// Returns the corrector of an operation; refuses errors without signs.
+/// Returns the corrector of an operation; refuses errors without signs and errors that are all 0.
 fn corrector<'w>(workcell: &'w Workcell, operation: usize) -> Result<OperationCorrector<'w>, Exit> {
     OperationCorrector::new(workcell, operation).ok_or_else(|| {
         let cell = &workcell.cell;

@@ -15,7 +15,8 @@ use crate::robot::Chain;
 use crate::units::{m_from_mm, mm_from_m, rounded};
 use std::path::Path;
 
-/// Ratio of AP to RP below which the AP of a data sheet is probably that of taught poses.
+/// Ratio of pose accuracy AP to pose repeatability RP (ISO 9283) below which the AP of a data sheet is
+/// probably that of taught poses.
 const TAUGHT: f64 = 3.0;
 
 /// Runs `sweetspot errors`.
@@ -133,7 +134,7 @@ fn free_name(robot: &Robot) -> String {
     std::iter::once(GUESS.to_string()).chain(numbered).find(is_free).unwrap_or_else(|| GUESS.into())
 }
 
-/// Returns the origin of the numbers in words.
+/// Describes where the tolerances come from. The text becomes the key `source` of the new error set.
 fn source(question: &GuessQuestion, from: &str, scale: f64) -> String {
     let mut text = format!("GUESS, not measured: {from}");
     if let Some(ap) = question.ap_mm {
@@ -152,7 +153,7 @@ fn source(question: &GuessQuestion, from: &str, scale: f64) -> String {
     text
 }
 
-/// Warns of an AP that is near the repeatability.
+/// Warns if the pose accuracy AP is near the pose repeatability RP, as it is for taught poses.
 fn say_taught_accuracy(a: &ErrorsArguments) {
     if let (Some(ap), Some(rp)) = (a.ap, a.rp)
         && ap < TAUGHT * rp

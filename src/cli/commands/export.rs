@@ -80,7 +80,8 @@ fn cannot(format: ExportFormat, why: &str) -> Exit {
 
 /// Returns the cell to draw and its file, with the best layout of a result folder.
 ///
-/// A best layout without other settings is drawn in the cell of the search, whose ranges limit the regions.
+/// If no flag changes the cell, the best layout is drawn in the cell of the search. The search ranges of that
+/// cell limit the regions in which the equipment may stand.
 fn subject(a: &ExportArguments) -> Result<(Loaded, PathBuf, Option<Layout>), Exit> {
     let file = cell_file(&a.of, a.start)?;
     if a.of.is_dir() && !a.start && a.question.words().is_empty() {

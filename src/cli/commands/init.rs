@@ -34,7 +34,7 @@ pub fn init(a: &InitArguments) -> Result<Exit, Exit> {
         );
         return Err(exit);
     };
-    // Reading the cell finds every file that it refers to, and validates it.
+    // Loading the cell validates it, and finds every file that it refers to.
     let text = sketch.text();
     let read: &mut files::ReadFile<'_> = &mut |path: &str| match path {
         CELL => Ok(text.clone().into_bytes()),

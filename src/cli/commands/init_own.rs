@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 const CELL: &str = "cell.toml";
 
-/// Least share of usable nodes with which a placement of the table is good.
+/// Least share of usable nodes with which a place of the table is accepted, and no other place is tried.
 const GOOD: f64 = 0.95;
 
 /// Attitudes that are tried: elevation of the tool axis, degrees, and height of the TCP above the table,
@@ -44,7 +44,7 @@ struct OwnRobot {
     /// Path of the robot file in the folder of the cell.
     file: String,
     files: Vec<(String, Vec<u8>)>,
-    /// Name of an error set of the robot.
+    /// Name of the error set that the cell uses.
     errors: String,
     /// Comment on the error set in the cell file.
     about_errors: String,
@@ -96,10 +96,7 @@ pub fn init_own(given: &Path, a: &InitArguments) -> Result<Exit, Exit> {
     let found = placed(&own, &command);
     bar.finish_and_clear();
     let Some(found) = found else {
-        output::error(&format!(
-            "no place was found for a table that the arm {} can reach",
-            shown(&robot.name)
-        ));
+        output::error(&format!("no place was found where the arm {} can reach a table", shown(&robot.name)));
         output::talk(&format!(
             "  help: look at its reach: sweetspot envelope {}; name the link of the tool with --tip LINK",
             path_word(&path)
@@ -202,7 +199,7 @@ fn placed(own: &OwnRobot, command: &str) -> Option<FoundCell> {
                 return best;
             }
         }
-        // A tool that points down is worth more than a few nodes.
+        // A place where the tool points down is preferred to a place with a few more usable nodes.
         if best.as_ref().is_some_and(|best| 2 * best.usable > best.nodes) {
             break;
         }
@@ -210,7 +207,7 @@ fn placed(own: &OwnRobot, command: &str) -> Option<FoundCell> {
     best.filter(|best| best.usable > 0)
 }
 
-/// Maps a cell as drawn; None if it is not valid or if no kinematics solves it.
+/// Maps a cell as drawn. Returns None if the cell is not valid, or if no inverse kinematics solves its robot.
 fn mapped(own: &OwnRobot, cell: String, place: TablePlace) -> Option<FoundCell> {
     let table = place.table();
     let loaded = files::load(CELL, &mut |asked| match asked {

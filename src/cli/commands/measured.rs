@@ -27,7 +27,7 @@ pub fn compared(flags: &MeasuredFlags, cell: &Cell) -> Result<Vec<ComparedFile>,
         })?;
         Ok(ComparedFile::new(cell, &errors, &compared))
     };
-    // Every file is read before the first fault ends the command.
+    // Every file is read even if an earlier one is faulty, so that the faults of all files are printed.
     flags.measured.iter().map(one).collect::<Vec<_>>().into_iter().collect()
 }
 

@@ -19,7 +19,7 @@ use std::path::Path;
 /// Columns of the tables of measured positions, as the command line states them.
 pub struct TableOptions<'a> {
     pub columns: &'a ColumnNames,
-    /// Table that holds the joints of the postures, if the tables of positions have none.
+    /// Table that holds the joint coordinates of the postures, if the tables of positions hold none.
     pub joints: Option<&'a Path>,
 }
 
@@ -160,10 +160,10 @@ fn remarks(
     if reading.base.translation.norm() < NEAR_BASE {
         let axis = reading.base.rotation.column(0).into_owned();
         let is_turned = axis.x < -UPRIGHT;
-        let about = if is_turned { ", turned by 180 deg about its z axis" } else { "" };
+        let about = if is_turned { ", rotated by 180 deg about its z axis" } else { "" };
         if reading.base.rotation[(2, 2)] > UPRIGHT {
             said.push(format!(
-                "the positions are in the base frame of the robot{about}; the base is fitted anew"
+                "the positions are in the base frame of the robot{about}; the base frame is fitted nevertheless"
             ));
         }
     }
@@ -257,7 +257,7 @@ fn warn_of_suspects(name: &str, suspect: &SuspectRows) {
         (&suspect.stuck_positions, "rows repeat the position of another posture", ""),
         (
             &suspect.stuck_joints,
-            "rows repeat the joints of the row before, although the reflector has moved",
+            "rows repeat the joint coordinates of the row before, although the reflector has moved",
             "; if they belong to several reflectors, name the reflectors in a column `reflector`",
         ),
     ];

@@ -148,7 +148,8 @@ fn enough(intended: &IntendedCalibration<'_>, count: usize) -> Result<(), Exit> 
     Err(Exit::BadInput)
 }
 
-/// Returns the place of the tracker; refuses a tracker inside a solid.
+/// Returns the position of the tracker and the opening of the reflector; None without --tracker. Refuses a
+/// tracker inside a solid, and an opening of length 0.
 fn sightline(
     a: &CalibrateArguments,
     workcell: &Workcell,
@@ -213,7 +214,7 @@ fn too_few(found: &MeasurablePoses, count: usize) -> Exit {
     if *hidden == 0 && *colliding == 0 { Exit::BadInput } else { Exit::AnswerIsNo }
 }
 
-/// Chooses the best candidates, and shows a progress bar.
+/// Returns the indices of the `count` most informative candidates, and shows a progress bar.
 fn best(problem: &PlanProblem, count: usize) -> Result<Vec<usize>, Exit> {
     let bar = output::points_bar();
     let mut last = 0;
@@ -229,7 +230,7 @@ fn best(problem: &PlanProblem, count: usize) -> Result<Vec<usize>, Exit> {
     })
 }
 
-/// Keeps the `count` most informative rows of every session; only their joint coordinates are used.
+/// Keeps the `count` most informative rows of every session. The choice uses only the joint coordinates.
 pub fn choose(
     sessions: &mut [MeasuringSession],
     count: usize,
@@ -243,7 +244,10 @@ pub fn choose(
         Some(cell) => {
             let workcell = workcell(loading::load(cell, &a.packages)?.cell, cell)?;
             if workcell.cell.robot.axes() != chain.axes() {
-                output::error(&format!("{}: its robot has another number of joints", path_word(cell)));
+                output::error(&format!(
+                    "{}: its robot has another number of joints than the measured robot",
+                    path_word(cell)
+                ));
                 output::talk("  help: state a cell of the measured robot with --for");
                 return Err(Exit::BadInput);
             }
@@ -253,7 +257,7 @@ pub fn choose(
     };
     for session in sessions {
         let mut rows: Vec<&MeasuredPosition> = session.measured.iter().collect();
-        // Several reflectors may be measured at one posture.
+        // Several reflectors may be measured at one posture, so several positions may belong to one row.
         rows.dedup_by_key(|m| m.row);
         let candidates: Vec<_> = rows.iter().map(|m| m.joints).collect();
         if candidates.len() < count {

@@ -62,7 +62,8 @@ pub fn remedies(a: &CompareArguments) -> Result<Exit, Exit> {
     Ok(if document.advised.is_empty() { Exit::AnswerIsNo } else { Exit::Done })
 }
 
-/// Returns the cell with a reading for random errors, because a calibrated arm has only random errors.
+/// Returns the cell with the statistical reading instead of the signed reading, because the errors of a
+/// calibrated arm are random.
 fn random(cell: Cell, file: &Path) -> Result<Cell, Exit> {
     if cell.reading != Reading::Signed {
         return Ok(cell);

@@ -82,7 +82,7 @@ fn print_file(robot: &Path, packages: &PackageFolders) -> Result<Exit, Exit> {
 pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
     if is_robot(&a.of, &a.packages) {
         if a.operation.is_some() {
-            output::error("--operation needs a cell file, and this is a robot");
+            output::error("--operation needs a cell file, but this is a robot");
             output::talk("  help: state the elevation of the tool with --bend DEG");
             return Err(Exit::BadInput);
         }

@@ -1,4 +1,4 @@
-//! Calibrations that `calibrate` takes from a file as they are: no measurement is fitted.
+//! Calibrations that a file states: `calibrate` uses their errors, and fits no measurement.
 
 use super::{suggest, suggest_with};
 use crate::calibration::{errors_between, errors_of_frames, no_errors, nominal_frames};
@@ -16,12 +16,12 @@ use crate::robot::Chain;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::path::Path;
 
-/// Distance between a stated and a nominal joint frame, m, above which the calibration is of another
-/// robot.
+/// Distance between a stated and a nominal joint frame, m, above which the calibration is refused as that of
+/// another robot.
 const OTHER_ARM: f64 = 0.02;
 
-/// Angle between a stated and a nominal joint frame, rad, above which the calibration is of another
-/// robot.
+/// Angle between a stated and a nominal joint frame, rad, above which the calibration is refused as that of
+/// another robot.
 const OTHER_TURN: f64 = 0.05;
 
 /// STL mesh that replaces every mesh of a URDF, because only the kinematics of the URDF is used.
@@ -46,7 +46,7 @@ pub fn states_calibration(path: &Path) -> bool {
     has_extension(path, &["yaml", "yml", "conf", "urdf"])
 }
 
-/// Reads a URDF as a robot whose tool is the tip link.
+/// Reads a URDF as a robot whose tool frame is the frame of the tip link.
 ///
 /// `links` names base and tip of the chain; None means the root link and the only link without children.
 pub fn robot_of_urdf(path: &Path, links: Option<(&str, &str)>) -> Result<LoadedRobot, Exit> {
@@ -120,7 +120,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     };
     let Some(origin) = &robot.urdf else {
         let help = "give the nominal URDF of the arm as the robot, or a robot file with the key urdf";
-        return Err(refuse(format!("{} is not a robot of a URDF", shown(&robot.name)), help));
+        return Err(refuse(format!("the robot {} was not read from a URDF", shown(&robot.name)), help));
     };
     let calibrated = robot_of_urdf(path, Some((&origin.base_link, &origin.tip_link)))?.robot;
     let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect::<Vec<_>>();
@@ -138,7 +138,7 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     })?;
     let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     output::talk(&format!(
-        "note: {}: the errors are those of the joint origins, and of the tip link as the tool",
+        "note: {}: the errors are those of the joint origins and of the tip link, which counts as the tool",
         path_word(path)
     ));
     Ok((errors, source))

@@ -1,4 +1,4 @@
-//! `view` in a build without the feature `view`: prints how to get it.
+//! `view` in a build without the feature `view`: prints how to build the program with this feature.
 
 use crate::cli::arguments::ViewArguments;
 use crate::cli::{Exit, output};

@@ -23,7 +23,8 @@ pub struct Sketch {
     work: SketchedEquipment,
     supply: SketchedEquipment,
     standoff: i32,
-    /// Whether the file allows only four spins about the tool axis: each spin takes long for a redundant arm.
+    /// Whether the file allows only four spins about the tool axis, because the inverse kinematics of the arm
+    /// takes long for each spin.
     few_spins: bool,
 }
 

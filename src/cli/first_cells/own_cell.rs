@@ -15,7 +15,7 @@ pub struct TablePlace {
     pub radius: i32,
     /// Azimuth of the table about the base axis.
     pub azimuth: i32,
-    /// Size along the radius, and across it.
+    /// Size of the table along the radius, and across it.
     pub size: (i32, i32),
     pub standoff: i32,
     /// Elevation of the tool axis.
@@ -34,12 +34,13 @@ pub struct OwnCell<'a> {
     pub about_errors: &'a str,
     /// Whether the error set holds the signed errors of one robot.
     pub is_signed: bool,
-    /// Whether the file allows only four spins about the tool axis.
+    /// Whether the file allows only four spins about the tool axis, because the inverse kinematics of the arm
+    /// takes long for each spin.
     pub few_spins: bool,
     pub place: TablePlace,
 }
 
-/// Path of the table in the folder of the cell.
+/// Path of the file of the table in the folder of the cell.
 pub const TABLE: &str = "equipment/table.toml";
 
 impl OwnCell<'_> {

@@ -64,7 +64,8 @@ const fn hall(robot: &'static str, about: &'static str, [pedestal, x, y, z, with
     )
 }
 
-/// Allows only four spins about the tool axis, because each spin takes long for a redundant arm.
+/// Allows only four spins about the tool axis, because the inverse kinematics of the arm takes long for each
+/// spin.
 const fn slow(mut sketch: Sketch) -> Sketch {
     sketch.few_spins = true;
     sketch

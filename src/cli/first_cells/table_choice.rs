@@ -37,8 +37,8 @@ struct ReachableStretch {
     to: f64,
 }
 
-/// Returns places for a table, the most promising first. `bend` is the elevation of the tool axis, rad, and `standoff`
-/// the height of the TCP above the table, mm.
+/// Returns places for a table, the most promising first. `bend` is the elevation of the tool axis, rad, and
+/// `standoff` the height of the TCP above the table, mm.
 pub fn table_places(robot: &Robot, inverse: &Inverse, bend: f64, standoff: i32) -> Vec<TablePlace> {
     let attitude = Attitude::elevation(bend);
     if inverse.refusal(&attitude).is_some() {

@@ -12,12 +12,13 @@ impl Sketch {
         let Self { name, robot, errors, .. } = self;
         let what = match *errors {
             "placeholder" => {
-                "# PLACEHOLDER values: manufacturers do not publish tolerances of these parameters. Add those of your robot\n\
-                 # to its file, under [errors.NAME], and name the set here. Until then, use the errors only to compare."
+                "# PLACEHOLDER values: manufacturers do not publish tolerances of these parameters. Add the tolerances of\n\
+                 # your robot to its file, under [errors.NAME], and name the set here. Until then, use the errors only to\n\
+                 # compare layouts."
             }
             _ => {
-                "# The magnitudes of Table 3 of the seed paper as tolerances. Add those of your robot to its file, under\n\
-                 # [errors.NAME], and name the set here."
+                "# Tolerances with the magnitudes of Table 3 of the seed paper, which the robot file describes. Add the\n\
+                 # tolerances of your robot to its file, under [errors.NAME], and name the set here."
             }
         };
         format!(
@@ -34,7 +35,7 @@ source = "placements made up by sweetspot init; the robot file says where its nu
 errors = "{errors}"
 
 # How errors are read: "worst-case" (the worst corner of the tolerances) or "statistical" (random variables, of
-# which `quantity` is minimized: "rms", "mean", "p95", "p99" or "yield"). A measured sample is read "signed".
+# which `quantity` is minimized: "rms", "mean", "p95", "p99" or "yield"). A measured sample has the reading "signed".
 reading = "statistical"
 quantity = "p95"
 
@@ -108,7 +109,7 @@ bend_deg = -90
     }
 }
 
-/// Search of a first cell.
+/// Text of the table `[search]` of a first cell.
 pub const SEARCH: &str = r#"[search]
 solver = "cma-es"
 objective = "sum" # of the errors of all operations; or "max", or "lexicographic" in the order of operations

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Meshes of a robot, by their names in the URDF.
 #[derive(Default)]
 pub struct MeshFiles {
-    /// New file name and bytes of every mesh that is taken over.
+    /// New file name and bytes of every imported mesh.
     pub kept: HashMap<String, (String, Vec<u8>)>,
     pub left_out: Vec<LeftOutMesh>,
 }
@@ -48,7 +48,7 @@ impl MeshFiles {
         files
     }
 
-    /// Returns whether the shape with this mesh is taken over; a shape without a mesh is always taken over.
+    /// Returns whether the shape with this mesh is imported; a shape without a mesh is always imported.
     pub fn has(&self, mesh: Option<&String>) -> bool {
         mesh.is_none_or(|name| self.kept.contains_key(name))
     }

@@ -41,7 +41,7 @@ pub struct ImportedRobot {
     /// Name of the preset from which the error set is guessed.
     pub preset: &'static str,
     pub left_out: Vec<LeftOutMesh>,
-    /// Number of collision shapes that are taken over, and of those in the URDF.
+    /// Number of imported collision shapes, and number of all collision shapes in the URDF.
     pub shapes: (usize, usize),
     pub warnings: Vec<Fault>,
 }
@@ -229,7 +229,8 @@ fn urdf_text(query: ImportQuery<'_>) -> Result<String, Exit> {
     })
 }
 
-/// Returns the name of a file without its folder and its endings, with plain characters alone.
+/// Returns the name of a file without its folder and its extensions. Replaces every character other than
+/// ASCII letters, digits, `-` and `_` with `_`.
 pub fn stem(path: &Path) -> String {
     let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     let stem = name.split('.').next().unwrap_or("");
@@ -278,7 +279,7 @@ struct UrdfSource<'a> {
 }
 
 impl UrdfSource<'_> {
-    /// Reads the robot with these meshes.
+    /// Reads the robot with these meshes, and with guesses for what the URDF does not state.
     fn robot(&self, meshes: &MeshFiles, guesses: &Guesses) -> Result<LoadedRobot, Vec<Fault>> {
         let given = self.path.file_name().map_or(String::new(), |name| shown(&name.to_string_lossy()));
         let (stem, file) = (stem(self.path), file_path(self.path));

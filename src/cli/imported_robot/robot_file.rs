@@ -20,7 +20,8 @@ pub fn guessed_preset(robot: &Robot, inverse: &Inverse) -> &'static str {
     }
 }
 
-/// Returns the text of the robot file without its error sets. `footprint_mm` is the side of a guessed footprint.
+/// Returns the text of the robot file without its error sets. `footprint_mm` is the side of a guessed
+/// footprint; None writes no footprint.
 pub fn text(stem: &str, given: &str, outline: &UrdfOutline, footprint_mm: Option<f64>) -> String {
     let UrdfOutline { tip_link, last_joint, direction, .. } = outline;
     let numbers =

@@ -31,8 +31,8 @@ fn folders_above(near: &Path) -> impl Iterator<Item = PathBuf> {
     near.ancestors().take(MAX_ABOVE).map(Path::to_path_buf).collect::<Vec<_>>().into_iter()
 }
 
-/// Returns whether a folder is the package: its package.xml has the name or, if no name is stated there,
-/// the folder has.
+/// Returns whether a folder is the package `name`. The name in its package.xml decides or, if no name is
+/// stated there, the name of the folder.
 fn is_package(folder: &Path, name: &str) -> bool {
     let manifest = folder.join("package.xml");
     let small = manifest.metadata().is_ok_and(|about| about.is_file() && about.len() <= MAX_MANIFEST);

@@ -39,7 +39,7 @@ pub fn expanded(path: &Path, arguments: &[String]) -> Result<String, Exit> {
     complaints.iter().for_each(|complaint| output::talk(&format!("  {complaint}")));
     if complaints.is_empty() {
         output::talk(
-            "  neither the program xacro nor xacrodoc is installed: pip install xacrodoc, for example",
+            "  neither xacro nor xacrodoc is installed: install one of the programs, for example with pip install xacrodoc",
         );
     }
     let words: String = arguments.iter().map(|argument| format!(" {}", word(argument))).collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use tokio::sync::Notify;
 
-/// Server of a live page in a thread of its own. It ends when this value is dropped.
+/// Server of a live page in a thread of its own. The server ends when this value is dropped.
 pub struct BackgroundView {
     url: String,
     over: Arc<Notify>,
@@ -13,10 +13,11 @@ pub struct BackgroundView {
 }
 
 impl BackgroundView {
-    /// Serves a page for the cell of `workcell` on a port of 127.0.0.1; port 0 lets the operating system choose one.
+    /// Serves a page for the cell of `workcell` on a port of 127.0.0.1. Port 0 lets the operating system
+    /// choose a port.
     ///
     /// # Errors
-    /// Returns the reason if the port is taken or the operating system refuses.
+    /// Returns the reason if the port cannot be opened, or if the operating system provides no random bits.
     pub fn new(workcell: crate::layout::Workcell, origin: Origin, port: u16) -> Result<Self, String> {
         let view = LiveView::new(workcell, origin);
         let server =

@@ -176,7 +176,8 @@ impl LiveView {
         Ok(json!({ "outlines": (0..a.maps.len()).map(of).collect::<Vec<_>>() }))
     }
 
-    /// Returns the room of every piece in the current layout, and how far the whole cell may be rotated.
+    /// Returns the region in which each piece of equipment may be moved from the current layout, and how far
+    /// the whole cell may be rotated.
     fn room(&self) -> Result<Value, String> {
         let (workcell, layout) = self.shown()?;
         let a = assessed(&workcell, layout, false).with_regions();

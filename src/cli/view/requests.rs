@@ -1,5 +1,4 @@
-//! Bodies of the requests that change something, as types. A request whose body does not fit its type is
-//! refused.
+//! Bodies of the POST requests, as types. A request whose body does not fit its type is refused.
 
 use crate::files::shown;
 use serde::Deserialize;
@@ -18,17 +17,17 @@ pub struct SearchBody {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QuestionBody {
-    /// Name of the sense; None if each operation is measured in its own sense.
+    /// Name of the sense; None if the error of each operation is taken in its own sense.
     pub sense: Option<String>,
     pub model: String,
     pub reading: String,
 }
 
-/// Body of the request for where a piece of equipment may stand.
+/// Body of the request for the region in which a piece of equipment may stand.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StandingBody {
-    /// Index of the equipment.
+    /// Index of the piece of equipment in the cell.
     pub equipment: usize,
     /// Whether a finer outline is wanted, which takes longer.
     #[serde(default)]
@@ -45,7 +44,7 @@ pub struct SaveBody {
     pub overwrite: bool,
 }
 
-/// Body of a request whose path says everything: the empty object.
+/// Body of a request that needs no arguments: the empty object.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EmptyBody {}

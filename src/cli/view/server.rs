@@ -2,7 +2,8 @@
 //!
 //! Anybody on this machine can connect. A connection without the secret must therefore cost little: a
 //! head of limited size and time, no body, no thread. One thread accepts and serves all connections.
-//! Each admitted request computes in a thread of its own, so a long computation delays no other request.
+//! The response to each admitted request is computed in a thread of its own, so a long computation delays no
+//! other request.
 
 use super::LiveView;
 use super::access_control::AccessControl;
@@ -56,7 +57,7 @@ impl LocalServer {
     /// Listens on a port of 127.0.0.1; port 0 lets the operating system choose one.
     ///
     /// # Errors
-    /// Fails if the port is taken or the operating system refuses.
+    /// Fails if the port is taken, or if the operating system does not let this program open it.
     pub fn bind(port: u16) -> std::io::Result<Self> {
         let runtime = Builder::new_current_thread().enable_all().build()?;
         let listener = runtime.block_on(TcpListener::bind((Ipv4Addr::LOCALHOST, port)))?;
@@ -102,7 +103,8 @@ async fn accept(listener: TcpListener, shared: Shared) {
 
 /// Answers the requests of one connection until it ends or breaks a limit.
 async fn connection(stream: TcpStream, shared: Shared, slot: OwnedSemaphorePermit) {
-    // Otherwise Nagle's algorithm may delay the last packet of a response until an acknowledgement arrives.
+    // Without this option, Nagle's algorithm may delay the last packet of a response until an acknowledgement
+    // arrives.
     let _ = stream.set_nodelay(true);
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(SEND_TIME));
@@ -114,7 +116,7 @@ async fn connection(stream: TcpStream, shared: Shared, slot: OwnedSemaphorePermi
         .max_headers(MAX_HEADERS)
         .max_buf_size(MAX_HEAD_BYTES)
         .serve_connection(TokioIo::new(Box::pin(stream)), service);
-    // A client that leaves, is too slow or sends no HTTP does not mean an error of this program.
+    // A client that leaves, is too slow or sends no HTTP is not an error of this program.
     let _ = served.await;
 }
 

@@ -49,7 +49,8 @@ impl LayoutValues {
         cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
     }
 
-    /// Returns a cell with this layout as its start. [`Cell::starting_at`] explains `frees`.
+    /// Returns a cell with this layout as its start. If `frees` is true, a fixed coordinate with another
+    /// value becomes a range, as in [`Cell::starting_at`].
     pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
         cell.starting_at(self.slots.iter().copied().zip(self.si.iter().copied()), frees)
     }

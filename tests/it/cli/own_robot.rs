@@ -401,6 +401,6 @@ fn a_robot_that_reaches_no_table_gets_no_cell() {
     let shop = with_package(&rigid);
     let ran = shop.run(&["init", URDF]);
     assert_eq!(ran.code, Some(1), "{}", ran.err);
-    assert!(ran.err.contains("no place was found for a table that the arm own_arm can reach"), "{}", ran.err);
+    assert!(ran.err.contains("no place was found where the arm own_arm can reach a table"), "{}", ran.err);
     assert!(!shop.path("ws/own_arm/urdf/arm-cell").exists());
 }

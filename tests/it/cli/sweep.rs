@@ -219,7 +219,7 @@ fn faults_of_a_sweep_name_the_setting() {
     let sets = ["--set", "errors=table-2", "--set", "robot.from=robots/hitachi_pw10.toml,robots/ur5e.toml"];
     let ran = shop.run(&[&["sweep", CELL, "--out", "swept"][..], &sets].concat());
     assert!(
-        ran.err.contains("in 1 of 2 combinations, first errors=table-2 robot.from=robots/ur5e.toml"),
+        ran.err.contains("in 1 of 2 combinations, first with errors=table-2 robot.from=robots/ur5e.toml"),
         "{}",
         ran.err
     );

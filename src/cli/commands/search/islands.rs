@@ -24,7 +24,7 @@ use crate::search::{Island, merged};
 use std::path::Path;
 use std::time::Instant;
 
-/// Returns whether the command line asks for islands, or resumes some.
+/// Returns whether the command line asks for islands, or resumes a search with islands.
 pub fn are_asked(a: &SearchArguments) -> bool {
     let is_stored = a.resume.as_ref().is_some_and(|folder| has_plan(&folder.join(ISLANDS)));
     a.islands.is_some() || a.claim.is_some() || a.engine.on.is_some() || is_stored

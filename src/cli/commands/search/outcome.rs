@@ -65,7 +65,8 @@ impl<'a> SearchOutcome<'a> {
         }
     }
 
-    /// Returns the exit code. The answer is no if an operation of the best layout exceeds its limit.
+    /// Returns the exit code. The answer is no if no feasible layout was found, or if an operation of the
+    /// best layout exceeds its limit.
     pub fn exit(&self) -> Exit {
         let misses = self.comparison.columns.last().is_some_and(|best| !best.meets_requirements());
         match (self.record.ended, self.record.found()) {
@@ -117,7 +118,7 @@ impl<'a> SearchOutcome<'a> {
             report::text::proven(workcell, gap, &proof),
             report::text::front(cell, record),
             format!("\n{}\n", report::text::side_by_side(comparison)),
-            // The certificate of a layout makes the sampled misplacements superfluous.
+            // If a layout has a certificate, sampled misplacements add no information.
             shown.filter(|best| best.certificate.is_none()).map(report::text::robustness).unwrap_or_default(),
             of_best(report::text::goals_line),
             report::text::assumptions(cell),

@@ -1,4 +1,4 @@
-//! A sweep of one process that shares no combination with another.
+//! Sweep by one process, which shares no combination with other processes.
 
 use super::combination::{CheckedSweep, run_one};
 use super::threads::pools;
@@ -15,7 +15,7 @@ pub fn run_all(sweep: &CheckedSweep, missing: &[usize], jobs: usize) -> Result<(
                 break;
             }
             if let Err(exit) = pool.install(|| run_one(sweep, index)) {
-                // The other workers finish their current combination.
+                // The other threads finish their current combination.
                 next.store(missing.len(), Ordering::Relaxed);
                 *failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(exit);
             }

@@ -52,7 +52,7 @@ fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Faul
         return fault;
     }
     let words: Vec<_> = settings.iter().map(|s| shown(&s.words())).collect();
-    let those = format!("in {count} of {} combinations, first {}", plan.combinations, words.join(" "));
+    let those = format!("in {count} of {} combinations, first with {}", plan.combinations, words.join(" "));
     let help = if fault.help.is_empty() { those } else { format!("{} ({those})", fault.help) };
     Fault { help, ..fault }
 }

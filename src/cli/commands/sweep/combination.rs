@@ -32,7 +32,8 @@ pub struct CheckedSweep {
     pub proof: Option<Proof>,
 }
 
-/// Processes one combination and writes its files. Writes nothing and returns false if the sweep is stopped.
+/// Processes one combination and writes its files. If the sweep is stopped, returns false and writes at most
+/// a checkpoint.
 pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
     let CheckedSweep { plan, kept, folder, .. } = sweep;
     let loaded = load(plan, index, kept).map_err(|faults| {
@@ -60,8 +61,8 @@ pub fn run_one(sweep: &CheckedSweep, index: usize) -> Result<bool, Exit> {
     Ok(true)
 }
 
-/// Proves the lower bound and then searches, as `search` does, or continues from the checkpoint. Returns None if the
-/// sweep is stopped.
+/// Proves the lower bound and then searches, as `search` does, or continues from the checkpoint. Returns None
+/// if the sweep is stopped.
 fn searched(
     workcell: &Workcell,
     sweep: &CheckedSweep,

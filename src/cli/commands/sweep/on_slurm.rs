@@ -26,7 +26,7 @@ const LOOK: Duration = Duration::from_millis(500);
 /// Time between two queries to Slurm.
 const ASK: Duration = Duration::from_secs(3);
 
-/// Writes script and list of the first job, and shows the script.
+/// Writes the script of all jobs and the task list of the next job. Prints the script, and submits nothing.
 pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, options: ArrayOptions<'_>) -> Result<(), Exit> {
     let run = ClusterRun::new(sweep, missing, options)?;
     output::data(&write_script(&sweep.folder, options, true)?)?;
@@ -142,7 +142,7 @@ impl<'s> ClusterRun<'s> {
                     }
                     break;
                 }
-                // The controller may be down for a while; its jobs go on.
+                // The controller of Slurm may be down for a while; the jobs continue.
                 Err(why) if !is_told => {
                     output::talk(&format!(
                         "note: Slurm does not answer, so the files alone are followed: {why}"

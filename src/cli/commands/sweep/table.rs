@@ -31,7 +31,10 @@ pub fn written(sweep: &CheckedSweep) -> Result<SweepTable, Exit> {
     let whole = |k: usize| match row(&sweep.folder, k) {
         StoredRow::Whole(row) => Ok(*row),
         StoredRow::Missing | StoredRow::Damaged(_) => {
-            output::error(&format!("{} has changed meanwhile", path_word(&sweep.folder)));
+            output::error(&format!(
+                "{}: the files of combination {k} have changed during this command",
+                path_word(&sweep.folder)
+            ));
             Err(Exit::Io)
         }
     };

@@ -10,7 +10,8 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Exit> {
     })
 }
 
-/// Starts a pool for every combination that is processed at the same time. The pools share the threads.
+/// Starts one pool for each combination that is processed at the same time. Each pool gets an equal number of
+/// threads.
 pub fn pools(threads: usize, combinations: usize) -> Result<Vec<rayon::ThreadPool>, Exit> {
     let count = threads.min(combinations).max(1);
     (0..count).map(|_| pool(threads / count)).collect()

@@ -15,7 +15,8 @@ use std::time::{Duration, Instant};
 /// Time after which a worker reports that it waits for others.
 const SILENT_WAIT: Duration = Duration::from_secs(2);
 
-/// Processes combinations together with other workers until none is left, or until a signal stops this worker.
+/// Processes combinations together with other workers until none is left, or until a signal stops this
+/// worker.
 ///
 /// Fails if the workers have given up a combination.
 pub fn run_shared(sweep: &CheckedSweep, missing: Vec<usize>, jobs: usize, lease: u16) -> Result<(), Exit> {
@@ -98,7 +99,8 @@ impl SharedRun<'_> {
             }
             Ok(false) => self.work.end(index, ClaimState::Stopped, None),
             Err(exit) => {
-                // The reason is already printed, and the claim may be as impossible to write as the row.
+                // A failure to write the claim is ignored: the first failure is already printed, and often
+                // has the same cause.
                 let _ = self.work.end(index, ClaimState::Failed, output::last_error());
                 Err(exit)
             }

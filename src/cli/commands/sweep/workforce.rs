@@ -22,8 +22,8 @@ pub struct Workforce<'a> {
 impl Workforce<'_> {
     /// Processes the missing combinations, or only shows what would be submitted.
     ///
-    /// Returns the exit code of the command if combinations are still missing: they were only shown, or a signal
-    /// has stopped this program.
+    /// Returns the exit code of the command if combinations may still be missing: the job was only shown, or
+    /// a signal has stopped this program.
     pub fn process(&self, sweep: &CheckedSweep, missing: Vec<usize>) -> Result<Option<Exit>, Exit> {
         let flags = self.options.flags;
         match (self.claims, flags.on) {
