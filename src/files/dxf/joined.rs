@@ -79,7 +79,7 @@ fn ends(paths: &[OpenPath]) -> Vec<[usize; 2]> {
 }
 
 /// Returns the vertices of a path without the last vertex. If `is_reversed` is true, the path runs
-/// backwards and its arcs turn to the other side.
+/// backwards and its arcs change from anticlockwise to clockwise or vice versa.
 fn pieces(vertices: &[PathVertex], is_reversed: bool) -> Vec<PathVertex> {
     let segments = vertices.windows(2);
     if is_reversed {

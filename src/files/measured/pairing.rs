@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 /// Joints of every line of a table of positions.
 pub struct PairedJoints {
-    /// Joints of the lines; None if the second table has no such posture.
+    /// Joint coordinates of every line; None for a line whose posture the second table does not contain.
     pub joints: Vec<Option<JointVector>>,
     pub names: Vec<String>,
     pub angle_unit: Option<StatedUnit>,
@@ -18,7 +18,7 @@ pub struct PairedJoints {
     pub note: String,
 }
 
-/// Names of columns that identify a posture, the most telling first.
+/// Names of columns that identify a posture, the preferred one first.
 const KEYS: [&str; 14] = [
     "id",
     "pose",

@@ -162,6 +162,6 @@ fn in_words(rule: &Rule) -> String {
             }
             rule + "."
         }
-        Rule::NotNegativeWhen(key, word) => format!("- If `{key}` is \"{word}\", no number is negative."),
+        Rule::NotNegativeWhen(key, word) => format!("- If `{key}` is \"{word}\", no number may be negative."),
     }
 }
