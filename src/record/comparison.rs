@@ -21,7 +21,7 @@ pub struct ComparisonDocument {
     pub layouts: Vec<ComparedLayout>,
 }
 
-/// One layout of a comparison. World frame, mm and degrees.
+/// One layout of a comparison. Positions are in the world frame, mm; angles are in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedLayout {

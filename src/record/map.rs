@@ -21,7 +21,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `map --json`.
 pub const MAP_SCHEMA: &str = "sweetspot/map/1";
 
-/// Error map of one layout: every node of every operation. World frame, mm and degrees.
+/// Error map of one layout: every node of every operation. Positions are in the world frame, mm; angles are
+/// in degrees.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapDocument<'a> {
@@ -245,13 +246,13 @@ pub struct GuardEntry {
     pub trusted: bool,
 }
 
-/// Usable nodes whose postures the calibration of the robot did not measure.
+/// Usable nodes at which a joint is outside the range that the calibration of the robot measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExtrapolatedEntry {
-    /// Number of usable nodes outside the measured ranges.
+    /// Number of usable nodes at which a joint is outside its measured range.
     pub nodes: usize,
-    /// Names of the joints that leave their measured range.
+    /// Names of the joints that are outside their measured range at one of these nodes.
     pub joints: Vec<String>,
     /// Whether the spot is one of these nodes.
     pub spot: bool,

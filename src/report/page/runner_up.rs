@@ -57,7 +57,7 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })
 }
 
-/// Largest number of nodes whose certificate is tried.
+/// Largest number of nodes for which a certificate is computed.
 const MAX_CERTIFIED: usize = 32;
 
 /// Returns the usable node with the least value, other than the spot and the points touched to teach a frame.
