@@ -27,7 +27,7 @@ pub struct BudgetDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Name of the figure that the search minimizes.
+    /// Name of the figure that the reading gives.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,

@@ -32,7 +32,7 @@ pub struct ExplanationDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Name of the figure that the search minimizes.
+    /// Name of the figure that the reading gives.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
@@ -89,7 +89,7 @@ pub struct ExplanationDocument {
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
-    /// Value of the figure that the search minimizes, in `unit`.
+    /// Value of the figure that `quantity` names, in `unit`.
     pub value: f64,
     pub unit: Unit,
 }

@@ -46,7 +46,7 @@ pub struct OperationReadings {
 #[serde(deny_unknown_fields)]
 pub struct ReadingEntry {
     pub reading: Reading,
-    /// Name of the figure that the search minimizes.
+    /// Name of the figure that `reading` gives.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,

@@ -41,7 +41,7 @@ key_table! {
         GAP = number("gap", NumberRange::NotNegative, "Stop when the objective exceeds the proven lower bound by at most this share: 0.01 is 1 %.").example("0.01");
         STAGNATION = Key::new("stagnation", BUDGETS, "Stop after this number of layouts without improvement.").example("5000");
         PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Search for the Pareto front of these goals: layouts of which none is better than another in every goal.").example("[\"error\", \"clearance\"]");
-        KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of layouts to report: the best ones that differ from each other.").example("5");
+        KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of layouts to report: the best layouts that clearly differ from each other.").example("5");
     }
 }
 

@@ -119,7 +119,7 @@ key_table! {
         FROM = from("\"equipment/gripper.toml\"");
         SCHEMA = schema("sweetspot/tool/1");
         UNITS = super::UNITS;
-        NAME = text("name", "Name of the tool.");
+        NAME = text("name", "Name of the tool for readers of its file.");
         SOURCE = super::SOURCE;
         POSITION = vector("position_mm", "Position of the tool centre point (TCP).").required().example("[0, 0, 160]");
         RPY = super::RPY;

@@ -150,7 +150,7 @@ fn in_words(rule: &Rule) -> String {
         Rule::Excludes(key, others) => {
             format!("- If `{key}` is given, none of {} may be given.", list(others))
         }
-        Rule::OnlyWith(key, others) => format!("- Without `{key}` none of {} may be given.", list(others)),
+        Rule::OnlyWith(key, others) => format!("- Without `{key}`, none of {} may be given.", list(others)),
         Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
         Rule::When { key, words, needs, never } => {
             let mut rule = format!("- If `{key}` is {}", quoted(&words()));

@@ -43,8 +43,14 @@ pub fn allocation(d: &AllocationDocument) -> String {
         .collect();
     let lists = [
         ("may be loosened", loosened),
-        ("at their loosest, so a wider range would save more", of_end(ToleranceEnd::Loosest)),
-        ("at their tightest, so a wider range would save", of_end(ToleranceEnd::Tightest)),
+        (
+            "at the loosest end of their ranges, so wider ranges would lower the cost",
+            of_end(ToleranceEnd::Loosest),
+        ),
+        (
+            "at the tightest end of their ranges, so wider ranges would lower the cost",
+            of_end(ToleranceEnd::Tightest),
+        ),
     ];
     for (what, names) in lists.iter().filter(|(_, names)| !names.is_empty()) {
         let _ = writeln!(out, "  {what}: {}", few(names));
