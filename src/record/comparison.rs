@@ -29,7 +29,7 @@ pub struct ComparedLayout {
     pub feasible: bool,
     /// Objective if it is a length; null otherwise.
     pub objective_mm: Option<f64>,
-    /// Objective in `unit`.
+    /// Objective of the layout, in `unit`; null if the layout is not feasible.
     pub objective: Option<f64>,
     pub unit: Unit,
     /// Change of the objective relative to the first layout, percent.

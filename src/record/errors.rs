@@ -52,7 +52,7 @@ pub struct ErrorsDocument {
     pub parameters: Vec<SpreadEntry>,
 }
 
-/// Origin of tolerances.
+/// Origin of the tolerances: an error set of the robot, or a preset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ErrorOrigin {
@@ -101,7 +101,7 @@ pub struct TestCubeEntry {
     pub poses: Vec<TestPoseEntry>,
 }
 
-/// One test pose.
+/// Pose in the test cube at which the accuracy is predicted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TestPoseEntry {

@@ -36,7 +36,7 @@ pub struct MapDocument<'a> {
     pub feasible: bool,
     /// Objective if it is a length; null otherwise.
     pub objective_mm: Option<f64>,
-    /// Objective in `unit`.
+    /// Objective of the layout, in `unit`; null if the layout is not feasible.
     pub objective: Option<f64>,
     pub unit: Unit,
     /// Caveats on the interpretation of the errors.
@@ -98,7 +98,7 @@ impl SenseEntry {
 pub struct OperationMapEntry<'a> {
     pub name: String,
     pub equipment: String,
-    /// Sense of the operation.
+    /// Name of the sense that the operation states.
     pub sense: String,
     /// Senses in which the errors of every node are reported.
     pub senses: Vec<SenseEntry>,

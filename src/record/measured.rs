@@ -17,13 +17,13 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct ComparedFile {
     pub file: String,
-    /// Measured errors of the nominal robot.
+    /// Statistics of the measured errors of the nominal robot.
     pub measured: AccuracyEntry,
-    /// Predicted sizes of the errors of the nominal robot.
+    /// Statistics of the predicted sizes of the errors of the nominal robot.
     pub predicted: AccuracyEntry,
     /// Whether the random part of the errors counts in the predicted sizes, which are then root mean squares.
     pub predicted_rms: bool,
-    /// Measured minus predicted errors.
+    /// Statistics of the measured minus the predicted errors.
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
@@ -55,7 +55,7 @@ pub struct ComparedPosition {
     pub joints: Vec<f64>,
     /// Position of the reflector for the nominal robot.
     pub nominal_mm: [f64; 3],
-    /// Measured minus nominal position.
+    /// Measured error: the measured minus the nominal position.
     pub measured_mm: [f64; 3],
     /// Predicted error without the part that the fit of base and reflectors absorbs.
     pub predicted_mm: [f64; 3],

@@ -42,7 +42,7 @@ pub struct RegionEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurnEntry {
-    /// Least and greatest angle.
+    /// Least and greatest angle of the rotation.
     pub turn_deg: [f64; 2],
     /// Reason that limits the rotation at the nearer end of its range.
     pub ends_with: String,

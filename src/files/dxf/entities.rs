@@ -51,7 +51,7 @@ pub struct Insert {
     pub block: String,
     pub at: Vector2<f64>,
     pub scale: Vector2<f64>,
-    /// Rotation, rad.
+    /// Rotation of the copies about the insertion point, rad.
     pub rotation: f64,
     pub columns: u64,
     pub rows: u64,

@@ -56,7 +56,7 @@ impl PlaneMap {
 pub struct PlacedShape {
     pub shape: FlatShape,
     pub map: PlaneMap,
-    /// Layer in upper case.
+    /// Name of the layer, in upper case.
     pub layer: String,
     pub line: usize,
 }

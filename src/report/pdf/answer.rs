@@ -19,7 +19,7 @@ const INSET: f64 = 0.95;
 /// Least and greatest height of the picture, mm.
 const PICTURE: (f64, f64) = (70.0, 112.0);
 
-/// Returns the page.
+/// Returns the first page of the PDF: picture, placements, errors against limits, yield and room.
 ///
 /// # Errors
 /// Fails if the picture cannot be drawn.
