@@ -16,8 +16,8 @@ pub struct OpenPath {
 
 /// Returns the closed outlines that open paths form, and the paths that belong to none.
 ///
-/// A chain of paths is an outline if exactly two ends meet at each of its joints. The line of an outline is that of its
-/// first path.
+/// A chain of paths is an outline if exactly two ends meet at each of its joints. An outline begins at the
+/// line of the file at which its first path begins.
 pub fn joined(paths: Vec<OpenPath>) -> (Vec<(PlanPath, usize)>, Vec<OpenPath>) {
     let ends = ends(&paths);
     let mut at_joint: HashMap<usize, Vec<usize>> = HashMap::new();

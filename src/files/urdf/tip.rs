@@ -22,7 +22,7 @@ const ARM_BEFORE_JAW: usize = 5;
 /// Largest travel of a jaw, m.
 const JAW: f64 = 0.15;
 
-/// Words in the names of links that carry a tool, best first.
+/// Words in the names of links that carry a tool, the preferred word first.
 const TOOL_WORDS: [&str; 9] =
     ["tcp", "tool0", "tool_frame", "tool", "end_effector", "eef", "ee_link", "flange", "mounting_plate"];
 

@@ -38,7 +38,7 @@ pub fn height(drawing: &Drawing<'_>) -> f64 {
     LINE * lines(drawing).len() as f64 + 3.0
 }
 
-/// Draws the list. A list that is higher than its space is drawn with a smaller line height.
+/// Draws the list. A list that is taller than its space is drawn with a smaller line height.
 pub fn draw(out: &mut String, drawing: &Drawing<'_>, arrangement: &Arrangement) {
     let lines = lines(drawing);
     let (left, top, high) = arrangement.list;
