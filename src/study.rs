@@ -120,7 +120,8 @@ pub struct SearchedStudy {
 }
 
 impl Study {
-    /// Loads a cell file and everything that it refers to, which must be in its folder or below.
+    /// Loads a cell file and all files that it refers to. These files must be in the folder of the cell file
+    /// or below it.
     ///
     /// # Errors
     /// Fails with all faults of all files.

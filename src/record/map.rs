@@ -123,7 +123,8 @@ pub struct OperationMapEntry<'a> {
     pub worst: Option<f64>,
     pub counts: StatusCounts,
     pub guard: GuardEntry,
-    /// Usable nodes outside the joint ranges of the calibration; left out if there are none.
+    /// Usable nodes at which a joint is outside the range that the calibration measured; left out if there
+    /// are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extrapolated: Option<ExtrapolatedEntry>,
     /// Monte Carlo check of the spot; null unless the reading is statistical.

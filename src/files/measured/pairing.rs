@@ -8,7 +8,7 @@ use crate::cell::JointVector;
 use crate::files::fault::{Fault, shown};
 use std::collections::HashMap;
 
-/// Joints of every line of a table of positions.
+/// Joint coordinates of every line of a table of positions.
 pub struct PairedJoints {
     /// Joint coordinates of every line; None for a line whose posture the second table does not contain.
     pub joints: Vec<Option<JointVector>>,
@@ -36,7 +36,7 @@ const KEYS: [&str; 14] = [
     "time",
 ];
 
-/// Finds the joints of every line of `positions` in the table `joints`, read from `file`.
+/// Finds the joint coordinates of every line of `positions` in the table `joints`, read from `file`.
 ///
 /// # Errors
 ///
