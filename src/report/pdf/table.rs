@@ -115,8 +115,8 @@ impl TypesetTable {
     }
 }
 
-/// Returns the natural width of every column, mm: the width of its widest cell or of the longest word of its
-/// head.
+/// Returns the natural width of every column, mm: the width of its widest cell or of its head. A head that is
+/// wider than 8 font heights may be broken between words.
 fn natural_widths(table: &PageTable, size: f64) -> Vec<f64> {
     let of_head = |word: &str| 1.08 * words::width(word, size);
     let column = |(k, head): (usize, &String)| {
