@@ -52,7 +52,7 @@
 //! | [`cycle_time`] | cycle time | joint vectors and speeds to the least time of a motion |
 //! | [`error_map`] | error map | surface to the spot of least error, or to the whole map |
 //! | [`layout`] | evaluation | **[`layout::evaluate`]: layout to evaluation** |
-//! | [`region`] | room for the fitter | layout to the placements at which the layout stays feasible |
+//! | [`region`] | feasible regions | layout to the placements at which the layout stays feasible |
 //! | [`search`] | optimization | cell to the best layout found |
 //! | [`proof`] | lower bound | cell to a lower bound that no layout beats |
 //! | [`assess`] | assessment | layout to all its figures; comparison of layouts |

@@ -56,7 +56,7 @@ impl fmt::Display for StudyError {
 
 impl std::error::Error for StudyError {}
 
-/// Value of a key of a cell file: a number, a truth value, a text, a list, or anything in TOML.
+/// Value of a key of a cell file: a number, a truth value, a text, a list, or any other TOML value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyValue(String);
 
@@ -98,13 +98,13 @@ impl<T: Into<StudyValue>, const N: usize> From<[T; N]> for StudyValue {
     }
 }
 
-/// Layout as drawn, evaluated: the objective, and every operation at its spot.
+/// Evaluation of the layout as drawn: the objective, and every operation at its spot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluatedStudy {
     /// Objective in `unit`; None if the layout is not feasible.
     pub objective: Option<f64>,
     pub unit: Unit,
-    /// Reasons why the layout is not feasible; empty if it is.
+    /// Reasons why the layout is not feasible; empty if the layout is feasible.
     pub reasons: Vec<String>,
     /// Placement of every piece of equipment, mm and degrees.
     pub layout: ByName<PlacementEntry>,
@@ -120,7 +120,8 @@ pub struct SearchedStudy {
 }
 
 impl Study {
-    /// Loads a cell file and everything that it refers to, which must be in its folder or below.
+    /// Loads a cell file and all files that it refers to. These files must be in the folder of the cell file
+    /// or below it.
     ///
     /// # Errors
     /// Fails with all faults of all files.
@@ -159,8 +160,9 @@ impl Study {
         Ok(Self { origin, settings, loaded })
     }
 
-    /// Returns this study with another value of a key: a dotted path as in TOML, which `*` may extend to all
-    /// operations. Lengths are in mm, angles in degrees.
+    /// Returns a study that differs from this one in the value of a key. The key is a dotted path as in TOML.
+    /// The name `"*"` in it stands for every name of a table, as in `operation."*".limit_mm`. Lengths are in
+    /// mm, angles in degrees.
     ///
     /// # Errors
     /// Fails with the faults of the setting, such as an unknown key.
@@ -168,7 +170,8 @@ impl Study {
         self.set_all([(key, value.into())])
     }
 
-    /// Returns this study with several keys set at once, for values that are valid only together.
+    /// Returns a study that differs from this one in the values of several keys. The keys are set at once, so
+    /// the values may be valid only together.
     ///
     /// # Errors
     /// Fails with the faults of all settings.
@@ -263,7 +266,9 @@ impl Study {
         report::toml::fixed(from, "Layout of a study", self.cell(), &self.cell().start())
     }
 
-    /// Returns the study whose layout as drawn is `layout`. It reads the text that `sweetspot search` writes.
+    /// Returns a study whose layout as drawn is `layout`. The study reads this layout from a cell file such
+    /// as
+    /// `sweetspot search` writes.
     fn at(&self, layout: &Layout) -> Result<Self, StudyError> {
         let mut files: Vec<(String, Vec<u8>)> =
             self.loaded.sources.iter().map(|source| (source.path.clone(), source.bytes.clone())).collect();

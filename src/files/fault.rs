@@ -25,7 +25,7 @@ pub enum FaultKind {
     Unreadable,
     /// The cell or robot file itself is of another kind, which its content shows.
     Foreign(FileContent),
-    /// Warning of the import of a URDF, which holds as long as the URDF stays the same.
+    /// Warning of the import of a URDF. It is valid until the URDF changes.
     Import,
 }
 

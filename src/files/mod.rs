@@ -116,8 +116,8 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
     }
 }
 
-/// Reads the outline of a URDF that stands alone, without its meshes, and its warnings. `tip` names the
-/// link that carries the tool; with None, the link is guessed.
+/// Reads the outline of a URDF file, and the warnings about it. Neither a robot file nor meshes are read.
+/// `tip` names the link that carries the tool; with None, the link is guessed.
 ///
 /// # Errors
 ///

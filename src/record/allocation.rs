@@ -129,7 +129,7 @@ pub struct AllocationRequirement {
     pub after: Option<f64>,
     /// Whether the figure is at its limit.
     pub is_binding: bool,
-    /// Decrease of the cost per unit of a larger limit.
+    /// Decrease of the cost per unit by which the limit is raised; null if infeasible.
     pub shadow_price: Option<f64>,
     /// Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled.
     pub sampled: Option<f64>,
@@ -166,8 +166,8 @@ pub struct BoundEntry {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JudgementEntry {
-    /// Largest excess of the first solution over a limit by the full error model, percent. Negative if the
-    /// solution keeps all limits.
+    /// Largest excess over a limit that the full error model finds for the first solution, percent. Negative
+    /// if the solution keeps all limits.
     pub missed_percent: f64,
     /// Number of rounds that adapted the linear requirements to the full model.
     pub rounds: usize,

@@ -27,14 +27,14 @@ pub struct BudgetDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Name of the figure that the search minimizes.
+    /// Name of the figure that the reading gives.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
     pub operations: Vec<OperationBudget>,
 }
 
-/// Error budget of one operation at one node. World frame, mm and degrees.
+/// Error budget of one operation at one node. Positions are in the world frame, mm; angles are in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OperationBudget {
@@ -45,9 +45,10 @@ pub struct OperationBudget {
     pub limit: Option<f64>,
     pub node: Option<[usize; 2]>,
     pub position_mm: [f64; 3],
+    /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
-    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors are no
-    /// tolerances: they compensate each other in one calibrated arm.
+    /// Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors are not
+    /// tolerances, because measured errors compensate each other in one calibrated arm.
     pub worst_linear_exact: Option<bool>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
@@ -57,8 +58,8 @@ pub struct OperationBudget {
     pub monte_carlo: Option<MonteCarloEntry>,
     /// Shares of the parameters, the largest first.
     pub parameters: Vec<ShareEntry>,
-    /// Gains from halving the tolerances of the parameters with the largest shares. Empty if the errors are no
-    /// tolerances.
+    /// Gains from halving the tolerances of the parameters with the largest shares. Empty if the errors are
+    /// not tolerances.
     pub tighten: Vec<TightenEntry>,
     /// Worst case of the linear model, in the unit of the sense. Null if the errors are not tolerances.
     pub linear_worst: Option<f64>,
@@ -91,14 +92,14 @@ pub struct ShareEntry {
     pub unit: ParameterUnit,
     pub signed: f64,
     pub plus_minus: f64,
-    /// Linear position error of the TCP that the parameter causes, world frame. In the signed reading the
-    /// parameter has its signed value, otherwise the upper limit of its tolerance.
+    /// Linear position error of the TCP that the parameter causes, in the world frame. In the signed reading,
+    /// the parameter has its signed value, otherwise the upper limit of its tolerance.
     pub linear_term_mm: [f64; 3],
     /// Linear error in the sense of the operation if this parameter is at its tolerance and all others are 0.
     pub alone: f64,
-    /// Null if the errors are not tolerances.
+    /// Share of the parameter in the linear worst case, from 0 to 1. Null if the errors are not tolerances.
     pub share_of_worst: Option<f64>,
-    /// Null if the errors are not tolerances.
+    /// Share of the parameter in the linear variance, from 0 to 1. Null if the errors are not tolerances.
     pub share_of_variance: Option<f64>,
 }
 

@@ -21,7 +21,7 @@ pub struct ComparisonDocument {
     pub layouts: Vec<ComparedLayout>,
 }
 
-/// One layout of a comparison. World frame, mm and degrees.
+/// One layout of a comparison. Positions are in the world frame, mm; angles are in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedLayout {
@@ -29,7 +29,7 @@ pub struct ComparedLayout {
     pub feasible: bool,
     /// Objective if it is a length; null otherwise.
     pub objective_mm: Option<f64>,
-    /// Objective in `unit`.
+    /// Objective of the layout, in `unit`; null if the layout is not feasible.
     pub objective: Option<f64>,
     pub unit: Unit,
     /// Change of the objective relative to the first layout, percent.

@@ -46,7 +46,7 @@ pub enum CorrectionState {
     JointLimit,
     /// Newton's method has not converged.
     NotConverged,
-    /// The target is not usable for the nominal robot.
+    /// The nominal robot cannot use the target, for example because the target is out of reach.
     Unusable,
 }
 
@@ -70,7 +70,7 @@ pub struct CorrectionEntry {
     pub name: Option<String>,
     /// Indices of the node along x and y of the surface; null for a target of a table.
     pub node: Option<[usize; 2]>,
-    /// Position of the target, world frame.
+    /// Position of the target in the world frame.
     pub position_mm: Option<[f64; 3]>,
     pub state: CorrectionState,
     /// Reason why the target is not corrected; null if the target is corrected.
@@ -79,15 +79,16 @@ pub struct CorrectionEntry {
     pub nominal_joints: Option<Vec<f64>>,
     /// Corrected joint coordinates, the joint command: degrees, or mm for a prismatic joint.
     pub joints: Option<Vec<f64>>,
-    /// Pose command for a controller without calibration: the nominal pose at the joint command, base frame.
+    /// Pose command for a controller without calibration: the nominal pose of the TCP at the joint
+    /// command, in the base frame.
     pub command: Option<PoseEntry>,
-    /// Position error without correction.
+    /// Position error of the TCP without correction.
     pub before_mm: Option<f64>,
-    /// Orientation error without correction.
+    /// Orientation error of the TCP without correction.
     pub before_deg: Option<f64>,
-    /// Position error that remains.
+    /// Position error of the TCP that remains after the correction.
     pub rest_mm: Option<f64>,
-    /// Orientation error that remains.
+    /// Orientation error of the TCP that remains after the correction.
     pub rest_deg: Option<f64>,
     /// Root mean square of the random position error, which no correction removes; null without random errors.
     pub random_mm: Option<f64>,
@@ -117,7 +118,7 @@ impl CorrectionEntry {
     /// Makes the entry of a target of an operation. A target of a table has a `name`; a target on the grid
     /// has a `node`.
     ///
-    /// `position` is the position of the target, world frame, m.
+    /// `position` is the position of the target in the world frame, m.
     pub fn new(
         cell: &Cell,
         operation: usize,

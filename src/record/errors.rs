@@ -42,7 +42,7 @@ pub struct ErrorsDocument {
     pub steps: usize,
     /// Predicted pose accuracy AP from the constant errors alone.
     pub ap: AccuracyQuantiles,
-    /// Predicted accuracy of the tolerances as printed, random errors included.
+    /// Predicted pose accuracy AP from the printed tolerances, which include the random errors.
     pub ap_of_set: AccuracyQuantiles,
     /// Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a
     /// prismatic joint. Null without a repeatability.
@@ -52,7 +52,7 @@ pub struct ErrorsDocument {
     pub parameters: Vec<SpreadEntry>,
 }
 
-/// Origin of tolerances.
+/// Origin of the tolerances: an error set of the robot, or a preset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ErrorOrigin {
@@ -85,7 +85,7 @@ pub struct AccuracyQuantiles {
     pub worst_pose_mm: f64,
 }
 
-/// Test cube of ISO 9283, base frame.
+/// Test cube of ISO 9283. Positions are in the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TestCubeEntry {
@@ -101,7 +101,7 @@ pub struct TestCubeEntry {
     pub poses: Vec<TestPoseEntry>,
 }
 
-/// One test pose.
+/// Pose in the test cube at which the accuracy is predicted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TestPoseEntry {
@@ -117,7 +117,7 @@ pub struct TestPoseEntry {
 #[serde(deny_unknown_fields)]
 pub struct SpreadEntry {
     pub name: String,
-    /// Half width.
+    /// Half width of the tolerance, in `unit`.
     pub plus_minus: f64,
     /// Unit of the half width: mm or deg.
     pub unit: String,

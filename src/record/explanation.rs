@@ -19,8 +19,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `explain --json`.
 pub const EXPLANATION_SCHEMA: &str = "sweetspot/explain/1";
 
-/// Error calculation of one posture with all intermediate results, for a check by hand. Lengths in mm, angles
-/// in degrees.
+/// Error calculation of one posture with all intermediate results, for a check by hand. Lengths are in mm,
+/// angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExplanationDocument {
@@ -32,7 +32,7 @@ pub struct ExplanationDocument {
     pub errors: String,
     pub model: Model,
     pub reading: Reading,
-    /// Name of the figure that the search minimizes.
+    /// Name of the figure that the reading gives.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,
@@ -43,10 +43,11 @@ pub struct ExplanationDocument {
     pub limit: Option<f64>,
     /// Indices of the node; null if joint values were given.
     pub node: Option<[usize; 2]>,
-    /// TCP in the world frame.
+    /// Position of the TCP in the world frame.
     pub position_mm: [f64; 3],
+    /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
-    /// Robot base in the world frame.
+    /// Placement of the robot base in the world frame.
     pub base: PlacementEntry,
     pub tool_axis_world: [f64; 3],
     /// Angle of the tool axis above the horizontal.
@@ -59,28 +60,28 @@ pub struct ExplanationDocument {
     /// `l_mm` and `alpha_deg` of row 1 of the file are part of frame 0. In the last row of this table, both
     /// are 0.
     pub dh: Vec<DhEntry>,
-    /// Link frames and the TCP in the base frame.
+    /// Frames of the links and of the TCP, in the base frame.
     pub frames: Vec<FrameEntry>,
     pub parameters: Vec<ParameterEntry>,
-    /// Error by the linear model, world frame.
+    /// Error of the TCP by the linear model, in the world frame.
     pub linear: DisplacementEntry,
-    /// Second-order correction of the linear model, world frame.
+    /// Second-order correction of the linear model, in the world frame.
     pub second_order_correction: DisplacementEntry,
-    /// Error by the second-order model, world frame.
+    /// Error of the TCP by the second-order model, in the world frame.
     pub second_order: DisplacementEntry,
-    /// Error by the nonlinear model, world frame.
+    /// Error of the TCP by the nonlinear model, in the world frame.
     pub nonlinear: DisplacementEntry,
-    /// Nonlinear error of the robot alone, world frame. The effects of registration, of the pick of the part
-    /// and of equipment errors are not subtracted.
+    /// Nonlinear error of the robot alone, in the world frame. The effects of registration, of the pick of
+    /// the part and of equipment errors are not subtracted.
     pub robot_alone_nonlinear: DisplacementEntry,
-    /// Displacement that is subtracted from the nonlinear error of the robot alone, world frame. The
+    /// Displacement that is subtracted from the nonlinear error of the robot alone, in the world frame. The
     /// registration, the pick of the part and errors of the equipment cause this displacement.
     pub taken_off_nonlinear: DisplacementEntry,
     pub guard: PostureGuardEntry,
     /// Rows of the sense: weighted components of the error, with their values.
     pub sense_rows: Vec<SenseRowEntry>,
-    /// Sign of every parameter at the worst corner of the tolerance box. Null if the errors are not tolerances:
-    /// they compensate each other in one calibrated arm.
+    /// Sign of every parameter at the worst corner of the tolerance box. Null if the errors are not
+    /// tolerances, because measured errors compensate each other in one calibrated arm.
     pub worst_corner: Option<ByName<i8>>,
     pub total: TotalEntry,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. Null if the operation
@@ -88,7 +89,7 @@ pub struct ExplanationDocument {
     pub margin: Option<f64>,
     /// Monte Carlo check of the posture; null unless the reading is statistical.
     pub monte_carlo: Option<MonteCarloEntry>,
-    /// Value of the figure that the search minimizes, in `unit`.
+    /// Value of the figure that `quantity` names, in `unit`.
     pub value: f64,
     pub unit: Unit,
 }
@@ -151,7 +152,7 @@ pub struct ParameterEntry {
     pub standard_deviation: f64,
     pub motions: Vec<MotionEntry>,
     pub effect_base_mm_per_unit: [f64; 3],
-    /// Part of the effect that the registration and the pick of the part subtract, base frame.
+    /// Part of the effect that the registration and the pick of the part subtract, in the base frame.
     pub taken_off_base_mm_per_unit: [f64; 3],
     pub linear_term_mm: [f64; 3],
     pub linear_term_deg: [f64; 3],
@@ -170,7 +171,7 @@ pub struct MotionEntry {
     /// torque in N m.
     pub factor: f64,
     pub axis_base: [f64; 3],
-    /// Vector from the origin of `frame` to the TCP, base frame.
+    /// Vector from the origin of `frame` to the TCP, in the base frame.
     pub lever_base_mm: [f64; 3],
 }
 

@@ -21,7 +21,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `map --json`.
 pub const MAP_SCHEMA: &str = "sweetspot/map/1";
 
-/// Error map of one layout: every node of every operation. World frame, mm and degrees.
+/// Error map of one layout: every node of every operation. Positions are in the world frame, mm; angles are
+/// in degrees.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapDocument<'a> {
@@ -35,7 +36,7 @@ pub struct MapDocument<'a> {
     pub feasible: bool,
     /// Objective if it is a length; null otherwise.
     pub objective_mm: Option<f64>,
-    /// Objective in `unit`.
+    /// Objective of the layout, in `unit`; null if the layout is not feasible.
     pub objective: Option<f64>,
     pub unit: Unit,
     /// Caveats on the interpretation of the errors.
@@ -97,7 +98,7 @@ impl SenseEntry {
 pub struct OperationMapEntry<'a> {
     pub name: String,
     pub equipment: String,
-    /// Sense of the operation.
+    /// Name of the sense that the operation states.
     pub sense: String,
     /// Senses in which the errors of every node are reported.
     pub senses: Vec<SenseEntry>,
@@ -122,7 +123,8 @@ pub struct OperationMapEntry<'a> {
     pub worst: Option<f64>,
     pub counts: StatusCounts,
     pub guard: GuardEntry,
-    /// Usable nodes outside the joint ranges of the calibration; left out if there are none.
+    /// Usable nodes at which a joint is outside the range that the calibration measured; left out if there
+    /// are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extrapolated: Option<ExtrapolatedEntry>,
     /// Monte Carlo check of the spot; null unless the reading is statistical.
@@ -245,13 +247,13 @@ pub struct GuardEntry {
     pub trusted: bool,
 }
 
-/// Usable nodes whose postures the calibration of the robot did not measure.
+/// Usable nodes at which a joint is outside the range that the calibration of the robot measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExtrapolatedEntry {
-    /// Number of usable nodes outside the measured ranges.
+    /// Number of usable nodes at which a joint is outside its measured range.
     pub nodes: usize,
-    /// Names of the joints that leave their measured range.
+    /// Names of the joints that are outside their measured range at one of these nodes.
     pub joints: Vec<String>,
     /// Whether the spot is one of these nodes.
     pub spot: bool,

@@ -17,31 +17,33 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct ComparedFile {
     pub file: String,
-    /// Measured errors of the nominal robot.
+    /// Statistics of the measured errors of the nominal robot.
     pub measured: AccuracyEntry,
-    /// Predicted sizes of these errors.
+    /// Statistics of the predicted sizes of the errors of the nominal robot.
     pub predicted: AccuracyEntry,
     /// Whether the random part of the errors counts in the predicted sizes, which are then root mean squares.
     pub predicted_rms: bool,
-    /// Measured minus predicted errors.
+    /// Statistics of the measured minus the predicted errors.
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
     /// The random errors are taken as constant over the poses. The fit of base and reflectors absorbs a part
-    /// of them.
+    /// of the random errors.
     pub coverage_95: Option<f64>,
     /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
     /// misfit of a calibration changes like this. Null unless the errors are measured.
     pub coverage_95_varying: Option<f64>,
-    /// Spearman correlation of predicted and measured sizes over all positions. Null if all are equal.
+    /// Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
+    /// measured sizes are equal.
     pub rank_correlation: Option<f64>,
     pub spots: SpotRankingEntry,
-    /// Accuracy and repeatability of postures that were visited several times; null if there are none.
+    /// Accuracy and repeatability of postures that were visited several times; null without such a
+    /// posture.
     pub repeats: Option<RepeatsEntry>,
     pub positions: Vec<ComparedPosition>,
 }
 
-/// One measured position with its prediction; base frame of the robot.
+/// One measured position with its prediction, in the base frame of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparedPosition {
@@ -53,7 +55,7 @@ pub struct ComparedPosition {
     pub joints: Vec<f64>,
     /// Position of the reflector for the nominal robot.
     pub nominal_mm: [f64; 3],
-    /// Measured minus nominal position.
+    /// Measured error: the measured minus the nominal position.
     pub measured_mm: [f64; 3],
     /// Predicted error without the part that the fit of base and reflectors absorbs.
     pub predicted_mm: [f64; 3],
@@ -71,7 +73,8 @@ pub struct ComparedPosition {
 pub struct SpotRankingEntry {
     /// Number of spots.
     pub count: usize,
-    /// Spearman correlation of predicted and measured errors over the spots. Null if all are equal.
+    /// Spearman correlation of predicted and measured errors over the spots. Null if all predicted or all
+    /// measured errors are equal.
     pub rank_correlation: Option<f64>,
     /// Spot with the least predicted error.
     pub predicted_best: MeasuredSpotEntry,
@@ -87,7 +90,7 @@ pub struct SpotRankingEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredSpotEntry {
-    /// Mean position of the reflector for the nominal robot, base frame.
+    /// Mean position of the reflector for the nominal robot, in the base frame.
     pub position_mm: [f64; 3],
     /// Number of measured positions.
     pub positions: usize,
@@ -119,7 +122,7 @@ pub struct RepeatedPostureEntry {
     /// Row of the file with the first visit, counted from 1 without the header.
     pub row: usize,
     pub visits: usize,
-    /// Position of the reflector for the nominal robot, base frame.
+    /// Position of the reflector for the nominal robot, in the base frame.
     pub position_mm: [f64; 3],
     /// Distance of the barycentre of the measured positions from the command position.
     pub ap_mm: f64,

@@ -13,7 +13,7 @@ use std::borrow::Cow;
 /// Error figures for several senses, each under the name of its sense.
 pub type BySense = ByName<f64>;
 
-/// One node of a map: world frame, mm and degrees. A node without a posture has no errors.
+/// One node of a map. Vectors are in the world frame, mm or degrees. A node without a posture has no errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MapNode {

@@ -14,10 +14,10 @@ pub enum ParameterUnit {
     Length,
     #[serde(rename = "deg")]
     Angle,
-    /// Deflection of a joint per horizontal lever of a link.
+    /// Deflection of a joint per horizontal lever of a link, degrees per m.
     #[serde(rename = "deg/m")]
     AnglePerLever,
-    /// Deflection of a joint per torque.
+    /// Deflection of a joint per torque, degrees per N m.
     #[serde(rename = "deg/Nm")]
     AnglePerTorque,
     /// Share of a stated error.

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `readings --json`.
 pub const READINGS_SCHEMA: &str = "sweetspot/readings/1";
 
-/// Results of evaluating the drawn layout under every reading and registration. World frame, mm and degrees.
+/// Results of evaluating the drawn layout under every reading and registration. Positions are in the world
+/// frame, mm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReadingsDocument {
@@ -45,7 +46,7 @@ pub struct OperationReadings {
 #[serde(deny_unknown_fields)]
 pub struct ReadingEntry {
     pub reading: Reading,
-    /// Name of the figure that the search minimizes.
+    /// Name of the figure that `reading` gives.
     #[schemars(extend("enum" = VALUE_WORDS))]
     pub quantity: String,
     pub registration: Registration,

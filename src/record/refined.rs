@@ -13,6 +13,7 @@ pub struct RefinedEntry {
     pub position_mm: [f64; 3],
     /// Coordinates x and y of the spot in the frame of the equipment.
     pub on_surface_mm: [f64; 2],
+    /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Vec<f64>,
     /// Value of the operation at the refined spot, in the unit of the objective.
     pub value: f64,

@@ -1,4 +1,4 @@
-//! Regions of a layout in documents: where each piece may stand.
+//! Regions of a layout in documents: where each piece of equipment and the robot base may stand.
 
 use super::numbers::{degrees, millimetres};
 use crate::assess::Assessment;
@@ -8,8 +8,8 @@ use crate::units::rounded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Region in which one piece may stand, world frame. All other pieces keep the placements that the search
-/// found, and every operation keeps its spot and branch.
+/// Region in the world frame in which one piece may stand: a piece of equipment or the robot base. All other
+/// pieces keep the placements that the search found, and every operation keeps its spot and posture branch.
 ///
 /// Everywhere in the region, the layout still works within the placement tolerances. The objective is at most
 /// `indifference_percent` above the objective of the layout.
@@ -22,7 +22,7 @@ pub struct RegionEntry {
     /// an odd number of rings. If the search moves the piece along one axis only, the only ring is a line of
     /// two points. The list is empty if the search moves the piece along neither axis.
     pub outline_mm: Vec<Vec<[f64; 2]>>,
-    /// Width of the rim along the outline that is not resolved.
+    /// Width of the rim along the outline in which the region is not resolved.
     pub rim_mm: f64,
     /// Least and greatest z, at the x, y and yaw of the layout.
     pub z_mm: [f64; 2],
@@ -34,7 +34,7 @@ pub struct RegionEntry {
     /// Largest angle by which the piece may be rotated in both directions. Null if the search does not rotate
     /// the piece.
     pub room_deg: Option<f64>,
-    /// Reason that limits the room in plan, or the room to rotate if the piece has no room in plan.
+    /// Reason that limits `room_mm`, or `room_deg` if the search does not displace the piece in plan.
     pub ends_with: String,
 }
 
@@ -42,7 +42,7 @@ pub struct RegionEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurnEntry {
-    /// Least and greatest angle.
+    /// Least and greatest angle of the rotation.
     pub turn_deg: [f64; 2],
     /// Reason that limits the rotation at the nearer end of its range.
     pub ends_with: String,
@@ -93,7 +93,7 @@ fn inward([least, most]: [f64; 2], digits: i32) -> [f64; 2] {
     }
 }
 
-/// Rounds a room down, because a larger room may not be feasible.
+/// Rounds a displacement or angle down, because a larger one may not be feasible.
 fn down(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);
     // Adding 1e-6 keeps values that are multiples up to rounding errors. Adding 0 avoids a negative zero.

@@ -40,7 +40,7 @@ pub struct RemediesDocument {
     pub advice: String,
 }
 
-/// One remedy with its layout. World frame, mm and degrees.
+/// One remedy with its layout. Positions are in the world frame, mm; angles are in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RemedyEntry {
@@ -48,7 +48,7 @@ pub struct RemedyEntry {
     pub feasible: bool,
     /// Objective in the unit of the document; null if the layout is not feasible.
     pub objective: Option<f64>,
-    /// Reduction of the objective against the layout as drawn, percent.
+    /// Reduction of the objective relative to the layout as drawn, percent.
     pub gain_percent: Option<f64>,
     /// Whether every operation keeps its limit; null if no operation has one.
     pub within_limits: Option<bool>,

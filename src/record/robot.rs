@@ -78,7 +78,7 @@ pub struct RobotSheetDocument {
     pub reach_mm: f64,
     /// Home posture: degrees, or mm for a prismatic joint.
     pub home: Vec<f64>,
-    /// Position of the TCP in the home posture, base frame.
+    /// Position of the TCP in the home posture, in the base frame.
     pub home_position_mm: [f64; 3],
     /// Names of the solids of the links.
     pub solids: Vec<String>,

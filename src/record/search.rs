@@ -20,8 +20,9 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the result of a search.
 pub const SEARCH_SCHEMA: &str = "sweetspot/search/1";
 
-/// Result of a search: the best layout found, the layout as drawn and the proven bound. World frame, mm and
-/// degrees. The document is the same, byte for byte, for every number of threads.
+/// Result of a search: the best layout found, the layout as drawn and the proven bound. Positions are in the
+/// world frame, mm; angles are in degrees. The document is the same, byte for byte, for every number of
+/// threads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SearchResult {
@@ -62,7 +63,7 @@ pub struct SearchResult {
     pub solver: Solver,
     /// Seed of the random numbers; for several islands, the seed of the first one.
     pub seed: u64,
-    /// Largest number of layouts to evaluate, or to evaluate on each island.
+    /// Largest number of layouts to evaluate; for several islands, the largest number for each island.
     pub budget: u64,
     /// Whether the worst case over the placement tolerances was minimized.
     pub robust: bool,
@@ -78,7 +79,8 @@ pub struct SearchResult {
     /// reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
     pub certified: Option<CertifiedEntry>,
     /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective,
-    /// the best layout is one with much room. Null if no layout is feasible and keeps every limit.
+    /// the best layout is one whose equipment has much room to be displaced. Null if no layout is feasible
+    /// and keeps every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
     /// Regions in which each piece that the search places may stand instead.
@@ -116,7 +118,7 @@ pub struct SearchResult {
     pub seconds: Option<f64>,
 }
 
-/// Search with one of several seeds.
+/// Island: one of several searches that differ only in the seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IslandEntry {

@@ -10,7 +10,8 @@ use crate::reading::Figures;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One operation of a layout: its spot and the errors there. World frame, mm and degrees.
+/// One operation of a layout: its spot and the errors there. Positions are in the world frame, mm; angles are
+/// in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpotEntry {
@@ -30,6 +31,7 @@ pub struct SpotEntry {
     /// Indices of the node of the spot along x and y of the surface.
     pub node: Option<[usize; 2]>,
     pub position_mm: Option<[f64; 3]>,
+    /// Joint coordinates: degrees, or mm for a prismatic joint.
     pub joints_deg: Option<Vec<f64>>,
     /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
@@ -49,13 +51,15 @@ pub struct SpotEntry {
 }
 
 /// Error figures for several senses, each under the name of its sense; null if the operation has no spot. A
-/// figure that needs tolerances is also null if the errors compensate each other in one arm.
+/// figure that needs tolerances is also null if the errors are measured, because measured errors compensate
+/// each other in one arm.
 pub type OptionBySense = super::placement::ByName<Option<f64>>;
 
 /// Limit of an operation and the margin to it, in the unit of the objective.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
+    /// Largest allowed value of the operation. If the objective is a cost, the cost of the tightest tolerances.
     pub limit: f64,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     /// withstand misplacements, `worst` takes the place of the value.

@@ -26,7 +26,7 @@ pub struct SweepPlan {
     pub schema: String,
     /// Version of the program.
     pub version: String,
-    /// Cell file.
+    /// Path of the cell file.
     pub cell: PathBuf,
     /// Name and folder of each ROS package that the option `--package` gives.
     pub packages: Vec<(String, PathBuf)>,
@@ -110,8 +110,8 @@ impl SweepPlan {
     }
 }
 
-/// Result of one combination, `NNNN.json`, where NNNN is the index with at least four digits. World
-/// frame, mm and degrees.
+/// Result of one combination, `NNNN.json`, where NNNN is the index with at least four digits. Positions are
+/// in the world frame, mm; angles are in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepRow {

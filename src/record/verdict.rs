@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `report --json`.
 pub const REPORT_SCHEMA: &str = "sweetspot/report/1";
 
-/// Verdict of a report. Lengths in mm, angles in degrees, rounded to 1e-9 as in search.json.
+/// Verdict of a report. Lengths are in mm and angles in degrees, rounded to 1e-9 as in search.json.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictDocument {
@@ -123,7 +123,7 @@ pub enum RunnerUpKind {
     Node,
 }
 
-/// Placement of a piece of equipment, seen from the robot base, with its room.
+/// Placement of a piece of equipment, seen from the robot base, and the room to displace and rotate it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictPlacement {

@@ -13,11 +13,11 @@ pub fn tables(problem: &CellAllocation<'_>, scales: &[f64], document: &Allocatio
     let cell = problem.scaled_cell(scales);
     let cost = document.cost.unwrap_or(0.0);
     let source = format!(
-        "sweetspot allocate: the cheapest tolerances by the {} reading, from the error set {} at cost {} instead of {}",
+        "sweetspot allocate: the cheapest tolerances by the {} reading, at cost {} instead of {}, from the error set {}",
         document.reading.name(),
-        document.errors,
         cost,
-        document.cost_before
+        document.cost_before,
+        document.errors
     );
     let mut out = String::new();
     // Writing to a String cannot fail.

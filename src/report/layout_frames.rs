@@ -1,4 +1,4 @@
-//! Frames of a layout that other programs take over: robot base, equipment and spots.
+//! Frames of a layout for use in other programs: robot base, equipment and spots.
 
 use crate::cell::Role;
 use crate::drawing::Drawing;

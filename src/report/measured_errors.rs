@@ -105,8 +105,8 @@ fn periodic(calibration: &Calibration) -> String {
 /// Returns the covariance of the identified parameters and of the errors that they do not explain, with all
 /// digits.
 ///
-/// The misfit of a joint is a variance of its coordinate. It includes the uncertainty of the periodic error
-/// of the joint. The misfit of positions is a variance of the TCP.
+/// The misfit of a joint is stated as a variance of its coordinate. This variance includes the uncertainty of
+/// the periodic error of the joint. The misfit of positions is stated as a variance of the TCP position.
 fn covariance(robot: &Robot, calibration: &Calibration) -> String {
     let identified = calibration.parameters().iter().map(|i| of_file(robot, i.unknown));
     let mut parameters: Vec<Parameter> = identified.collect();

@@ -53,7 +53,7 @@ pub fn polygon(vertices: &[PathVertex], tolerance: f64) -> Result<Vec<Vector2<f6
     Ok(corners)
 }
 
-/// Returns the signed area within an outline: positive if the outline turns to the left.
+/// Returns the signed area within an outline: positive if the outline runs anticlockwise.
 fn area(vertices: &[PathVertex]) -> f64 {
     let corners: Vec<_> = vertices.iter().map(|v| (v.at.x, v.at.y)).collect();
     let next = vertices.iter().cycle().skip(1);

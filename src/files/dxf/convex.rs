@@ -1,4 +1,4 @@
-//! Convex parts of a polygon: ear clipping, then removal of diagonals between parts that are convex together.
+//! Convex parts of a polygon: ear clipping, then removal of diagonals between parts whose union is convex.
 //!
 //! The parts have the corners of the polygon, do not overlap, and their union is the polygon. Removing diagonals follows
 //! S. Hertel and K. Mehlhorn, Fast triangulation of simple polygons, FCT 1983: at most four times as many parts as
@@ -48,7 +48,7 @@ fn is_within(corners: &[PlanePoint], [a, b, c]: [usize; 3], p: usize) -> bool {
     [(a, b), (b, c), (c, a)].iter().all(|(i, j)| turn(corners[*i], corners[*j], corners[p]) >= 0.0)
 }
 
-/// Returns the union of two parts if they share an edge and are convex together.
+/// Returns the union of two parts that share an edge; None if they share no edge or the union is not convex.
 fn joined(corners: &[PlanePoint], first: &[usize], second: &[usize]) -> Option<Vec<usize>> {
     let next = |part: &[usize], k: usize| part[(k + 1) % part.len()];
     let shared = |k: &usize| {

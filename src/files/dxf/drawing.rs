@@ -79,7 +79,8 @@ fn layers<'p>(tables: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     })
 }
 
-/// Returns the value of the group code 0 before each part of [`slice::split`] at these codes; empty for the first.
+/// Returns the value of the group code 0 before each part of a [`slice::split`] at the group codes 0. No such
+/// code precedes the first part, so its value is empty.
 fn starts<'p>(pairs: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     std::iter::once("").chain(pairs.iter().filter(|p| p.code == 0).map(|p| p.value))
 }

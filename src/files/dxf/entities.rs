@@ -38,7 +38,7 @@ pub struct PlanPath {
 /// Vertex of a path, and the bulge of the segment that begins there: the tangent of a quarter of the
 /// angle of its arc.
 ///
-/// The bulge is positive if the arc turns to the left, and 0 for a straight line.
+/// The bulge is positive if the arc runs anticlockwise, and 0 for a straight line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathVertex {
     pub at: Vector2<f64>,
@@ -51,7 +51,7 @@ pub struct Insert {
     pub block: String,
     pub at: Vector2<f64>,
     pub scale: Vector2<f64>,
-    /// Rotation, rad.
+    /// Rotation of the copies about the insertion point, rad.
     pub rotation: f64,
     pub columns: u64,
     pub rows: u64,
@@ -166,7 +166,7 @@ fn path(vertices: Vec<PathVertex>, is_closed: bool) -> EntityKind {
     EntityKind::Path(PlanPath { vertices, is_closed })
 }
 
-/// Returns an arc from the angle `start` to `end` (degrees), which turns to the left.
+/// Returns an arc that runs anticlockwise from the angle `start` to the angle `end`, degrees.
 fn arc(centre: Vector2<f64>, radius: f64, start: f64, end: f64) -> EntityKind {
     let [start, end] = [start, end].map(rad_from_deg);
     let sweep = (end - start).rem_euclid(TAU);

@@ -56,7 +56,7 @@ impl PlaneMap {
 pub struct PlacedShape {
     pub shape: FlatShape,
     pub map: PlaneMap,
-    /// Layer in upper case.
+    /// Name of the layer, in upper case.
     pub layer: String,
     pub line: usize,
 }
@@ -146,7 +146,7 @@ impl BlockWalk<'_> {
         let copies = insert.columns.saturating_mul(insert.rows);
         if copies > MAX_ENTITIES {
             let message = format!("the block `{}` is inserted {copies} times", shown(&block.name));
-            return Err(DxfFault::new(line, message, format!("at most {MAX_ENTITIES} copies are read")));
+            return Err(DxfFault::new(line, message, format!("insert at most {MAX_ENTITIES} copies")));
         }
         let turn = Rotation2::new(insert.rotation).into_inner();
         self.inside.push(name);

@@ -16,8 +16,8 @@ pub struct OpenPath {
 
 /// Returns the closed outlines that open paths form, and the paths that belong to none.
 ///
-/// A chain of paths is an outline if exactly two ends meet at each of its joints. The line of an outline is that of its
-/// first path.
+/// A chain of paths is an outline if exactly two ends meet at each of its joints. An outline begins at the
+/// line of the file at which its first path begins.
 pub fn joined(paths: Vec<OpenPath>) -> (Vec<(PlanPath, usize)>, Vec<OpenPath>) {
     let ends = ends(&paths);
     let mut at_joint: HashMap<usize, Vec<usize>> = HashMap::new();
@@ -79,7 +79,7 @@ fn ends(paths: &[OpenPath]) -> Vec<[usize; 2]> {
 }
 
 /// Returns the vertices of a path without the last vertex. If `is_reversed` is true, the path runs
-/// backwards and its arcs turn to the other side.
+/// backwards and its arcs change from anticlockwise to clockwise or vice versa.
 fn pieces(vertices: &[PathVertex], is_reversed: bool) -> Vec<PathVertex> {
     let segments = vertices.windows(2);
     if is_reversed {

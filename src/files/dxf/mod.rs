@@ -3,8 +3,7 @@
 //!
 //! The reader supports LWPOLYLINE, POLYLINE, CIRCLE, LINE and ARC, in blocks and in the model space.
 //! Open lines whose ends meet form outlines, too. Other entities on the named layers are reported. The
-//! group codes are those of Autodesk's DXF reference. The source of every limit is in the file that
-//! applies it.
+//! group codes are those of Autodesk's DXF reference. Each submodule declares the limits that it applies.
 
 mod bodies;
 mod chords;

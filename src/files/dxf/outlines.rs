@@ -140,7 +140,8 @@ impl Outlines {
     ) {
         let shown_layer = shown(&layer);
         let fault = |message: String, help: &str| DxfFault::new(line, message, help);
-        // A scale of 0 leaves no area; its tolerance does not matter.
+        // An outline scaled by 0 has no area, so the tolerance does not matter. The limit avoids a division
+        // by 0.
         let local = tolerance / map.stretch().max(f64::MIN_POSITIVE);
         let corners = match polygon(vertices, local) {
             Ok(corners) => cleaned(corners.iter().map(|c| map.of(c)).collect()),

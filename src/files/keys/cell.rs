@@ -34,14 +34,14 @@ key_table! {
         INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Difference below which two values count as equal in the lexicographic objective.").default(Literal::Number(1.0));
         BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
         SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
-        IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Placement tolerances do not count, and no clearance, margin or tolerance is assumed: the layout need only work exactly as drawn.");
+        IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Whether the layout need only work exactly as drawn. If true, placement tolerances do not count, and no clearance, margin or tolerance is assumed.");
         RESOLUTION_MM = number("resolution_mm", NumberRange::Positive, "Placements that the search finds are multiples of this length. If left out, it is 1, or 0.001 with `ideal`.").example("1");
         RESOLUTION_DEG = number("resolution_deg", NumberRange::Positive, "Angles that the search finds are multiples of this angle. If left out, it is 0.1, or 0.0001 with `ideal`.").example("0.1");
-        ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Minimize the worst value over the placement tolerances, not the value as drawn.");
+        ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Whether to minimize the worst value over the placement tolerances instead of the value as drawn.");
         GAP = number("gap", NumberRange::NotNegative, "Stop when the objective exceeds the proven lower bound by at most this share: 0.01 is 1 %.").example("0.01");
         STAGNATION = Key::new("stagnation", BUDGETS, "Stop after this number of layouts without improvement.").example("5000");
         PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Search for the Pareto front of these goals: layouts of which none is better than another in every goal.").example("[\"error\", \"clearance\"]");
-        KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of layouts to report: the best ones that differ from each other.").example("5");
+        KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of layouts to report: the best layouts that clearly differ from each other.").example("5");
     }
 }
 

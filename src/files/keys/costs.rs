@@ -72,7 +72,7 @@ key_table! {
 pub const COST: Key = Key::new(
     "cost",
     ValueKind::List(&ValueKind::Table(&tolerance_cost::TABLE), (0, MANY), "costs"),
-    "Costs of the tolerances; a parameter without one costs 1 / scale, with a scale from 0.1 to 3.",
+    "Costs of the tolerances; a tolerance without a stated cost costs 1 / scale, with a scale from 0.1 to 3.",
 )
 .example("[{ parameters = [\"dl2\"], kind = \"reciprocal\", at = 2 }]");
 

@@ -21,7 +21,7 @@ key_table! {
         FROM = from("\"equipment/worktable.toml\"");
         SCHEMA = schema("sweetspot/equipment/1");
         UNITS = super::UNITS;
-        NAME = text("name", "Name of the equipment in its file.");
+        NAME = text("name", "Name of the equipment for readers of its file; messages use the name of the table in the cell file.");
         SOURCE = super::SOURCE;
         SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of the frame of the equipment.").example("{ size_mm = [1500, 700] }");
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height if there are no solids; if left out, the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");

@@ -115,15 +115,15 @@ pub const RPY: Key = vector_or_zero(
 
 key_table! {
     placement, "`placement`", "Placement: x, y, z and the rotation about z.", {
-        X = coordinate("x_mm", "Position along x: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add x_mm = 0, or { min = -500, max = 500 } to let it be searched");
-        Y = coordinate("y_mm", "Position along y: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add y_mm = 0, or { min = -500, max = 500 } to let it be searched");
-        Z = coordinate("z_mm", "Position along z: a number, { min, max, start } to search it, or a list of allowed values.").required().remedy("add z_mm = 0, or { min = -500, max = 500 } to let it be searched");
-        YAW = coordinate("yaw_deg", "Rotation about z: a number, { min, max, start } to search it, or a list of allowed values.").default(Literal::Number(0.0));
+        X = coordinate("x_mm", "Position along x: a number, a range { min, max, start } in which a search chooses, or a list of allowed values.").required().remedy("add x_mm = 0, or { min = -500, max = 500 } to let a search choose it");
+        Y = coordinate("y_mm", "Position along y: a number, a range { min, max, start } in which a search chooses, or a list of allowed values.").required().remedy("add y_mm = 0, or { min = -500, max = 500 } to let a search choose it");
+        Z = coordinate("z_mm", "Position along z: a number, a range { min, max, start } in which a search chooses, or a list of allowed values.").required().remedy("add z_mm = 0, or { min = -500, max = 500 } to let a search choose it");
+        YAW = coordinate("yaw_deg", "Rotation about z: a number, a range { min, max, start } in which a search chooses, or a list of allowed values.").default(Literal::Number(0.0));
     }
 }
 
 key_table! {
-    range, "a range", "Range to search.", {
+    range, "a range", "Range in which a search chooses the value.", {
         MIN = number("min", NumberRange::Finite, "Low end, in the unit of the key.").required();
         MAX = number("max", NumberRange::Finite, "High end, in the unit of the key.").required();
         START = number("start", NumberRange::Finite, "Value in the layout as drawn; if left out, the middle of the range.");

@@ -15,9 +15,9 @@ pub enum NumberRange {
     NotNegative,
     /// Plus-or-minus value, half the width of a range: not negative.
     PlusMinus,
-    /// From 0 to this value.
+    /// Number from 0 to this value.
     UpTo(f64),
-    /// At least 0, and less than this value.
+    /// Number that is at least 0 and less than this value.
     Below(f64),
 }
 

@@ -79,7 +79,7 @@ key_table! {
 }
 
 key_table! {
-    joint_rate, "a rate", "Greatest speed and acceleration of one joint, for a robot whose rows this file does not state: from a URDF, or from another file.", {
+    joint_rate, "a rate", "Greatest speed and acceleration of one joint, for a robot whose joints come from a URDF or from another file.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
         MAX_VELOCITY_DEG = super::MAX_VELOCITY_DEG;
         MAX_VELOCITY_MM = super::MAX_VELOCITY_MM;
@@ -119,7 +119,7 @@ key_table! {
         FROM = from("\"equipment/gripper.toml\"");
         SCHEMA = schema("sweetspot/tool/1");
         UNITS = super::UNITS;
-        NAME = text("name", "Name of the tool.");
+        NAME = text("name", "Name of the tool for readers of its file.");
         SOURCE = super::SOURCE;
         POSITION = vector("position_mm", "Position of the tool centre point (TCP).").required().example("[0, 0, 160]");
         RPY = super::RPY;
@@ -160,7 +160,7 @@ key_table! {
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers them.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
         MASS = Key::new("mass", ValueKind::List(&ValueKind::Table(&mass::TABLE), (0, MANY), "masses"), "Masses of the links, for errors with compliance_deg_per_Nm.").example("[{ link = 2, mass_kg = 12.5, centre_mm = [-200, 0, 0] }]");
-        SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked against itself; or the pairs of solids that may touch.").default(Literal::Boolean(true));
+        SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked for collision with itself; or the pairs of its solids that may touch.").default(Literal::Boolean(true));
         ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
     }
     rules [
@@ -174,7 +174,7 @@ key_table! {
     robot_in_cell, "`robot`", "Robot of a cell and the placement of its base.", {
         BASE = table("base", &placement::TABLE, "Placement of the robot base in the world; if left out, the origin.");
         BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base: the layout must work everywhere within it. If left out, it is 2 mm and 0.2 degrees for a base that a search places.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
-        PEDESTAL = Key::new("pedestal", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&rectangle::TABLE)]), "Whether a robot base above the floor stands on a pedestal, or the cross-section of the pedestal in the base frame. The pedestal is drawn and checked for collision. If true, it is as large as the footprint of the robot. A base on a wall or a gantry has none.").default(Literal::Boolean(true));
+        PEDESTAL = Key::new("pedestal", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&rectangle::TABLE)]), "Whether a robot base above the floor stands on a pedestal, or the cross-section of the pedestal in the base frame. The pedestal is drawn and checked for collision. If true, it is as large as the footprint of the robot. Write false for a base on a wall or a gantry.").default(Literal::Boolean(true));
     }
     extends super::robot::TABLE;
     rules [Rule::Needs("schema", "units")];

@@ -53,7 +53,7 @@ key_table! {
 key_table! {
     cuboid, "a box", "Box.", {
         CENTRE = vector("centre_mm", "Centre.").required();
-        SIZE = Key::new("size_mm", SIZES, "Full edges along x, y and z.").required();
+        SIZE = Key::new("size_mm", SIZES, "Full lengths of the edges along x, y and z.").required();
         RPY = super::RPY;
     }
 }

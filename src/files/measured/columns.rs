@@ -26,7 +26,7 @@ pub struct FoundColumns {
     pub joints: Vec<usize>,
     pub reflectors: Vec<ReflectorColumns>,
     pub rotation: Option<(RotationForm, Vec<usize>)>,
-    /// Columns of the uncertainty with the number of standard deviations in their numbers.
+    /// Columns of the uncertainty, and the number of standard deviations that their numbers cover.
     pub uncertainty: Option<(Vec<usize>, f64)>,
     /// Column that names the reflector of a row.
     pub reflector: Option<usize>,
@@ -47,7 +47,8 @@ const REFLECTOR_NAMES: [&str; 5] = ["reflector", "target", "smr", "point", "mark
 /// Words before a number in the name of a joint.
 const JOINT_WORDS: [&str; 10] = ["q", "j", "joint", "jnt", "axis", "ax", "a", "theta", "th", "jt"];
 
-/// Words of a joint in the data stream of a controller, such as `actual_q_0`, that count from 0.
+/// Words before a number in the name of a joint, if the numbers count from 0. A controller numbers the joints
+/// of its data stream like this, for example `actual_q_0`.
 const JOINT_OF_ZERO: [&str; 4] = ["q", "joint", "j", "axis"];
 
 /// Names of the joints of Motoman arms.
@@ -174,7 +175,7 @@ impl<'h> TableNames<'h> {
     fn missing(&self, quantity: &str) -> ColumnFault {
         let is_joint = quantity.starts_with('q');
         let other = if is_joint { "; joints in another table are read with --joints FILE" } else { "" };
-        (format!("no name of a column stands for `{quantity}`"), format!("{}{other}", self.remedy(quantity)))
+        (format!("no column is recognised as `{quantity}`"), format!("{}{other}", self.remedy(quantity)))
     }
 
     fn joints(&self, is_numbered: bool) -> Result<Vec<usize>, ColumnFault> {
@@ -204,8 +205,8 @@ impl<'h> TableNames<'h> {
         numbers.into_iter().find(|k| !is_named(*k)).map_or("q1".into(), |k| format!("q{}", k + 1))
     }
 
-    /// Returns the columns of the joints: by the names of the robot, by numbers from 1 or 0, or by the
-    /// word joint.
+    /// Returns the columns of the joints. The first rule that gives a column for every joint decides: the
+    /// joint names of the robot, numbers from 1, numbers from 0, the letters of Motoman, or the word joint.
     fn guessed_joints(&self) -> Option<Vec<usize>> {
         let axes = self.robot_joints.len();
         let by_name = || {
@@ -243,7 +244,8 @@ impl<'h> TableNames<'h> {
         })
     }
 
-    /// Returns the column whose words fit. Among several such columns, the most telling origin decides.
+    /// Returns the column whose words fit. Measured values are preferred to values without a stated origin,
+    /// and these to commanded values.
     fn best(&self, fits: impl Fn(&[&str]) -> bool) -> Option<usize> {
         let names = self.words.iter().enumerate();
         let fitting = names.filter(|(_, name)| name.uncertain.is_none() && fits(&name.parts()));

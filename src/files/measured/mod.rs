@@ -32,7 +32,8 @@ pub struct MeasuredTable {
     pub position: [String; 3],
     /// Names of the columns of the orientation.
     pub rotation: Vec<String>,
-    /// Names of the columns of the uncertainty, and its number of standard deviations.
+    /// Names of the columns of the uncertainty, and the number of standard deviations that their numbers
+    /// cover.
     pub uncertainty: Option<(Vec<String>, f64)>,
     /// Names of the reflectors; a single empty name if each row has one position of one reflector.
     pub reflectors: Vec<String>,
@@ -42,7 +43,7 @@ pub struct MeasuredTable {
     pub length_unit: Option<StatedUnit>,
     /// Unit of the angles of orientations that names or a line of units state.
     pub rotation_unit: Option<StatedUnit>,
-    /// Notes for the user on the reading, in whole sentences.
+    /// Notes for the user on how the table was read.
     pub notes: Vec<String>,
 }
 

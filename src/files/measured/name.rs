@@ -23,7 +23,7 @@ impl StatedUnit {
     }
 }
 
-/// Origin of the numbers of a column, the most telling first.
+/// Origin of the numbers of a column, the preferred one first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ColumnOrigin {
     Measured,

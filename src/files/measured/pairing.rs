@@ -8,9 +8,9 @@ use crate::cell::JointVector;
 use crate::files::fault::{Fault, shown};
 use std::collections::HashMap;
 
-/// Joints of every line of a table of positions.
+/// Joint coordinates of every line of a table of positions.
 pub struct PairedJoints {
-    /// Joints of the lines; None if the second table has no such posture.
+    /// Joint coordinates of every line; None for a line whose posture the second table does not contain.
     pub joints: Vec<Option<JointVector>>,
     pub names: Vec<String>,
     pub angle_unit: Option<StatedUnit>,
@@ -18,7 +18,7 @@ pub struct PairedJoints {
     pub note: String,
 }
 
-/// Names of columns that identify a posture, the most telling first.
+/// Names of columns that identify a posture, the preferred one first.
 const KEYS: [&str; 14] = [
     "id",
     "pose",
@@ -36,7 +36,7 @@ const KEYS: [&str; 14] = [
     "time",
 ];
 
-/// Finds the joints of every line of `positions` in the table `joints`, read from `file`.
+/// Finds the joint coordinates of every line of `positions` in the table `joints`, read from `file`.
 ///
 /// # Errors
 ///

@@ -11,8 +11,8 @@ pub struct ReflectorColumns {
     pub position: [usize; 3],
 }
 
-/// Returns the columns of the positions with the most telling origin: of one reflector, or of all
-/// numbered reflectors.
+/// Returns the columns of the positions: of one reflector, or of all numbered reflectors. Measured positions
+/// are preferred to positions without a stated origin, and these to commanded positions.
 pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
     let mut groups: Vec<(PositionGroup, [Option<usize>; 3])> = Vec::new();
     let mut places = HashMap::new();

@@ -12,7 +12,7 @@ use crate::files::toml::value::plain;
 use crate::units;
 
 /// Attitude as drawn, and the search variables for elevation, azimuth and spin; None for an angle that is not
-/// searched.
+/// a search variable.
 type SearchedAttitude = (Attitude, [Option<Coordinate>; 3]);
 
 /// Reads `bend_deg`, `azimuth_deg`, `spin_deg` and `tolerance_deg` of an operation.

@@ -82,7 +82,8 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     })
 }
 
-/// Returns which of the quantities that make a layout buildable the file states.
+/// Returns which quantities the file states among those that a search for a layout to build otherwise
+/// assumes.
 fn stated_keys(t: &mut Table, read: &Cell) -> StatedKeys {
     let mut stated = |table: &Key, key: &Key| t.get(table).is_some_and(|n| n.value.get(key.name).is_some());
     let [turn_margin, slide_margin, singularity] =

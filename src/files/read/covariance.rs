@@ -44,7 +44,8 @@ pub fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
         Parameter::Dq(i) => arm.slides(i),
         Parameter::Dr(_) | Parameter::Dl(_) => true,
         Parameter::Dalpha(_) | Parameter::Dbeta(_) => false,
-        // The conversion of degrees per m and per N m is that of degrees; shares have no name in a covariance.
+        // Degrees per m and degrees per N m are converted like degrees. A covariance cannot name a periodic
+        // error.
         Parameter::Elastic(..) | Parameter::Compliance(_) | Parameter::Periodic(_) => false,
         Parameter::Base(c) | Parameter::Tool(c) => c < PER_FRAME / 2,
         Parameter::Joint(_, c) | Parameter::Equipment(_, c) => c < PER_FRAME / 2,
@@ -54,7 +55,7 @@ pub fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
 /// Returns the names in `parameters`. Records a fault if there are none, or more than the robot has
 /// parameters.
 fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n [Node]> {
-    // The shares of periodic errors have no names.
+    // A covariance cannot name the periodic errors, of which each joint has one.
     let most = Parameter::count(arm.axes) - arm.axes;
     if let Some(items) = node.value.items().filter(|items| (1..=most).contains(&items.len())) {
         return Some(items);

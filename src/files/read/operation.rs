@@ -50,7 +50,8 @@ struct References<'c> {
     equipment: &'c [Equipment],
     /// Senses that could be read, by name.
     senses: HashMap<&'c str, &'c Sense>,
-    /// Entries of equipment and obstacles, equipment first, in the order of the equipment; without floor plans.
+    /// Entries of equipment and obstacles, equipment first, in the order of
+    /// [`Self::equipment`]; without floor plans.
     entries: Vec<&'c Entry>,
     sense_names: Places<'c>,
     sense_entries: &'c [Entry],

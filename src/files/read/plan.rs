@@ -78,7 +78,8 @@ struct PlanFile {
 impl PlanFile {
     /// Records a fault of the drawing at its line.
     ///
-    /// A drawing that is not UTF-8 has no places of its own; its fault is at the place that names the file.
+    /// A line of a drawing that is not UTF-8 cannot be shown. The fault is then at the place that names the
+    /// file.
     fn tell(&self, severity: Severity, fault: &DxfFault, lib: &mut Library) {
         let source = lib.sources[self.source].text();
         let offset = source.split_inclusive('\n').take(fault.line).map(str::len).sum();

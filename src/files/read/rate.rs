@@ -12,13 +12,14 @@ use crate::files::toml::value::plain;
 use crate::units::{deg_from_rad, mm_from_m, rad_from_deg, rounded};
 use std::ops::RangeInclusive;
 
-/// Speeds of revolute joints, degrees per s, outside which a warning asks for the unit.
+/// Plausible speeds of revolute joints, degrees per s. At any other speed, a warning questions the unit.
 const PLAUSIBLE_DEG_S: RangeInclusive<f64> = 0.1..=10_000.0;
-/// Speeds of prismatic joints, mm per s, outside which a warning asks for the unit.
+/// Plausible speeds of prismatic joints, mm per s. At any other speed, a warning questions the unit.
 const PLAUSIBLE_MM_S: RangeInclusive<f64> = 1.0..=20_000.0;
 /// Speed, degrees per s. If no revolute joint is faster, the speeds are probably in rad per s.
 const SUSPICIOUS_DEG_S: f64 = 15.0;
-/// Times from rest to full speed, s, outside which a warning asks for the unit of the acceleration.
+/// Plausible times from rest to full speed, s. At any other time, a warning questions the unit of the
+/// acceleration.
 const PLAUSIBLE_TIME: RangeInclusive<f64> = 0.005..=10.0;
 
 /// Reads the greatest speed and acceleration of a joint of this kind from its row.

@@ -80,7 +80,7 @@ pub fn read_masses(t: &mut Table, n: usize) -> Option<Vec<LinkMass>> {
 }
 
 impl Tool {
-    /// Returns the mass of the tool, or None if it has none.
+    /// Returns the mass of the tool as a mass of the last link; None if the tool has no mass.
     ///
     /// `interface` is the index of the last link, which carries the tool. `tip` is the pose of the mechanical
     /// interface in the frame after the last row.

@@ -150,7 +150,7 @@ fn in_words(rule: &Rule) -> String {
         Rule::Excludes(key, others) => {
             format!("- If `{key}` is given, none of {} may be given.", list(others))
         }
-        Rule::OnlyWith(key, others) => format!("- Without `{key}` none of {} may be given.", list(others)),
+        Rule::OnlyWith(key, others) => format!("- Without `{key}`, none of {} may be given.", list(others)),
         Rule::Needs(key, other) => format!("- `{key}` requires `{other}`."),
         Rule::When { key, words, needs, never } => {
             let mut rule = format!("- If `{key}` is {}", quoted(&words()));
@@ -162,6 +162,6 @@ fn in_words(rule: &Rule) -> String {
             }
             rule + "."
         }
-        Rule::NotNegativeWhen(key, word) => format!("- If `{key}` is \"{word}\", no number is negative."),
+        Rule::NotNegativeWhen(key, word) => format!("- If `{key}` is \"{word}\", no number may be negative."),
     }
 }

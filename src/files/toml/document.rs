@@ -50,8 +50,8 @@ pub struct Library<'a> {
     read: &'a mut ReadFile<'a>,
     pub sources: Vec<Source>,
     pub faults: Vec<Fault>,
-    /// Number of errors and number of warnings among the faults. They are stored because hostile files
-    /// make the reader ask for them a million times.
+    /// Number of errors and number of warnings among the faults. The numbers are stored, because a
+    /// malicious file can make the reader query the number of errors a million times.
     found: [usize; 2],
     /// Index of the source that holds the settings, and one truth value per setting; None without settings.
     ///

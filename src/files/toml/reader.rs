@@ -306,8 +306,8 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
                 continue;
             }
             if let Some(refused) = self.keys.refused_key(key) {
-                // A refused key is given in place of one of several keys: their absence is not a second
-                // fault.
+                // Users give a refused key in place of one of several keys, so the absence of these keys
+                // is not a second fault.
                 missing.retain(|(names, _)| names.len() == 1);
                 self.lib.error(node.at, refused.message.into(), refused.remedy);
                 continue;

@@ -1,4 +1,4 @@
-//! A lean copy of a URDF: the links and joints that are used, and only what is read of them.
+//! Reduced copy of a URDF: the links and joints that are used, with only those elements that are read.
 
 use super::outline::UrdfOutline;
 use super::xml::right_angle;

@@ -93,14 +93,13 @@ fn refuse_length(joint: &UrdfJoint, lib: &mut Library<'_>) {
 fn refuse_count(urdf: &Urdf, moving: &[&UrdfJoint], lib: &mut Library<'_>) {
     if moving.iter().all(|j| j.mimic.is_some()) || moving.len() > MAX_JOINTS {
         let at = moving.get(MAX_JOINTS).map_or(urdf.at, |j| j.name.at);
-        let own = moving.iter().filter(|j| j.mimic.is_none()).count();
         let message = if moving.len() > MAX_JOINTS {
             format!(
                 "{} joints move between base and tip link; at most {MAX_JOINTS} are allowed",
                 moving.len()
             )
         } else {
-            format!("{own} joints between base and tip link move independently")
+            "no joint between base and tip link moves independently".to_string()
         };
         lib.error(at, message, "choose the chain of the arm with base_link and tip_link");
     }

@@ -1,4 +1,5 @@
-//! Outline of a URDF that stands alone: its chain with a guessed tool, and the meshes of the links on it.
+//! Outline of a URDF that no robot file names yet: its chain with a guessed tool, and the meshes of its
+//! links.
 
 use super::fault_list::Faults;
 use super::model::{Geometry, Named, Urdf};

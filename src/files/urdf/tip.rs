@@ -8,25 +8,25 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashSet;
 
-/// Least number of moving joints before a branching of moving links that counts as the fingers of a
-/// gripper.
+/// Least number of moving joints that must precede a branching, so that its moving branches count as the
+/// fingers of a gripper.
 const ARM: usize = 3;
 
 /// Largest number of moving joints of a finger.
 const FINGER: usize = 3;
 
-/// Least number of moving joints before a short prismatic joint at the end that counts as the jaw of a
-/// gripper.
+/// Least number of moving joints that must precede a short prismatic joint at the end, so that this joint
+/// counts as the jaw of a gripper.
 const ARM_BEFORE_JAW: usize = 5;
 
 /// Largest travel of a jaw, m.
 const JAW: f64 = 0.15;
 
-/// Words in the names of links that carry a tool, best first.
+/// Words in the names of links that carry a tool, the preferred word first.
 const TOOL_WORDS: [&str; 9] =
     ["tcp", "tool0", "tool_frame", "tool", "end_effector", "eef", "ee_link", "flange", "mounting_plate"];
 
-/// Words in the names of links beside the flange.
+/// Words in the names of links that are fixed to the flange but do not carry the tool.
 const ASIDE_WORDS: [&str; 4] = ["camera", "sensor", "optical", "cable"];
 
 /// Length, m, below which two points count as one.
@@ -44,7 +44,7 @@ pub fn guess(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> usize {
     if let Some(link) = named {
         return link;
     }
-    // Fingers may move below a palm.
+    // A palm is also an end: only moving fingers are below it.
     let is_end = |link: usize| tree.below[link].iter().all(|&j| urdf.joints[j].kind != UrdfJointKind::Fixed);
     let leaves: Vec<_> = fixed.iter().copied().filter(|&link| is_end(link)).collect();
     if let [leaf] = leaves[..] {
@@ -151,8 +151,8 @@ fn fixed_below(urdf: &Urdf, tree: &Tree<'_>, link: usize) -> Vec<usize> {
 
 /// Returns the guessed working direction of the tool in the frame of the tip link, a unit vector.
 ///
-/// It is the axis of the last joint, away from the arm. If the tip lies beside that axis, it is the direction from the
-/// joint to the tip.
+/// The direction lies along the axis of the last joint and points away from the arm. If the tip lies beside
+/// that axis, the direction points from the joint to the tip.
 pub fn working_direction(motion: &Motion) -> Vector3<f64> {
     let poses = dh::joint_poses(&motion.axes);
     let (Some(last), Some(axis)) = (poses.last(), dh::directions(&motion.axes).last().copied()) else {

@@ -10,9 +10,10 @@ use std::collections::HashMap;
 pub struct Tree<'u> {
     urdf: &'u Urdf,
     links: HashMap<&'u str, usize>,
-    /// Index of the joint whose child is the link, for every link.
+    /// For every link, the index of the joint whose child is this link; None for a link without a parent
+    /// joint.
     above: Vec<Option<usize>>,
-    /// Indices of the joints whose parent is the link, for every link.
+    /// For every link, the indices of the joints whose parent is this link.
     pub below: Vec<Vec<usize>>,
 }
 

@@ -30,7 +30,7 @@ pub enum Ink {
     Vermilion,
     Purple,
     Sky,
-    /// The chosen spot.
+    /// Colour of the chosen spot.
     Spot,
 }
 

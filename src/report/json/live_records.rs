@@ -26,7 +26,8 @@ pub struct FormRecord<'a> {
     pub fence: Option<Vec<[f64; 2]>>,
 }
 
-/// Equipment in the plan. A rectangle is given by centre and size, mm.
+/// Equipment in the plan. A rectangle is x and y of its centre, then its sizes along x and y, in the frame of
+/// the equipment, mm.
 #[derive(Serialize)]
 pub struct FormEquipment<'a> {
     pub name: &'a str,

@@ -2,7 +2,7 @@
 //! scripts of the viewer.
 //!
 //! Long lists of numbers are base64 of little-endian f32 or u32. NaN means that there is no value. Positions
-//! are in the world frame, mm; angles in degrees.
+//! are in the world frame, mm; angles are in degrees.
 
 use crate::cell::{Model, Unit};
 use crate::error_map::NodeSign;

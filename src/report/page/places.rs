@@ -36,7 +36,7 @@ fn empty() -> Section {
 /// Returns the section on the joint coordinates at home and at the spots.
 pub fn joints(subject: &Subject<'_>) -> Section {
     let text = vec![format!(
-        "Joint coordinates in the convention of the robot file. A joint is near its limit if less than {:.0} % of its \
+        "Joint coordinates are in the convention of the robot file. A joint is near its limit if less than {:.0} % of its \
          travel is left.",
         percent_from_share(NEAR_LIMIT)
     )];

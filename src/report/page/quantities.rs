@@ -24,10 +24,11 @@ pub fn down(unit: Unit, bound: f64) -> String {
     }
 }
 
-/// Largest number of decimals of two values that are told apart.
+/// Largest number of decimals with which two different values are printed.
 const MAX_DECIMALS: usize = 9;
 
-/// Returns two different SI values as texts in `unit`, with as many decimals as tell them apart.
+/// Returns two different SI values as texts in `unit`. The number of decimals, at most [`MAX_DECIMALS`], is
+/// so large that the texts differ.
 pub fn apart(unit: Unit, a: f64, b: f64) -> [String; 2] {
     let with = |decimals: usize| {
         [a, b].map(|si| match unit {

@@ -25,7 +25,7 @@ fn next_layout(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let (next, value) = valued.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let kept = match &found.pareto {
         Some(goals) => format!(
-            "least error among the other layouts of the Pareto front in {}",
+            "least objective among the other layouts of the Pareto front in {}",
             goals.iter().map(|g| g.name()).collect::<Vec<_>>().join(", ")
         ),
         None => {
@@ -57,7 +57,7 @@ fn next_node(a: &Assessment<'_>) -> Option<RunnerUpEntry> {
     Some(RunnerUpEntry { kind: RunnerUpKind::Node, value, text: quantity(unit, total), note })
 }
 
-/// Largest number of nodes whose certificate is tried.
+/// Largest number of nodes for which a certificate is computed.
 const MAX_CERTIFIED: usize = 32;
 
 /// Returns the usable node with the least value, other than the spot and the points touched to teach a frame.

@@ -14,7 +14,8 @@ pub struct SizedPage {
 /// Returns the most detailed page that is not larger than 8 MB. If none fits, returns the least detailed page, and
 /// its note is a warning.
 ///
-/// # Errors Returns the reason why `page` cannot render the page.
+/// # Errors
+/// Returns the reason why `page` cannot render the page.
 pub fn sized(mut page: impl FnMut(&Detail) -> Result<String, String>) -> Result<SizedPage, String> {
     let plain = Detail { nodes: 400, ..Detail::PLAIN };
     let mut html = String::new();

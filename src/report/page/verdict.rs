@@ -231,7 +231,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
             let why = "no bound of its error over all misplacements is known";
             ("missed", format!("the limit {limit} of {name} is not guaranteed: {why}"), FactMood::Bad)
         }
-        // Where the objective is a cost, the limit stands for the figure with the tightest tolerances.
+        // If the objective is a cost, `limit` is the cost of the tightest tolerances.
         true if unit == Unit::Cost => (
             "met",
             format!("{name} keeps its limit; the tightest tolerances would have {limit}"),

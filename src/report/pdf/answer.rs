@@ -19,7 +19,7 @@ const INSET: f64 = 0.95;
 /// Least and greatest height of the picture, mm.
 const PICTURE: (f64, f64) = (70.0, 112.0);
 
-/// Returns the page.
+/// Returns the first page of the PDF: picture, placements, errors against limits, yield and room.
 ///
 /// # Errors
 /// Fails if the picture cannot be drawn.
@@ -36,8 +36,8 @@ pub fn page(
     let words = content(&verdict, &picture, 0.0).1;
     let high = ((BOTTOM - TOP) / INSET - words).clamp(PICTURE.0, PICTURE.1);
     let (body, end) = content(&verdict, &picture, high);
-    // The content keeps a distance from the frame. The content for many operations or pieces is scaled down
-    // to one page.
+    // The content keeps a distance from the frame. The content for many operations or pieces of
+    // equipment is scaled down to one page.
     let scale = ((BOTTOM - TOP) / end).min(INSET);
     let aside = LEFT + WIDTH / 2.0 * (1.0 - scale) - LEFT * scale;
     let mut svg = opened(&drawing.cell.name);
@@ -104,7 +104,7 @@ fn placements(verdict: &VerdictDocument) -> PageTable {
     let row = |placed: &VerdictPlacement| {
         let at = &placed.at;
         let room = |room: Option<f64>, scale: f64| match room {
-            // A room that is rounded up may not be feasible.
+            // The room is rounded down, because a larger displacement may not be feasible.
             Some(room) => format!("{}", (room * scale).floor() / scale),
             None => NOTHING.into(),
         };

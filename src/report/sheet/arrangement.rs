@@ -35,10 +35,10 @@ pub struct Paper {
 }
 
 impl Paper {
-    /// A4, upright.
+    /// A4 in portrait orientation.
     pub const A4: Self = Self { name: "A4", width: 210.0, height: 297.0 };
 
-    /// A3, on its side.
+    /// A3 in landscape orientation.
     pub const A3: Self = Self { name: "A3", width: 420.0, height: 297.0 };
 
     fn is_upright(&self) -> bool {

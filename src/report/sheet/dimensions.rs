@@ -29,7 +29,7 @@ pub struct Mark {
     pub letter: String,
     /// Index of the equipment.
     pub equipment: usize,
-    /// Corner nearest to the robot base, world frame, m.
+    /// Corner nearest to the robot base, in the world frame, m.
     pub corner: Vector2<f64>,
     /// Tolerances of the corner along x and y, m. None if no tolerance is stated, or if the tolerance of the
     /// yaw uses it up.

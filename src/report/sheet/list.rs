@@ -38,7 +38,7 @@ pub fn height(drawing: &Drawing<'_>) -> f64 {
     LINE * lines(drawing).len() as f64 + 3.0
 }
 
-/// Draws the list. A list that is higher than its space is drawn with a smaller line height.
+/// Draws the list. A list that is taller than its space is drawn with a smaller line height.
 pub fn draw(out: &mut String, drawing: &Drawing<'_>, arrangement: &Arrangement) {
     let lines = lines(drawing);
     let (left, top, high) = arrangement.list;
@@ -170,7 +170,7 @@ fn room(drawing: &Drawing<'_>) -> Vec<ListLine> {
     }
     let what = ["", "", "", "", "in plan", "in yaw"];
     let mut all = vec![ListLine::head("room to place (filled: where the frame may be)", what, "")];
-    // A room that is rounded up may not be feasible.
+    // The room is rounded down, because a larger displacement may not be feasible.
     let down = |value: f64, scale: f64| (value * scale).floor() / scale;
     for region in &drawing.regions {
         let room = region.room.map_or("-".into(), |room| format!("{:.1} mm", down(mm_from_m(room), 10.0)));

@@ -43,8 +43,14 @@ pub fn allocation(d: &AllocationDocument) -> String {
         .collect();
     let lists = [
         ("may be loosened", loosened),
-        ("at their loosest, so a wider range would save more", of_end(ToleranceEnd::Loosest)),
-        ("at their tightest, so a wider range would save", of_end(ToleranceEnd::Tightest)),
+        (
+            "at the loosest end of their ranges, so wider ranges would lower the cost",
+            of_end(ToleranceEnd::Loosest),
+        ),
+        (
+            "at the tightest end of their ranges, so wider ranges would lower the cost",
+            of_end(ToleranceEnd::Tightest),
+        ),
     ];
     for (what, names) in lists.iter().filter(|(_, names)| !names.is_empty()) {
         let _ = writeln!(out, "  {what}: {}", few(names));
@@ -147,7 +153,7 @@ fn bindings(d: &AllocationDocument) -> String {
         let (name, node) = (shown(&r.operation), format!("({}, {})", r.node[0], r.node[1]));
         let _ = writeln!(
             out,
-            "  {name} at node {node} is at its limit of {} {unit} ({} with the present tolerances): {} {unit} more would save {} %",
+            "  {name} at node {node} is at its limit of {} {unit} ({} with the present tolerances): a limit {} {unit} higher would save {} %",
             rounded(r.limit, 6),
             fixed(r.before, 4),
             rounded(step, 9),
@@ -158,7 +164,7 @@ fn bindings(d: &AllocationDocument) -> String {
         let _ = writeln!(out, "  and {} more nodes are at their limits", binding.len() - MAX_LISTED);
     }
     if binding.is_empty() && d.cost.is_some() {
-        out.push_str("  no limit binds: all tolerances may be at their loosest, or at the next grade\n");
+        out.push_str("  no limit is binding: every tolerance is at the loosest end of its range, or the next looser grade exceeds a limit\n");
     }
     out
 }

@@ -60,7 +60,7 @@ fn operations(a: &Assessment<'_>) -> String {
     if certified {
         head.push("misplaced at most".into());
     }
-    // Where the objective is a cost, the limit stands for the figure with the tightest tolerances.
+    // If the objective is a cost, this column shows the cost of the tightest tolerances.
     let limit = if unit == Unit::Cost { "tightest" } else { "limit" };
     head.extend([limit.to_string(), "requirement".into()]);
     table.row(head);

@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 /// Returns the summary of every map, of the transfers and of the feasibility.
 pub fn maps(a: &Assessment<'_>) -> String {
-    // A layout that is not feasible is reported as not feasible before its figures.
+    // The reasons why a layout is not feasible come before its figures.
     let mut out = super::certificate(a);
     if a.evaluation.objective.is_none() {
         out.push_str(&feasibility(a));
@@ -151,7 +151,7 @@ pub fn extrapolation(cell: &Cell, map: &OperationMap) -> Option<String> {
     let found = Extrapolation::of(cell, map)?;
     let joints = found.joints.iter().map(|&joint| shown(&cell.robot.joints[joint].name));
     Some(format!(
-        "the errors of {} of {} usable nodes{} are extrapolated: there, the calibration did not measure the angles of {}",
+        "the errors of {} of {} usable nodes{} are extrapolated: there, joint coordinates are outside the ranges that the calibration measured: {}",
         found.nodes,
         found.usable,
         if found.has_spot { ", the spot among them," } else { "" },

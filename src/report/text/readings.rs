@@ -94,7 +94,7 @@ fn regret(r: &Readings<'_>) -> Vec<String> {
         row.quantity_name(),
         shown(&r.cell.operations[k].name),
         match row.registration {
-            Registration::None => "nothing registered".to_string(),
+            Registration::None => "no registration".to_string(),
             other => format!("registration {}", other.name()),
         }
     )]

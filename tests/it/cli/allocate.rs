@@ -64,7 +64,7 @@ fn the_text_tells_costs_limits_and_what_to_do_next() {
         "cost 11.000000 now",
         "uniform tightening",
         "the cheapest set saves",
-        "0.1 mm more would save",
+        "a limit 0.1 mm higher would save",
         "according to the nonlinear model",
         "may be loosened: ",
         "duality gap at most",

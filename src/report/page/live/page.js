@@ -65,7 +65,8 @@ class Page {
   }
 
   /**
-   * Shows the map of a layout during a drag. Sends one request at a time, and next only the newest layout.
+   * Shows the map of a layout during a drag. Sends one request at a time; after each answer, only the newest
+   * layout is sent.
    * @param {object} numbers
    */
   async attempt(numbers) {

@@ -245,8 +245,8 @@ class Plan {
   }
 
   /**
-   * Puts the name beside a work surface, because nodes would cover it there. The name is on the side farthest
-   * from the robot that has no handle.
+   * Places the name of a piece. The name of a piece with a work surface is beside its floor space, because nodes
+   * would cover a name on the surface. Of the sides without a handle, the side farthest from the robot is used.
    * @param {Piece} piece
    */
   placeName({ equipment, at, text }) {

@@ -1,6 +1,6 @@
 // The 3-D view beside the plan. The user can drag equipment in it, too.
 
-/** Longest drawing time of a picture with which the view follows a drag in the plan, ms. */
+/** Longest time to draw a picture at which the view still follows a drag in the plan, ms. */
 const QUICK = 40;
 
 /**

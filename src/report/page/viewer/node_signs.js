@@ -14,7 +14,8 @@ const NODE_SIGNS = /** @type {any} */ (
   Object.fromEntries(TABLE_ENTRIES.map(([status, { label }]) => [status, { mark: status, text: label }]))
 );
 
-/** Marks of the spots, which are not a status of a node.
+/**
+ * Marks of the spots, which are not statuses of nodes.
  * @type {Record<"spot" | "refined", NodeSign>}
  */
 const SPOT_SIGNS = {

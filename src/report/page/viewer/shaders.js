@@ -17,7 +17,7 @@ void main() {
   if (grow > 0.0) {
     vec2 away = (camera * vec4(facing, 0.0)).xy * viewport;
     float far = length(away);
-    // A vertex seen from the front does not move, because its faces would flip.
+    // A vertex seen from the front is not moved, because a movement would flip its faces.
     float front = abs(dot(normalize(facing), normalize(eye - place * (1.0 - parallelView))));
     float share = 1.0 - smoothstep(0.6, 0.9, front);
     if (far > 1e-6) gl_Position.xy += away / far * grow * share * 2.0 / viewport * gl_Position.w;

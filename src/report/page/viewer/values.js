@@ -143,8 +143,8 @@ function components(field, lens, k, signed) {
 }
 
 /**
- * Returns the value of a node minus the value of the same node in the compared layout; positive is worse.
- * Returns null if one of the two nodes has no value.
+ * Returns the value of a node minus the value of the same node in the compared layout. A positive difference
+ * is worse. Returns null if one of the two nodes has no value.
  * @param {View} view
  * @param {Field} field
  * @param {number} k
