@@ -153,7 +153,7 @@ def speed(name: str) -> dict[str, Any]:
 
 
 def tables(results: dict[str, Any]) -> str:
-    lines = ["| cell | variables | optimum | optimiser | layouts to 1 % | seconds to 1 % | came there |", "|---|---|---|---|---|---|---|"]
+    lines = ["| cell | variables | optimum | optimiser | layouts to 1 % | seconds to 1 % | reached 1 % |", "|---|---|---|---|---|---|---|"]
     for entry in results["studies"]:
         for kind, hits in entry["rows"].items():
             found = [hit for hit in hits if hit]
