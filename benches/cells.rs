@@ -1,10 +1,11 @@
 //! Cost of one layout of every shipped cell, on one thread: `cargo bench --bench cells [-- NAME ...]`.
 //!
-//! Half of the layouts are random in the search ranges. The others are plausible: they lie within 300 mm and 20 deg
-//! of the best layout of a short search. "Ideal" layouts must work as drawn; the layouts "to build" must withstand
-//! the placement tolerances, too. Prints medians as a table.
+//! Half of the layouts are random in the search ranges. The others are plausible: they lie within 300 mm
+//! and 20 deg of the best layout of a short search. "Ideal" layouts must work as drawn. Layouts "to
+//! build" must also withstand the placement tolerances. The program prints medians in microseconds as a
+//! table.
 
-#![allow(clippy::expect_used, clippy::print_stdout)] // a benchmark without cells has nothing to measure
+#![allow(clippy::expect_used, clippy::print_stdout)] // without the cells, a benchmark has nothing to measure
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -19,11 +20,11 @@ use sweetspot::search::{SearchSpace, Watch, search};
 
 /// Number of layouts of each kind.
 const LAYOUTS: usize = 60;
-/// Number of times that all layouts are evaluated; the median counts.
+/// Number of times that all layouts are evaluated; the median time is printed.
 const ROUNDS: usize = 5;
 /// Number of evaluations of the search for the plausible layouts.
 const BUDGET: u64 = 200;
-/// Cells of the folder `cells`, and a cell of this folder in two readings.
+/// Names of cells of the folder `cells`, and of a cell of the folder `benches` with two readings.
 const CELLS: [&str; 14] = [
     "hitachi_cell",
     "ur_cell",

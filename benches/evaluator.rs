@@ -3,10 +3,10 @@
 //!
 //!     cargo bench --bench evaluator -- cells/hitachi_cell.toml
 //!
-//! Prints the layouts per second of the fastest round, and the sum of the costs in the unit of the objective.
-//! results/optimisers/run.py evaluates the same layouts.
+//! The program prints the layouts per second of the fastest round, and the sum of the costs in the unit
+//! of the objective. results/optimisers/run.py evaluates the same layouts.
 
-#![allow(clippy::print_stdout)] // the script that compares both reads the output
+#![allow(clippy::print_stdout)] // the script that compares both evaluators reads the output
 
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -17,17 +17,18 @@ use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::record::nine_digits;
 use sweetspot::search::SearchSpace;
 
-/// Number of layouts.
+/// Number of layouts that are evaluated.
 const LAYOUTS: usize = 100_000;
 
-/// Number of times that all layouts are evaluated; the fastest counts.
+/// Number of times that all layouts are evaluated; the least time is printed.
 const ROUNDS: usize = 5;
 
-/// Numbers whose square roots step through the unit cube (Richtmyer sequence).
+/// Primes whose square roots are the steps of the sequence of points of the unit cube (Richtmyer
+/// sequence).
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
 fn main() {
-    // cargo passes flags of its own.
+    // cargo passes flags of its own, which begin with `--`.
     let given = std::env::args().skip(1).find(|word| !word.starts_with("--"));
     let file = PathBuf::from(given.unwrap_or_else(|| "cells/hitachi_cell.toml".into()));
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

@@ -1,7 +1,7 @@
 //! Closed-form inverse kinematics: all postures of six-axis arms at 1000 reachable poses (tests/data/b_*).
 //!
-//! One iteration solves all 1000 poses on one thread, so its microseconds are nanoseconds per pose. This run
-//! also solves the PUMA 560 with the crate rs-opw-kinematics, for comparison.
+//! One iteration solves all 1000 poses on one thread, so a time of 1 us per iteration is 1 ns per pose.
+//! For comparison, the crate rs-opw-kinematics solves the poses of the PUMA 560.
 
 #![allow(clippy::expect_used)] // without its data, a benchmark has nothing to measure
 
@@ -41,7 +41,8 @@ fn poses(name: &str) -> Vec<Pose> {
     data(name).chunks_exact(16).map(pose).collect()
 }
 
-/// Returns for each joint the cosine and sine of the middle of its range, and the cosine of half its width.
+/// Returns for each joint the cosine and sine of the middle of its range, and the cosine of half the
+/// width of the range.
 ///
 /// A joint is within its limits if the cosine of its distance from the middle is at least the third value. That
 /// value is -2 for a range of a full turn or more.
@@ -59,8 +60,8 @@ fn allowed(arcs: &[[f64; 3]; 6], posture: &Posture) -> bool {
     (0..6).all(|k| posture.cos[k] * arcs[k][0] + posture.sin[k] * arcs[k][1] >= arcs[k][2])
 }
 
-/// Measures three uses of the postures: to count all, to count those within the joint limits, and to compute the
-/// joint angles of the latter.
+/// Measures three uses of the postures: counting all postures, counting the postures within the joint
+/// limits, and computing the joint angles of the postures within the limits.
 fn ways(
     c: &mut Criterion,
     name: &str,
@@ -102,7 +103,8 @@ fn ur5(c: &mut Criterion) {
     });
 }
 
-/// Measures rs-opw-kinematics at the same poses, which its own forward kinematics computes from the same joints.
+/// Measures rs-opw-kinematics at the poses of the function `puma560`. The forward kinematics of the
+/// crate computes these poses from the same joint angles.
 fn peer(c: &mut Criterion) {
     let robot = robot("puma560.toml");
     let offsets = [0.0, -FRAC_PI_2, FRAC_PI_2, 0.0, 0.0, 0.0];

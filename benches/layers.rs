@@ -1,5 +1,5 @@
-//! One benchmark per layer, on the shipped cells: a node, a map of 99 nodes, and the collision check of one
-//! posture. `evaluate` runs on random and on plausible layouts.
+//! Benchmarks of the layers of an evaluation, on the shipped cells: a node, a map of 99 nodes, the
+//! collision check of one posture, and others. `evaluate` runs on random and on plausible layouts.
 //!
 //! `cargo bench --bench layers` runs them. The 2000 layouts are in tests/data: 1000 random, then 1000 plausible.
 
@@ -84,11 +84,12 @@ fn node(c: &mut Criterion) {
     }
 }
 
-/// Measures the readings at the same node as the function `node`, in a sense of three rows.
+/// Measures the readings at the node of the function `node`, in the sense xyz, which has three
+/// components.
 ///
-/// For every branch, the first benchmark computes the value of the signed sample. The second computes the exact
-/// worst case and the covariance of the linear model. Further benchmarks compute the nonlinear worst-case and
-/// statistical figures of one posture.
+/// For every branch, the first benchmark computes the value of the signed sample. The second benchmark
+/// computes the exact worst case and the covariance of the linear model. Further benchmarks compute the
+/// nonlinear worst-case and statistical figures of one posture.
 fn readings(c: &mut Criterion) {
     let mut cell = shipped("hitachi_ideal.toml");
     cell.model = Model::Linear;
@@ -181,7 +182,7 @@ fn evaluate(c: &mut Criterion) {
     let ready = |collision: bool, times: usize| {
         let mut cell = shipped("hitachi_ideal.toml");
         cell.collision = collision;
-        // Grids of 99 and 63 nodes, or of ten times as many.
+        // The grids have 99 and 63 nodes, or ten times as many.
         let grids = if times == 1 { [(10, 8), (20, 2)] } else { [(32, 29), (69, 8)] };
         for (operation, grid) in cell.operations.iter_mut().zip(grids) {
             if let Place::Grid { divisions, .. } = &mut operation.place {

@@ -9,7 +9,8 @@
 //! | `plan` | Are chosen poses more informative than random poses? |
 //! | `speed` | How long does a fit take? |
 //!
-//! Poses are drawn with the seeds 1 to 20, or 1 to 5 if a fit is slow. Medians are printed.
+//! Poses are drawn at random with the seeds 1 to 20, or 1 to 5 if a fit is slow. Medians over the seeds
+//! are printed.
 
 #![allow(clippy::expect_used, clippy::print_stdout)] // without the data there is nothing to measure
 
@@ -30,10 +31,11 @@ const SEEDS: std::ops::RangeInclusive<u64> = 1..=20;
 /// Seeds of the studies whose fits are slow.
 const FEW_SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
 const SERIES: [&str; 4] = ["A", "B", "C", "D"];
-/// Least number of poses of a spot.
+/// Least number of poses with which a spot counts.
 const POSES_OF_SPOT: usize = 10;
 
-/// Figure of a commanded position by which a rule of thumb ranks spots.
+/// Function that returns the figure of a commanded position (base frame, m) by which a rule of thumb
+/// ranks spots.
 type Rule<'a> = &'a dyn Fn(&Vector3<f64>) -> f64;
 /// Function that prints the figures of one study.
 type Study = fn(&Data);
@@ -95,8 +97,9 @@ impl Data {
         calibrate(&self.chain, sessions, &unknowns, &priors).expect("a calibration")
     }
 
-    /// Prints, for every series but `without`, medians over the results: the mean error of the predictions,
-    /// and the share of positions inside the 95 % ellipsoids.
+    /// Prints, for every series but `without`, medians over the results. The figures are the mean error
+    /// of the predictions in mm, and the share of positions inside the 95 % ellipsoids in percent, with
+    /// the least and the greatest share.
     fn print_tests(&self, results: &[Calibration], without: Option<usize>) {
         for (other, name) in SERIES.iter().enumerate().filter(|(other, _)| Some(*other) != without) {
             let tested = results.iter().map(|r| r.tested(&self.series[other]).expect("a test"));
@@ -108,8 +111,8 @@ impl Data {
         println!();
     }
 
-    /// Returns the mean of `errors` at every spot of series A with enough poses; `errors` has one value per
-    /// pose.
+    /// Returns the mean of `errors` at every spot of series A with enough poses. `errors` has one value
+    /// for each pose of the series.
     fn of_spots(&self, errors: &[f64]) -> Vec<f64> {
         let mut sums: BTreeMap<[i64; 3], (f64, usize)> = BTreeMap::new();
         for (spot, error) in self.spots.iter().zip(errors) {
@@ -122,8 +125,8 @@ impl Data {
             .collect()
     }
 
-    /// Returns the errors of the nominal arm, mm, at the postures of series A if their positions are
-    /// `positions`.
+    /// Returns the errors of the nominal arm, mm, at the postures of series A if the reflector is at
+    /// `positions` (frame of the instrument, m).
     fn nominal_errors(&self, positions: impl Iterator<Item = Vector3<f64>>) -> Vec<f64> {
         let a = &self.series[0];
         let measured: Vec<_> =
@@ -141,14 +144,14 @@ struct Terms {
     is_elastic: bool,
     /// Largest order of the harmonics; 0 for no harmonics.
     orders: usize,
-    /// Factor of the prior standard deviations of all unknowns but harmonics.
+    /// Factor by which the prior standard deviations of all unknowns but harmonics are multiplied.
     prior_factor: f64,
 }
 
 const ROWS: Terms = Terms { name: "Rows", is_elastic: false, orders: 0, prior_factor: 1.0 };
 const ELASTIC: Terms = Terms { name: "Elastic", is_elastic: true, ..ROWS };
 const HARMONICS: Terms = Terms { name: "Harmonics 32", orders: 32, ..ELASTIC };
-/// Choices of the study `terms`.
+/// Choices of parameters that the study `terms` compares.
 const CHOICES: [Terms; 7] = [
     ROWS,
     ELASTIC,
@@ -233,7 +236,8 @@ fn spearman(a: &[f64], b: &[f64]) -> f64 {
     sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
 }
 
-/// Prints whether calibrations with poses of series B rank the spots of series A as the tracker does.
+/// Prints how well calibrations with poses of series B rank the spots of series A, compared with the
+/// tracker.
 fn rank(data: &Data) {
     let measured = data.of_spots(&data.nominal_errors(data.series[0].iter().map(|m| m.position)));
     let (least, most) = (quantile(&measured, 0.0), quantile(&measured, 1.0));
@@ -318,7 +322,7 @@ fn plan(data: &Data) {
     }
 }
 
-/// Prints the time of a fit of 1000 poses.
+/// Prints the median time, s, of a fit of 1000 poses of series C.
 fn speed(data: &Data) {
     println!("\nspeed: fit of 1000 poses with cross-validation");
     for terms in [ELASTIC, HARMONICS] {

@@ -8,10 +8,10 @@ use sweetspot::cli::front_end::FileSnapshot;
 use sweetspot::files::toml_string;
 use sweetspot::report;
 
-/// Name of the text that adds the keys of `--set` to the cell file.
+/// File name of the text that adds the settings (`--set`) of a cell to its cell file.
 const WITH_SETS: &str = ".with-settings.toml";
 
-/// Returns a name that none of the files has: `name`, or `name` with underscores before it.
+/// Returns a name that none of the files has: `name`, if necessary with underscores before it.
 fn unused(name: &str, files: &[(String, Vec<u8>)]) -> String {
     let mut name = name.to_string();
     while files.iter().any(|(known, _)| known.eq_ignore_ascii_case(&name)) {
@@ -22,8 +22,8 @@ fn unused(name: &str, files: &[(String, Vec<u8>)]) -> String {
 
 /// Returns a cell whose start is this layout of `cell`. The text of its file begins with `comment`.
 ///
-/// All numbers are bit for bit those of the layout file that `sweetspot search` writes, because the same text
-/// is read.
+/// The cell is read from the text that `sweetspot search` would write into a layout file, so all numbers
+/// are the same bit for bit.
 pub fn at_layout(py: Python<'_>, cell: &Cell, layout: &Layout, name: &str, comment: &str) -> PyResult<Cell> {
     let file = cell.origin.path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let lines: Vec<String> =

@@ -15,10 +15,10 @@ use sweetspot::report::measured_errors;
 use sweetspot::robot::Chain;
 use sweetspot::units::m_from_mm;
 
-/// Array of numbers.
+/// Array of numbers that Python passes, of any number of dimensions.
 type Numbers<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 
-/// Error set of a robot, the table `errors.NAME` of a robot file.
+/// Error set of a robot: the table `errors.NAME` of a robot file.
 #[pyclass(frozen, module = "sweetspot", str = "{toml}")]
 #[derive(Clone)]
 pub struct Errors {
@@ -36,7 +36,7 @@ impl Errors {
         &self.name
     }
 
-    /// The table for a robot file.
+    /// Text of the table `errors.NAME` for a robot file.
     #[getter]
     fn toml(&self) -> &str {
         &self.toml
@@ -57,7 +57,7 @@ impl Errors {
     }
 }
 
-/// Identified errors of a robot with their uncertainty.
+/// Identified errors of a robot, with their uncertainty.
 #[pyclass(frozen, module = "sweetspot")]
 pub struct Calibration {
     errors: Errors,
@@ -99,6 +99,17 @@ fn pairs<'py>(test: &Bound<'py, PyAny>) -> PyResult<Vec<Session<'py>>> {
 }
 
 /// Identifies the kinematic errors of a robot from measured positions of its tool.
+///
+/// `q` has the joint coordinates (n, axes) in rad (m for a prismatic joint). `measured` has the positions
+/// (n, 3) or the poses (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the
+/// standard deviation of the instrument per axis, in `unit`. `test` is a pair (q, measured) that is not part
+/// of the fit.
+///
+/// `elastic` adds the deflection of the joints by the weight of the links. `harmonics` adds the periodic
+/// errors of the revolute joints up to this order.
+///
+/// For several sessions with different frames of the instrument or different tools, `q` and `measured` are
+/// lists with one array per session. `test` may be a list of pairs (q, measured).
 #[pyfunction]
 #[pyo3(signature = (robot, q, measured, *, unit="m", sigma=None, test=None, elastic=false, harmonics=None))]
 #[allow(clippy::too_many_arguments)] // keywords of Python
@@ -159,7 +170,7 @@ pub fn calibrate(
     Ok(Calibration { errors, document, covariance, residual_mm })
 }
 
-/// Returns the exception with the name of the session to which it belongs.
+/// Returns the exception `why` with the name of its session at the beginning of the message.
 fn in_session(py: Python<'_>, name: &str, why: &PyErr) -> PyErr {
     PyErr::from_type(why.get_type(py), format!("{name}: {}", why.value(py)))
 }
@@ -213,31 +224,32 @@ fn rows(
 
 #[pymethods]
 impl Calibration {
-    /// The identified errors, for `Cell.with_errors`.
+    /// Identified errors, for `Cell.with_errors`.
     #[getter]
     fn errors(&self) -> Errors {
         self.errors.clone()
     }
 
-    /// The record of `sweetspot calibrate --json`.
+    /// Record of `sweetspot calibrate --json`.
     #[getter]
     fn document(&self, py: Python<'_>) -> Py<PyAny> {
         self.document.clone_ref(py)
     }
 
-    /// The identified parameters, as a table.
+    /// Table of the identified parameters.
     #[getter]
     fn parameters(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.document.getattr(py, "parameters")
     }
 
-    /// Covariance of the unknowns, which are in m, rad and rad/m; harmonics come last.
+    /// Covariance matrix of the unknowns in products of their units (m, rad, rad/m); harmonics are in the
+    /// last rows and columns.
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         PyArray2::from_vec2(py, &self.covariance).map_err(|e| PyValueError::new_err(e.to_string()))
     }
 
-    /// Root mean square of the residuals per axis, mm.
+    /// Residual standard deviation per axis, in mm.
     #[getter]
     fn residual_mm(&self) -> Option<f64> {
         self.residual_mm

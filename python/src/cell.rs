@@ -29,7 +29,7 @@ pub struct CellOrigin {
     pub files: FileSnapshot,
 }
 
-/// Cell with its settings, valid by construction. It does not change: `with_` makes another one.
+/// Cell with its settings, which have been checked. A cell is immutable: `with_` returns another cell.
 #[pyclass(frozen, module = "sweetspot")]
 #[derive(Clone)]
 pub struct Cell {
@@ -44,7 +44,8 @@ type Pickled =
     (PathBuf, Vec<(String, PathBuf)>, Vec<(String, Vec<u8>)>, Vec<(String, String, Option<String>)>);
 
 impl Cell {
-    /// Reads a cell with settings, without the interpreter lock, and issues the warnings about its files.
+    /// Reads a cell with settings while the interpreter lock is released, and issues the warnings about
+    /// the files.
     pub fn new(py: Python<'_>, origin: Arc<CellOrigin>, settings: Vec<Setting>) -> PyResult<Self> {
         let read = py.detach(|| read_cell_with(&origin.path, &origin.packages, &settings, &origin.files));
         let loaded = read.map_err(|found| faults::exception(py, &found))?;
@@ -130,7 +131,8 @@ impl Cell {
         Self::new(py, Arc::new(CellOrigin { path, packages, files }), Vec::new())
     }
 
-    /// Returns the cell with settings: the keys of `--set`, and the flags that choose errors.
+    /// Returns the cell with other settings: texts `PATH=VALUE` as after `--set`, dicts of paths and values,
+    /// or the flags that choose errors and their interpretation.
     #[pyo3(signature = (*sets, **question))]
     fn with_(
         &self,
@@ -143,12 +145,16 @@ impl Cell {
         self.changed(py, added)
     }
 
-    /// Returns the cell with identified errors of its robot, and with the reading that suits them.
+    /// Returns the cell with identified errors of the robot. A cell that states no reading gets the default
+    /// reading for these errors.
     fn with_errors(&self, py: Python<'_>, errors: &Errors) -> PyResult<Self> {
         self.changed(py, settings::of_errors(errors))
     }
 
     /// Maps the error over the surface of an operation, or of all operations.
+    ///
+    /// `senses="own"` leaves out the figures in all senses but that of the operation. The map is then
+    /// computed several times faster, and takes half the memory.
     #[pyo3(signature = (operation=None, *, senses="all", **question))]
     fn map(
         &self,
@@ -167,7 +173,12 @@ impl Cell {
         Map::new(py, &cell, operation, every_sense)
     }
 
-    /// Searches for the layout of least error. Ctrl-C ends the search, which then returns what it has found.
+    /// Searches for the layout of least error. Ctrl-C ends the search, which then returns the best layout so
+    /// far.
+    ///
+    /// `time` is the limit of the computing time in seconds, and `threads` the number of threads (None: all
+    /// cores). `progress` is called with the number of evaluations so far, the budget, and the least
+    /// objective so far in the unit of the search (None if no layout is feasible yet).
     #[pyo3(signature = (*, time=None, threads=None, progress=None, **settings))]
     fn search(
         &self,
@@ -181,7 +192,8 @@ impl Cell {
         searched(py, &cell, time, threads, progress.as_ref())
     }
 
-    /// Returns the shares of all parameters in the error at the spot of an operation, or at a node.
+    /// Returns the share of each parameter in the error at the spots of one or of all operations, or at the
+    /// node `at` of one operation.
     #[pyo3(signature = (operation=None, *, at=None, **question))]
     fn budget<'py>(
         &self,
@@ -231,18 +243,19 @@ impl Cell {
         records::object(py, "RobustDocument", &document)
     }
 
-    /// Writes one HTML page about the layout as drawn, and returns its verdict. An existing page is replaced.
+    /// Writes one HTML page about the layout as drawn, and returns the verdict. An existing page is replaced.
     fn report<'py>(&self, py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
         page::written(py, &path, page::of_cell(py, self)?)
     }
 
-    /// Serves a page on this machine that edits the layout.
+    /// Serves a page on this machine on which the layout can be edited. Port 0 stands for any port that is
+    /// not in use, and `open` opens the page in the browser.
     #[pyo3(signature = (*, port=0, open=false))]
     fn view(&self, py: Python<'_>, port: u16, open: bool) -> PyResult<View> {
         View::new(py, self, port, open)
     }
 
-    /// Returns a function from layouts to costs, for the user's own optimiser.
+    /// Returns a function from layouts to costs, for an optimiser of the user's own.
     fn evaluator(&self, py: Python<'_>) -> PyResult<Evaluator> {
         Evaluator::new(py, self.clone())
     }

@@ -27,7 +27,7 @@ impl Evaluated {
     pub fn new(evaluation: &Evaluation, cell: &Cell, reasons: Vec<String>) -> Self {
         let in_unit = |si: f64| nine_digits(cell.unit().from_si(si));
         let value = |(outcome, operation): (&Outcome, &Operation)| match outcome {
-            // As in a map, an operation on equipment that overlaps has no value.
+            // As in a map, an operation has no value if its equipment overlaps another object.
             _ if evaluation.overlaps.iter().any(|overlap| overlap.concerns(operation.equipment)) => None,
             Outcome::Found(spot) => Some(in_unit(spot.value)),
             _ => None,
@@ -60,13 +60,13 @@ impl Evaluations {
 
 #[pymethods]
 impl Evaluations {
-    /// Costs, shape (n,).
+    /// Costs in `unit`, shape (n,).
     #[getter]
     fn costs<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.rows.iter().map(|row| row.cost))
     }
 
-    /// Objectives, shape (n,); NaN for a layout that is not feasible.
+    /// Objectives in `unit`, shape (n,); NaN for a layout that is not feasible.
     #[getter]
     fn objectives<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.rows.iter().map(|row| row.objective.unwrap_or(f64::NAN)))
@@ -78,14 +78,15 @@ impl Evaluations {
         PyArray1::from_iter(py, self.rows.iter().map(|row| row.is_accepted))
     }
 
-    /// Value of every operation at its spot, shape (n, operations); NaN if the operation has no spot.
+    /// Value of every operation at its spot in `unit`, shape (n, operations); NaN if the operation has no
+    /// spot.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let all = self.rows.iter().flat_map(|row| row.values.iter().map(|v| v.unwrap_or(f64::NAN)));
         PyArray1::from_iter(py, all).reshape([self.rows.len(), self.operations.len()])
     }
 
-    /// Reasons why each layout is not feasible; None unless reasons were requested.
+    /// Reasons why each layout is not feasible; None without `reasons=True`.
     #[getter]
     fn reasons(&self) -> Option<Vec<Vec<String>>> {
         self.has_reasons.then(|| self.rows.iter().map(|row| row.reasons.clone()).collect())

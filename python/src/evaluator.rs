@@ -1,4 +1,4 @@
-//! Evaluation of layouts for the user's own optimiser: a function from layouts to costs.
+//! Evaluation of layouts for an optimiser of the user's own: a function from layouts to costs.
 
 use crate::at_layout::at_layout;
 use crate::cell::Cell;
@@ -19,16 +19,19 @@ use sweetspot::record::nine_digits;
 use sweetspot::search::SearchSpace;
 use sweetspot::units::{deg_from_rad, m_from_mm, mm_from_m, rad_from_deg};
 
-/// Least number of layouts that one thread evaluates in a row.
+/// Least number of layouts that one thread evaluates as one task.
 const MIN_LAYOUTS: usize = 50;
 
-/// Largest number of layouts that are evaluated in the calling thread.
+/// Largest number of layouts that are evaluated in the calling thread instead of on all cores.
 const FEW_LAYOUTS: usize = 2;
 
-/// Array of layouts, or one layout.
+/// Array of layouts (n, dim), or one layout (dim,), as Python passes it.
 type Given<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
 
-/// Function from layouts to costs. A layout is a point of the unit cube, or its free coordinates in mm and degrees.
+/// Function from layouts to costs.
+///
+/// A layout is given as a point of the unit cube or, with `units=True`, by its free coordinates in mm and
+/// degrees.
 #[pyclass(frozen, module = "sweetspot")]
 pub struct Evaluator {
     cell: Cell,
@@ -43,7 +46,7 @@ struct Rows {
     is_one: bool,
 }
 
-/// Returns a function from layouts to costs, for the user's own optimiser.
+/// Returns a function from layouts to costs, for an optimiser of the user's own.
 #[pyfunction]
 pub fn evaluator(py: Python<'_>, cell: &Cell) -> PyResult<Evaluator> {
     Evaluator::new(py, cell.clone())
@@ -59,7 +62,7 @@ impl Evaluator {
         self.workcell.cell.free()
     }
 
-    /// Checks the shape and the numbers of layouts.
+    /// Returns the layouts as rows, after checks of their shape and of their numbers.
     fn rows(&self, given: &Given<'_>) -> PyResult<Rows> {
         let (shape, dim) = (given.shape(), self.dim());
         let is_one = shape.len() == 1;
@@ -92,7 +95,7 @@ impl Evaluator {
         })
     }
 
-    /// Evaluates layouts on all cores.
+    /// Evaluates layouts on all cores, or in the calling thread if there are at most [`FEW_LAYOUTS`].
     fn evaluated(&self, rows: &[f64], units: bool, reasons: bool, stop: &AtomicBool) -> Vec<Evaluated> {
         let one = |workspace: &mut Borrowed<'_>, row: &[f64]| {
             if stop.load(Ordering::Relaxed) {
@@ -170,7 +173,7 @@ impl Evaluator {
         self.workcell.cell.unit().word()
     }
 
-    /// Least and largest value of every free coordinate, mm or degrees.
+    /// Least and greatest value of every free coordinate in mm or degrees, shape (dim, 2).
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let bound = |(slot, coordinate): (Slot, &Coordinate)| {
@@ -186,20 +189,24 @@ impl Evaluator {
         matrix(py, self.free().into_iter().map(bound).collect(), 2)
     }
 
-    /// The layout as drawn, as a point of the unit cube.
+    /// Point of the unit cube for the layout as drawn.
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, SearchSpace::new(&self.workcell.cell).start())
     }
 
-    /// The cell whose layouts are evaluated.
+    /// Cell whose layouts are evaluated.
     #[getter]
     fn cell(&self) -> Cell {
         self.cell.clone()
     }
 
-    /// Returns the cost of every layout. A layout that is not feasible costs at least 1000 times the weight
-    /// of the objective.
+    /// Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
+    ///
+    /// The cost of a layout that keeps every limit is its objective, in `unit`. A layout that misses a limit
+    /// costs more than 100 times the weight of the objective, in m, rad or shares, which is converted to
+    /// `unit`. An infeasible layout costs at least 1000 times that weight. The cost of such a layout
+    /// increases with its distance from feasibility.
     #[pyo3(signature = (layouts, *, units=false))]
     fn __call__<'py>(
         &self,
@@ -215,7 +222,8 @@ impl Evaluator {
         }
     }
 
-    /// Evaluates layouts: costs, objectives, values of the operations and, if requested, reasons.
+    /// Evaluates layouts: costs, objectives, values of the operations and, if `reasons` is True, the reasons
+    /// why a layout is not feasible.
     #[pyo3(signature = (layouts, *, units=false, reasons=false))]
     fn evaluate(
         &self,
@@ -229,7 +237,7 @@ impl Evaluator {
         Ok(Evaluations::new(&self.workcell.cell, evaluated, reasons))
     }
 
-    /// Returns the coordinates (mm and degrees) of the layouts at points of the unit cube.
+    /// Returns the coordinates in mm and degrees of the layouts at points of the unit cube.
     fn to_units<'py>(&self, py: Python<'py>, points: Given<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.rows(&points)?;
         let (cell, free) = (&self.workcell.cell, self.free());
@@ -240,8 +248,7 @@ impl Evaluator {
         matrix(py, rows.values.chunks(self.dim()).map(values).collect(), self.dim())
     }
 
-    /// Returns the points of the unit cube for layouts in mm and degrees. Their coordinates must be inside
-    /// the bounds.
+    /// Returns the points of the unit cube for layouts in mm and degrees, which must be inside the bounds.
     #[pyo3(name = "from_units")]
     fn points<'py>(&self, py: Python<'py>, layouts: Given<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.rows(&layouts)?;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Time between two checks for a signal.
+/// Time between two checks for a signal such as Ctrl-C.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// Result of work that could be interrupted.
@@ -15,8 +15,9 @@ pub struct Worked<T> {
     pub interrupted: Option<PyErr>,
 }
 
-/// Runs `work` in another thread without the interpreter lock. A signal sets the flag that `work` receives.
-/// `tick` runs with the lock between two checks for a signal; an exception of `tick` sets the flag, too.
+/// Runs `work` in another thread without the interpreter lock. If a signal such as Ctrl-C arrives, the
+/// flag that `work` receives is set, so that `work` can end early. `tick` runs with the lock after each
+/// check for a signal; an exception of `tick` sets the flag, too.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send,

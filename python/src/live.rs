@@ -1,4 +1,4 @@
-//! The live page of a cell, served by this process.
+//! Server of the live page of a cell, which runs in the process of Python.
 
 use crate::cell::Cell;
 use pyo3::exceptions::PyOSError;
@@ -8,8 +8,9 @@ use std::sync::Mutex;
 use sweetspot::cli::front_end::{BackgroundView, Origin, open_in_browser, remember};
 use sweetspot::layout::Workcell;
 
-/// Server of a page on this machine that edits a layout. It ends at `stop`, at the end of its `with` block,
-/// or with the process.
+/// Server of a page on this machine on which a layout can be edited.
+///
+/// The server ends at `stop`, at the end of the `with` block, or with the process.
 #[pyclass(frozen, module = "sweetspot")]
 pub struct View {
     server: Mutex<BackgroundView>,
@@ -38,7 +39,7 @@ impl View {
 
 #[pymethods]
 impl View {
-    /// Address of the page, which contains its secret.
+    /// Address of the page. It contains the secret that admits a browser.
     #[getter]
     fn url(&self) -> &str {
         &self.url

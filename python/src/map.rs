@@ -15,7 +15,7 @@ use sweetspot::layout::Workcell;
 use sweetspot::record::{MapDocument, MapNodes};
 use sweetspot::report;
 
-/// Error map of the layout as drawn.
+/// Error map of the layout as drawn: a table of nodes, a record and a picture.
 #[pyclass(frozen, module = "sweetspot")]
 pub struct Map {
     nodes: RecordBatch,
@@ -23,7 +23,7 @@ pub struct Map {
     svg: String,
 }
 
-/// Content of a map that needs no interpreter.
+/// Content of a map that is computed without the interpreter lock.
 struct Mapped {
     nodes: RecordBatch,
     document: Value,
@@ -31,8 +31,8 @@ struct Mapped {
 }
 
 impl Map {
-    /// Maps one operation or all of them; `every_sense` adds the figures in all senses to those in the
-    /// sense of the operation.
+    /// Maps one operation or all of them. `every_sense` adds the figures in all senses to the figures in
+    /// the sense of the operation.
     pub fn new(py: Python<'_>, cell: &Cell, operation: Option<usize>, every_sense: bool) -> PyResult<Self> {
         let workcell = cell.prepared(py)?;
         let mapped = all_or_nothing(py, |_| match every_sense {
@@ -84,7 +84,7 @@ impl Map {
         table::stream(py, &self.nodes)
     }
 
-    /// Returns a column of the nodes as a numpy array.
+    /// Returns a column of the table of nodes as a numpy array, in which a missing number is NaN.
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         table::column(py, &self.nodes, name)
     }
@@ -99,13 +99,13 @@ impl Map {
         self.nodes.schema().fields().iter().map(|field| field.name().clone()).collect()
     }
 
-    /// Memory of the nodes, bytes.
+    /// Memory that the nodes take, in bytes.
     #[getter]
     fn nbytes(&self) -> usize {
         self.nodes.get_array_memory_size()
     }
 
-    /// The record of `sweetspot map --json`, without the nodes.
+    /// Record of `sweetspot map --json`, without the nodes.
     #[getter]
     fn document(&self, py: Python<'_>) -> Py<PyAny> {
         self.document.clone_ref(py)
@@ -131,7 +131,7 @@ impl Map {
         self.document.getattr(py, "unit")
     }
 
-    /// The picture of the map, as the text of an SVG file.
+    /// Picture of the map as the text of an SVG file.
     #[getter]
     fn svg(&self) -> &str {
         &self.svg

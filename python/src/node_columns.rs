@@ -1,8 +1,8 @@
 //! Columns of the nodes of a map.
 //!
-//! They are the columns of map.csv that hold a value at some node, except those of the refined spot, which
-//! is not a node. The figures in the sense of the operation itself have names without the sense: `p95_mm`
-//! beside `p95_xy_mm`.
+//! The table has the columns of map.csv that hold a value at one node at least, except the columns of
+//! the refined spot, which is not a node. The figures in the sense of the operation itself have names
+//! without the sense: `p95_mm` beside `p95_xy_mm`.
 
 use crate::table::table;
 use arrow_array::builder::{BooleanBuilder, PrimitiveBuilder, StringDictionaryBuilder};
@@ -65,8 +65,8 @@ impl Column {
     }
 }
 
-/// Returns the nodes of a map as a table; `every_sense` adds the figures in all senses to those in the
-/// sense of the operation.
+/// Returns the nodes of a map as a table. `every_sense` adds the figures in all senses to the figures in
+/// the sense of the operation.
 pub fn node_columns(document: &MapDocument<'_>, every_sense: bool) -> PyResult<RecordBatch> {
     let (table_of_nodes, all) = (NodeTable::new(document), rows(document));
     let columns = table_of_nodes.columns();

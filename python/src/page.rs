@@ -42,8 +42,8 @@ pub fn plain_of_search(py: Python<'_>, search: &Search) -> PyResult<String> {
     Ok(page(py, &search.cell, Some(search), &[Detail { nodes: 400, ..Detail::PLAIN }])?.html)
 }
 
-/// Makes a page with the first of `details`. If there are none, the page has as much detail as its size limit
-/// allows.
+/// Makes a page with the level of detail `details[0]`. If `details` is empty, the page has as much
+/// detail as its size limit allows.
 fn page(py: Python<'_>, cell: &Cell, search: Option<&Search>, details: &[Detail]) -> PyResult<Page> {
     let workcell = cell.prepared(py)?;
     let found = search.map(|search| (search.best.clone(), search.result.clone()));
@@ -90,7 +90,7 @@ fn manifest(cell: &Cell, search: Option<&Search>) -> Manifest {
     }
 }
 
-/// Returns the arguments of the command line that mean a cell: its file and its settings.
+/// Returns the command-line arguments that describe a cell: its file and its settings.
 fn words(cell: &Cell) -> Vec<String> {
     let mut words = vec![cell.place()];
     let mut said = Vec::new();

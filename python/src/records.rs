@@ -26,7 +26,8 @@ pub fn of_json<'py>(py: Python<'py>, class: &str, text: &str) -> PyResult<Bound<
     py.import("sweetspot.records")?.getattr(class)?.call_method1("from_json", (text,))
 }
 
-/// Compares the layouts of cells and searches side by side; the first layout is the reference.
+/// Compares the layouts of cells as drawn and the best layouts of searches. The first layout is the
+/// reference.
 #[pyfunction]
 #[pyo3(signature = (*layouts, names=None))]
 pub fn compare<'py>(
@@ -60,7 +61,7 @@ pub fn compare<'py>(
     object(py, "ComparisonDocument", &document)
 }
 
-/// Returns the JSON Schema of a kind of file or document as a dict.
+/// Returns the JSON Schema of a kind of file or document, such as `cell` or `map`, as a dict.
 #[pyfunction]
 #[pyo3(signature = (kind="cell"))]
 pub fn schema<'py>(py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyAny>> {

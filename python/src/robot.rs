@@ -50,7 +50,7 @@ pub fn robot(py: Python<'_>, name: PathBuf, packages: Option<Vec<(String, PathBu
     Ok(Robot::new(robot))
 }
 
-/// Returns the built-in robots, as the record of `sweetspot robots --json`.
+/// Returns the list of built-in robots, which is the record of `sweetspot robots --json`.
 #[pyfunction]
 pub fn robots(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     let mut all = Vec::new();
@@ -82,7 +82,7 @@ impl Robot {
         self.model.errors.iter().map(|set| set.name()).collect()
     }
 
-    /// Returns the data sheet, as the record of `sweetspot robot --json`.
+    /// Returns the data sheet of the robot, which is the record of `sweetspot robot --json`.
     fn sheet<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let document = all_or_nothing(py, |_| RobotSheetDocument::new(&RobotDataSheet::new(&self.model)))?;
         records::object(py, "RobotSheetDocument", &document)

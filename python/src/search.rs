@@ -72,7 +72,8 @@ pub fn searched(
         }
     };
     let Worked { result: (proof, record), interrupted } = interruptible(py, work, tell);
-    // Ctrl-C ends a search with what was found; another exception, such as one of `progress`, is an error.
+    // After Ctrl-C, the search returns what it has found. Any other exception, such as one of
+    // `progress`, is raised.
     if let Some(why) = interrupted.filter(|why| !why.is_instance_of::<PyKeyboardInterrupt>(py)) {
         return Err(why);
     }
@@ -114,25 +115,26 @@ impl Search {
         self.result.unit.word()
     }
 
-    /// Proven lower bound of the objective of every layout, in `unit`.
+    /// Proven lower bound of the objective of every layout, in `unit`; None if nothing is proven.
     #[getter]
     fn bound(&self) -> Option<f64> {
         self.result.bound
     }
 
-    /// How far the best layout lies above the bound: 0.01 is 1 %.
+    /// Relative gap: objective of the best layout / proven lower bound - 1 (0.01 is 1 %); None without a
+    /// bound.
     #[getter]
     fn gap(&self) -> Option<f64> {
         self.result.gap_percent.map(|percent| percent / 100.0)
     }
 
-    /// The cell at the best layout.
+    /// Cell at the best layout. Raises ValueError if no layout is feasible.
     #[getter]
     fn cell(&self, py: Python<'_>) -> PyResult<Cell> {
         self.best_cell(py)
     }
 
-    /// The cells at the layouts of the front or the shortlist, the best first.
+    /// Cells at the layouts of `front`, in the same order; empty without `pareto` and `keep`.
     #[getter]
     fn cells(&self, py: Python<'_>) -> PyResult<Vec<Cell>> {
         let count = self.layouts.len();
@@ -143,7 +145,7 @@ impl Search {
         self.layouts.iter().enumerate().map(cell).collect()
     }
 
-    /// Improvements of the best layout: number of evaluations, and objective in `unit`.
+    /// Improvements of the search, shape (n, 2): number of evaluations, and least objective so far in `unit`.
     #[getter]
     fn trace<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows: Vec<Vec<f64>> =
@@ -154,13 +156,13 @@ impl Search {
         PyArray2::from_vec2(py, &rows).map_err(|e| PyValueError::new_err(e.to_string()))
     }
 
-    /// The record of `sweetspot search --json`.
+    /// Record of `sweetspot search --json`.
     #[getter]
     fn document(&self, py: Python<'_>) -> Py<PyAny> {
         self.document.clone_ref(py)
     }
 
-    /// Writes one HTML page about the result, and returns its verdict. An existing page is replaced.
+    /// Writes one HTML page about the result, and returns the verdict. An existing page is replaced.
     fn report<'py>(&self, py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
         page::written(py, &path, page::of_search(py, self)?)
     }
@@ -171,7 +173,7 @@ impl Search {
         self.document.getattr(py, "operations")
     }
 
-    /// The Pareto front or the shortlist; None unless the search keeps layouts.
+    /// Layouts of the Pareto front (`pareto`) or of the shortlist (`keep`); None without these two settings.
     #[getter]
     fn front(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.document.getattr(py, "front")
@@ -183,7 +185,7 @@ impl Search {
         self.document.getattr(py, "layout")
     }
 
-    /// Why the search ended.
+    /// Reason why the search ended, such as `interrupted`.
     #[getter]
     fn ended(&self) -> &'static str {
         self.result.ended.name()

@@ -148,14 +148,14 @@ fn refuse_others(name: &str, given: &Bound<'_, PyDict>, known: &[&str]) -> PyRes
     Ok(())
 }
 
-/// Adds the settings `added` to others. An added setting replaces an older setting of the same key.
+/// Adds the settings `added` to `settings`. An added setting replaces an older setting of the same key.
 pub fn merged(mut settings: Vec<Setting>, added: Vec<Setting>) -> Vec<Setting> {
     settings.retain(|old| added.iter().all(|new| new.path != old.path));
     settings.extend(added);
     settings
 }
 
-/// Returns the settings that give these errors to the robot of a cell, and choose them.
+/// Returns the settings that add this error set to the robot of a cell, and choose it.
 pub fn of_errors(errors: &Errors) -> Vec<Setting> {
     let mut settings = vec![Setting::new(format!("robot.errors.{}", errors.name), errors.inline.clone())];
     let flag = format!("--errors {}", errors.name);

@@ -12,7 +12,7 @@ use pyo3::types::{PyBool, PyCapsule, PyInt, PyList};
 use std::sync::Arc;
 use sweetspot::files::fault::did_you_mean;
 
-/// Returns a table as the capsule that `__arrow_c_stream__` must return.
+/// Returns a table as the Arrow capsule that the Python method `__arrow_c_stream__` must return.
 pub fn stream<'py>(py: Python<'py>, table: &RecordBatch) -> PyResult<Bound<'py, PyCapsule>> {
     let schema = table.schema();
     let reader = RecordBatchIterator::new([Ok(table.clone())], schema);

@@ -1,10 +1,10 @@
-//! Working memory for the evaluating threads, kept from call to call.
+//! Working memory of the threads that evaluate layouts, kept from call to call.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
 use sweetspot::layout::Workspace;
 
-/// Working memory that no thread uses now.
+/// Pool of working memories that no thread uses at present.
 pub type Workspaces = Mutex<Vec<Workspace>>;
 
 /// Working memory that one thread borrows from the evaluator.

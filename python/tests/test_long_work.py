@@ -19,7 +19,7 @@ UR = CELLS / "ur_cell.toml"
 
 @pytest.fixture(autouse=True)
 def _sigint_raises() -> Iterator[None]:
-    """A shell starts jobs of the background with SIGINT ignored, which Python then leaves so."""
+    """Restores the default handling of SIGINT, because a shell starts background jobs with SIGINT ignored."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)

@@ -1,9 +1,10 @@
-"""Three kept optimisers on the evaluator of the Python package, beside the search of sweetspot.
+"""Runs three optimisers of other projects on the evaluator of the Python package, beside the search of
+sweetspot.
 
     pip install ./python cma optuna nevergrad && python results/optimisers/run.py
 
-writes results.json and the tables of README.md beside this file. `--quick` runs one seed of each; it only tests that
-everything runs and prints the tables. `--speed` measures the evaluator alone.
+This command writes results.json and the tables of README.md beside this file. `--quick` runs one seed of each
+optimiser, only to test that everything runs, and prints the tables. `--speed` measures the evaluator alone.
 """
 
 from __future__ import annotations
@@ -153,7 +154,7 @@ def speed(name: str) -> dict[str, Any]:
 
 
 def tables(results: dict[str, Any]) -> str:
-    lines = ["| cell | variables | optimum | optimiser | layouts to 1 % | seconds to 1 % | came there |", "|---|---|---|---|---|---|---|"]
+    lines = ["| cell | variables | optimum | optimiser | layouts to 1 % | seconds to 1 % | reached 1 % |", "|---|---|---|---|---|---|---|"]
     for entry in results["studies"]:
         for kind, hits in entry["rows"].items():
             found = [hit for hit in hits if hit]

@@ -3,9 +3,10 @@
     cargo build --release && python3 results/robots/library.py target/release/sweetspot
 
 Names of robots after the program choose a part of the table. *Reach* is the greatest distance of the flange
-from the base axis with the tool down, as `sweetspot robot` prints it; of an arm with a spherical wrist it is
-that of the wrist centre, which most makers state. Envelopes of redundant arms and of arms without a closed
-form take long, so they are left out. *Stated* is a fact of its source. *s* are the seconds of `map`.
+from the base axis with the tool pointing down, as `sweetspot robot` prints it. For an arm with a spherical
+wrist, it is the distance of the wrist centre, which most makers state. Envelopes of redundant arms and of
+arms without a closed form take long to compute, and are left out. *Stated* is the reach that the source
+states. *s* is the time of `map` in seconds.
 """
 
 import json

@@ -2,9 +2,9 @@
 
     python3 results/tutorial/transcript.py
 
-installs the program from a copy of the committed files with `cargo install --path .`, as the tutorial says, into a
-scratch folder. With the path of a program, it skips the installation. Commands and files are read from
-docs/src/tutorial.md; a command that fails ends the run.
+This command installs the program from a copy of the committed files with `cargo install --path .`, as the
+tutorial says, into a scratch folder. With the path of a program, it skips the installation. Commands and
+files are read from docs/src/tutorial.md; a command that fails ends the run.
 """
 
 import os

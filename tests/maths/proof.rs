@@ -498,11 +498,12 @@ fn figures(name: &str, whole: bool) -> String {
 
 const FIGURES: &str = "# How good is the best layout found?\n\n\
     The table has the proven bound of every cell in cells/, and the objective of the best layout of one search with the\n\
-    budget and the seed of the cell. The gap is the largest possible improvement, as a share of the best objective.\n\
-    \"Boxes\" is the number of boxes of the branch and bound for each operation, which stops soon after 100000. \"Seconds\"\n\
-    is the time of the proof alone, on 2 cores that other jobs used, too. If a bound covers only some operations, the\n\
-    others count as 0. For an arm with seven axes, there may be no bound above 0. `sweetspot search` says for which\n\
-    operations there is none, and why. This command makes the table:\n\n\
+    budget and the seed of the cell. Each cell has `ideal = true`: its layouts need only work exactly as drawn. The gap\n\
+    is the largest possible improvement, as a share of the best objective. \"Boxes\" is the number of boxes of the branch\n\
+    and bound for each operation. The branch and bound of an operation stops soon after 100000 boxes. \"Seconds\" is the\n\
+    time of the proof alone, on 2 cores that other jobs used, too. If a bound covers only some operations, the others\n\
+    count as 0. For an arm with seven axes, there may be no bound above 0. `sweetspot search` says for which operations\n\
+    there is none, and why. This command makes the table:\n\n\
     \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths proof::figures -- --nocapture\n\n\
     | cell | bound | covers | best found | evaluations | gap | boxes | seconds |\n\
     |---|---|---|---|---|---|---|---|\n";

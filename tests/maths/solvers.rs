@@ -119,7 +119,7 @@ fn table(rows: &[SolverRow], study: &Study) -> String {
         }
         out.push('\n');
     }
-    out += "| runs that came there, cells with the least median | | |";
+    out += "| runs that reached this accuracy, cells with the least median | | |";
     for k in 0..Solver::ALL.len() {
         let (came, least) = totals(rows, k);
         write!(out, " {came} of {}, {least} |", rows.len() as u64 * study.seeds).unwrap();
@@ -130,10 +130,11 @@ fn table(rows: &[SolverRow], study: &Study) -> String {
 const README: &str = "# Which solver\n\n\
     The table has the number of layout evaluations until the best layout found is within 1 % or 1 um of the best known\n\
     layout. The best known layout is the best of all runs of all solvers on that cell. Each entry is the median over the\n\
-    seeds, with the number of seeds that came there within the budget. The random cells are those of\n\
-    tests/common/random_cells.rs with three or more free coordinates. The other cells of cells/ are left out, because\n\
-    thousands of searches in them take hours. Two of them would add nothing: hitachi_paper has nothing to search for, and\n\
-    hitachi_urdf has the same arm as hitachi_cell.\n\n";
+    seeds, with the number of seeds that reached this accuracy within the budget. The random cells are those of\n\
+    tests/common/random_cells.rs with three or more free coordinates. Every cell has `ideal = true`: its layouts need\n\
+    only work exactly as drawn. The other cells of cells/ are left out, because thousands of searches in them take hours.\n\
+    Two of them would add nothing: hitachi_paper has nothing to search for, and hitachi_urdf has the same arm as\n\
+    hitachi_cell.\n\n";
 
 #[test]
 fn the_study_recommends_the_default_solver() {

@@ -1,7 +1,7 @@
 """Audits DXF files with ezdxf: python tests/tools/audit_dxf.py FILE...
 
-Prints layers, entity counts and extents; fails on any error or anything that had to be fixed, and on a
-handle that two entities share."""
+Prints layers, entity counts and extents. Fails if the audit reports an error or a repair, if two entities
+share a handle, or if an entity is on an undefined layer."""
 
 import collections
 import sys
@@ -37,7 +37,7 @@ def audit(path):
     handles = collections.Counter(
         value.strip() for code, value in zip(pairs[0::2], pairs[1::2]) if code.strip() in ("5", "105")
     )
-    # $HANDSEED is the next handle, and none yet.
+    # $HANDSEED, which is also a code 5, is the next handle and belongs to no entity yet.
     twice = [handle for handle, count in handles.items() if count > 1]
     document = ezdxf.readfile(path)
     auditor = document.audit()

@@ -1,8 +1,9 @@
-"""Checks that every relative link of a built book leads to a file, and to an element if it names one.
+"""Checks that every relative link of a built book leads to a file and, if the link names an element, to this
+element.
 
     python3 tests/tools/check_book.py target/book
 
-Exits with 1 if a link is broken. `.ci/docs` runs it after `mdbook build`; it needs nothing but Python.
+Exits with 1 if a link is broken. `.ci/docs` runs this script after `mdbook build`. It needs only Python.
 """
 
 import sys
@@ -28,7 +29,7 @@ class Page(HTMLParser):
 
 
 def main(folder):
-    # The page for printing joins all others, and 404 is shown for any address.
+    # The page for printing repeats all others, and the page 404 is shown for any address.
     paths = [path for path in folder.rglob("*.html") if path.name not in ("print.html", "404.html", "toc.html")]
     pages = {path.resolve(): Page(path.read_text(encoding="utf-8")) for path in paths}
     broken, count = [], 0

@@ -1,5 +1,5 @@
 // Validates GLB files with Khronos' gltf-validator; fails on any error or warning.
-// node tests/tools/validate_glb.mjs FILE... (after `npm ci` in tests/browser)
+// Usage, after `npm ci` in tests/browser: node tests/tools/validate_glb.mjs FILE...
 
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";

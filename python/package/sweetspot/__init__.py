@@ -1,7 +1,8 @@
 """Layouts of robot workcells with the least kinematic error.
 
-All numbers equal those of the command `sweetspot` bit for bit. Lengths are in mm and angles in degrees, and names state
-the unit. Joint coordinates of measurements are in rad or m. Arrays are numpy arrays.
+All numbers equal those of the command `sweetspot` bit for bit. Lengths are in mm and angles in degrees, and
+names state the unit. Joint coordinates of measurements are in rad, or in m for a prismatic joint. Arrays are
+numpy arrays.
 """
 
 from sweetspot._native import (

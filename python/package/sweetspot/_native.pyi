@@ -55,7 +55,7 @@ _Floats = npt.NDArray[np.float64]
 _Session = tuple[npt.ArrayLike, npt.ArrayLike]
 
 class _Question(TypedDict, total=False):
-    """Flags of the commands that choose errors and their interpretation."""
+    """Flags that choose the error set and its interpretation, as in the commands."""
 
     errors: str | None
     model: Literal["nonlinear", "linear", "second-order"] | None
@@ -80,7 +80,7 @@ class _SearchFlags(_Question, total=False):
 
 @final
 class Cell:
-    """Cell with its settings, valid by construction. A cell is immutable: `with_` makes another one."""
+    """Cell with its settings, which have been checked. A cell is immutable: `with_` returns another cell."""
 
     @staticmethod
     def read(path: _Path, *, packages: _Packages | None = None) -> Cell:
@@ -91,17 +91,18 @@ class Cell:
     ) -> Cell:
         """Reads a cell from the text of a cell file; the files that it refers to are in `folder`."""
     def with_(self, *sets: str | Mapping[str, Any], **question: Unpack[_Question]) -> Cell:
-        """Returns the cell with other settings: `PATH=VALUE` as after `--set`, dicts of paths and values, or flags that
-        choose errors."""
+        """Returns the cell with other settings: texts `PATH=VALUE` as after `--set`, dicts of paths and values, or the
+        flags that choose errors and their interpretation."""
     def with_errors(self, errors: Errors) -> Cell:
-        """Returns the cell with identified errors of the robot, and with the reading that suits these errors."""
+        """Returns the cell with identified errors of the robot. A cell that states no reading gets the default reading
+        for these errors."""
     def map(
         self, operation: str | None = None, *, senses: Literal["all", "own"] = "all", **question: Unpack[_Question]
     ) -> Map:
         """Maps the error over the surface of an operation, or of all operations.
 
-        `senses="own"` leaves out the figures in other senses than that of the operation. This is several times faster,
-        and takes half the memory.
+        `senses="own"` leaves out the figures in all senses but that of the operation. The map is then computed several
+        times faster, and takes half the memory.
         """
     def search(
         self,
@@ -113,18 +114,22 @@ class Cell:
     ) -> Search:
         """Searches for the layout of least error. Ctrl-C ends the search, which then returns the best layout so far.
 
-        `time` is in seconds. `progress` gets the evaluations so far, the budget, and the best objective.
+        `time` is the limit of the computing time in seconds, and `threads` the number of threads (None: all cores).
+        `progress` is called with the number of evaluations so far, the budget, and the least objective so far in the
+        unit of the search (None if no layout is feasible yet).
         """
     def budget(
         self, operation: str | None = None, *, at: tuple[int, int] | None = None, **question: Unpack[_Question]
     ) -> BudgetDocument:
-        """Returns the share of each parameter in the error at the spot of an operation, or at a node."""
+        """Returns the share of each parameter in the error at the spots of one or of all operations, or at the node
+        `at` of one operation."""
     def robust(self, **question: Unpack[_Question]) -> RobustDocument:
         """Returns the sensitivity to misplaced equipment, and the largest misplacement that keeps the limits."""
     def report(self, path: _Path) -> VerdictDocument:
         """Writes one HTML page about the layout as drawn, and returns the verdict. An existing page is replaced."""
     def view(self, *, port: int = 0, open: bool = False) -> View:
-        """Serves a page on this machine on which the layout can be edited."""
+        """Serves a page on this machine on which the layout can be edited. Port 0 stands for any port that is not in
+        use, and `open` opens the page in the browser."""
     def evaluator(self) -> Evaluator:
         """Returns a function from layouts to costs, for an optimiser of the user's own."""
     @property
@@ -187,16 +192,16 @@ class Search:
     def unit(self) -> str: ...
     @property
     def bound(self) -> float | None:
-        """Proven lower bound of the objective of every layout, in `unit`."""
+        """Proven lower bound of the objective of every layout, in `unit`; None if nothing is proven."""
     @property
     def gap(self) -> float | None:
-        """Relative distance of the best layout from the proven lower bound: 0.01 is 1 %."""
+        """Relative gap: objective of the best layout / proven lower bound - 1 (0.01 is 1 %); None without a bound."""
     @property
     def cell(self) -> Cell:
-        """Cell at the best layout."""
+        """Cell at the best layout. Raises ValueError if no layout is feasible."""
     @property
     def cells(self) -> list[Cell]:
-        """Cells at the layouts of the Pareto front or the shortlist, the best first."""
+        """Cells at the layouts of `front`, in the same order; empty without `pareto` and `keep`."""
     @property
     def trace(self) -> _Floats:
         """Improvements of the search, shape (n, 2): number of evaluations, and least objective so far in `unit`."""
@@ -208,7 +213,7 @@ class Search:
         """Spots of the operations in the best layout."""
     @property
     def front(self) -> Table[AlternativeEntry] | None:
-        """Pareto front or shortlist of layouts; None without `pareto` and `keep`."""
+        """Layouts of the Pareto front (`pareto`) or of the shortlist (`keep`); None without these two settings."""
     @property
     def layout(self) -> dict[str, PlacementEntry]:
         """Placement of every piece of equipment in the best layout."""
@@ -224,7 +229,10 @@ class Search:
 
 @final
 class Evaluator:
-    """Function from layouts to costs. A layout is a point of the unit cube, or free coordinates in mm and degrees."""
+    """Function from layouts to costs.
+
+    A layout is given as a point of the unit cube or, with `units=True`, by its free coordinates in mm and degrees.
+    """
 
     @property
     def dim(self) -> int:
@@ -247,11 +255,14 @@ class Evaluator:
     def __call__(self, /, layouts: npt.ArrayLike, *, units: bool = False) -> Any:
         """Returns the costs (n,) of layouts (n, dim), or the cost of one layout (dim,).
 
-        A layout that misses a limit costs more than 100 times the weight of the objective, in m, rad or shares. An
-        infeasible layout costs at least 1000 times that weight. Its cost increases with its distance from feasibility.
+        The cost of a layout that keeps every limit is its objective, in `unit`. A layout that misses a limit costs more
+        than 100 times the weight of the objective, in m, rad or shares, which is converted to `unit`. An infeasible
+        layout costs at least 1000 times that weight. The cost of such a layout increases with its distance from
+        feasibility.
         """
     def evaluate(self, layouts: npt.ArrayLike, *, units: bool = False, reasons: bool = False) -> Evaluations:
-        """Evaluates layouts: costs, objectives, values of the operations, and reasons if `reasons` is True."""
+        """Evaluates layouts: costs, objectives, values of the operations and, if `reasons` is True, the reasons why a
+        layout is not feasible."""
     def to_units(self, points: npt.ArrayLike) -> _Floats:
         """Returns the coordinates in mm and degrees of the layouts at points of the unit cube."""
     def from_units(self, layouts: npt.ArrayLike) -> _Floats:
@@ -265,16 +276,16 @@ class Evaluations:
 
     @property
     def costs(self) -> _Floats:
-        """Costs, shape (n,)."""
+        """Costs in `unit`, shape (n,)."""
     @property
     def objectives(self) -> _Floats:
-        """Objectives, shape (n,); NaN for a layout that is not feasible."""
+        """Objectives in `unit`, shape (n,); NaN for a layout that is not feasible."""
     @property
     def feasible(self) -> npt.NDArray[np.bool_]:
         """Whether each layout is feasible and keeps every limit, shape (n,)."""
     @property
     def values(self) -> _Floats:
-        """Value of every operation at its spot, shape (n, operations); NaN without a spot."""
+        """Value of every operation at its spot in `unit`, shape (n, operations); NaN if the operation has no spot."""
     @property
     def reasons(self) -> list[list[str]] | None:
         """Reasons why each layout is not feasible; None without `reasons=True`."""
@@ -326,10 +337,11 @@ class Calibration:
         """Table of the identified parameters."""
     @property
     def covariance(self) -> _Floats:
-        """Covariance of the unknowns, in products of m, rad and rad/m; harmonics are last."""
+        """Covariance matrix of the unknowns in products of their units (m, rad, rad/m); harmonics are in the last rows
+        and columns."""
     @property
     def residual_mm(self) -> float | None:
-        """Root mean square of the residuals per axis, in mm."""
+        """Residual standard deviation per axis, in mm."""
 
 @final
 class View:
@@ -348,7 +360,10 @@ class View:
     def _repr_html_(self) -> str: ...
 
 def arrow_stream(names: list[str], columns: list[list[Any]]) -> object:
-    """Returns columns of Python values as the capsule of an Arrow stream."""
+    """Returns columns of Python values as the capsule of an Arrow stream, for `sweetspot.records.Table`.
+
+    A column is a list of texts, of numbers, of flags, or of lists of numbers; None is a missing value.
+    """
 
 def calibrate(
     robot: Robot,
@@ -367,12 +382,15 @@ def calibrate(
     poses (n, 4, 4) of one reflector in the frame of the instrument, in `unit`. `sigma` is the standard deviation of the
     instrument per axis, in `unit`. `test` is a pair (q, measured) that is not part of the fit.
 
-    Several sessions may have different frames of the instrument and different tools. For these, `q` is a list of
-    arrays, and so is `measured`. `test` may be a list of pairs (q, measured).
+    `elastic` adds the deflection of the joints by the weight of the links. `harmonics` adds the periodic errors of the
+    revolute joints up to this order.
+
+    For several sessions with different frames of the instrument or different tools, `q` and `measured` are lists with
+    one array per session. `test` may be a list of pairs (q, measured).
     """
 
 def compare(*layouts: Cell | Search, names: list[str] | None = None) -> ComparisonDocument:
-    """Compares the layouts of cells and searches. The first layout is the reference."""
+    """Compares the layouts of cells as drawn and the best layouts of searches. The first layout is the reference."""
 
 def evaluator(cell: Cell) -> Evaluator:
     """Returns a function from layouts to costs, for an optimiser of the user's own."""
@@ -384,4 +402,4 @@ def robots() -> RobotsDocument:
     """Returns the list of built-in robots, which is the record of `sweetspot robots --json`."""
 
 def schema(kind: str = "cell") -> dict[str, Any]:
-    """Returns the JSON Schema of a kind of file or document."""
+    """Returns the JSON Schema of a kind of file or document, such as `cell` or `map`, as a dict."""

@@ -21,7 +21,7 @@ Row = TypeVar("Row", bound="Record", covariant=True)
 class Record:
     """Record of the library with typed fields. A record is immutable."""
 
-    # Fields that are not plain values, each with how to read it and with the name of its class.
+    # Fields that are not plain values. The pair states how `_read` reads the field, and the name of its class.
     _nested: ClassVar[dict[str, tuple[str, str]]] = {}
     _data: dict[str, Any]
 
@@ -68,10 +68,10 @@ class Record:
 class Table(Generic[Row]):
     """Rows of one kind. Data frames read a table directly: `polars.DataFrame(table)`, `pyarrow.table(table)`.
 
-    The name of a column from a nested record is its path, such as `before.rms_mm`. Nested rows are left out.
+    A column from a nested record has its path as name, such as `before.rms_mm`. Nested tables are left out.
     """
 
-    # This is not a subclass of Sequence, because polars would then not ask for Arrow.
+    # This class is not a subclass of Sequence, because polars would then not use the Arrow stream.
 
     def __init__(self, rows: Sequence[Row]) -> None:
         self._rows = tuple(rows)

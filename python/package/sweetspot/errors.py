@@ -9,7 +9,7 @@ from typing import Any, Iterable, NamedTuple
 class Fault(NamedTuple):
     """Fault in one file: where it is, what is wrong, and what to do. Lines and columns are counted from 1.
 
-    The line of a fault in a setting or in a question is 0. The field `file` then states the setting or the cell.
+    A fault in a setting or in a question has line 0. The field `file` then states the setting or the cell.
     """
 
     severity: str
@@ -25,7 +25,8 @@ class Fault(NamedTuple):
 
 
 class SweetspotError(Exception):
-    """Exception that carries faults. The properties are those of the first fault that is an error."""
+    """Exception that carries faults. The properties (`file`, `line` and others) are those of the first fault that is an
+    error."""
 
     faults: tuple[Fault, ...]
 
@@ -66,15 +67,16 @@ class SweetspotError(Exception):
 
 
 class InputError(SweetspotError, ValueError):
-    """Invalid cell, robot or question. The attribute `faults` lists all faults of all files."""
+    """Error in a cell, a robot or a question. The attribute `faults` lists all faults of all files."""
 
 
 class UnreadableError(InputError):
-    """The cell file or the robot file itself cannot be read."""
+    """Error of a cell file or a robot file that itself cannot be read."""
 
 
 class NoAnswerError(SweetspotError):
-    """The question is valid, but has no answer in this layout."""
+    """Error of a valid question that has no answer in this layout, such as the budget at a node out of
+    reach."""
 
 
 class InputWarning(UserWarning):

@@ -15,9 +15,10 @@ const HEAD: &str = "# What the cheapest tolerances save\n\n\
     This table applies `sweetspot allocate` to every cell in cells/, as drawn. The error set of the cell is read as\n\
     tolerances. The limit of each operation is a share of the present worst case or 95th percentile, at the spot or at\n\
     the worst of all usable nodes. Every tolerance costs 1 at present and 1 / scale otherwise, with scales from 0.1 to 3.\n\
-    Uniform tightening gives all tolerances the same scale. Both solutions keep the limits by the error model of the cell,\n\
-    and limits of percentiles also by samples. \"Gap\" is the duality gap. The times are those of one run on 2 cores that\n\
-    other jobs used, too. They include maps and samples. This command makes the table:\n\n\
+    \"Uniform\" is the cost of uniform tightening, which gives all tolerances the same scale. \"Cheapest\" is the cost of the\n\
+    cheapest tolerances. Both solutions keep the limits according to the error model of the cell. Limits of percentiles\n\
+    are also checked by samples. \"Gap\" is the duality gap. The times are those of one run on 2 cores that other jobs\n\
+    used, too. The times include maps and samples. This command makes the table:\n\n\
     \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths allocation::figures -- --nocapture\n\n\
     | cell | reading | limits at | of present | tolerances | uniform | cheapest | saved | rounds | gap | seconds |\n\
     |---|---|---|---|---|---|---|---|---|---|---|\n";
@@ -194,8 +195,8 @@ fn figures() {
     put("\nThe last table compares searches for the least cost with searches for the least error. The cell is hitachi_cell, the\n\
          seed is 1, and both operations have the limit of the row. The costs are those that `allocate` finds for a layout by\n\
          the linear model, at the spots of the search. An ideal layout need only work as drawn. A layout to build must work\n\
-         within the placement tolerances, and has room. The last two columns are the times of the two searches in seconds, one\n\
-         after the other, on two cores.\n\n\
+         everywhere within the placement tolerances, and its pieces have room. The last two columns are the times of the two\n\
+         searches in seconds, one after the other, on two cores.\n\n\
          | reading | limit mm | layout | cost at the start | least error | cheapest | s by error | s by cost |\n\
          |---|---|---|---|---|---|---|---|\n".into());
     for (reading, quantity, limit_mm) in
