@@ -11,7 +11,7 @@ pub mod fault;
 mod keys;
 pub mod measured;
 mod mesh;
-mod polygon;
+pub(crate) mod polygon;
 mod read;
 mod schema;
 pub mod stated;

@@ -1,4 +1,4 @@
-//! Checks of polygons that a user draws.
+//! Checks of polygons: whether their edges cross or touch.
 
 use nalgebra::Vector2;
 

@@ -18,7 +18,7 @@ const FAMILIES: [(&str, &str); 9] = [
     ("ur", "six axes with three parallel ones (closed form)"),
     ("panda", "spherical shoulder, last joint free (closed form)"),
     ("track", "spherical wrist, first joint free (closed form)"),
-    ("offset_wrist", "general chain (numeric)"),
+    ("offset_wrist", "six axes, offset wrist (scan of joint 6)"),
 ];
 
 #[test]

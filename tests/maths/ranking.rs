@@ -296,7 +296,7 @@ fn bounds_do_not_change_worst_cases_and_operations_at_every_node() {
     let mut rng = ChaCha8Rng::seed_from_u64(26);
     let mut counts = [0; 3];
     let cells = [
-        ("ur_cell.toml", 2),
+        ("ur_cell.toml", cases(1, 2)),
         ("scara_cell.toml", cases(2, 3)),
         ("five_axis_cell.toml", cases(1, 3)),
         ("wrist_cell.toml", 1),

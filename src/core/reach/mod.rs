@@ -38,6 +38,7 @@ mod tool_attitudes;
 mod tool_task;
 
 pub use branch::{Branch, Cost, Gap, Reach};
+pub use closed_form::offset_wrist::OffsetWrist;
 pub use closed_form::spherical_wrist::SphericalWrist;
 pub use closed_form::three_parallel::ThreeParallel;
 pub use envelope::{Envelope, EnvelopeExtent, EnvelopeSection, Fineness, Outline, Size};

@@ -7,6 +7,7 @@ mod identification;
 mod inverse;
 mod modified;
 mod numeric;
+mod offset_wrist;
 pub mod product;
 mod rotations;
 mod six_axes;

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use sweetspot::cell::JointKind::{self, Prismatic, Revolute};
 use sweetspot::cell::{Joint, JointVector, Robot};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{SphericalWrist, ThreeParallel};
+use sweetspot::reach::{OffsetWrist, SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
 
 /// Row of an arm: kind, and theta (degrees), r, l (mm), alpha (degrees).
@@ -51,6 +51,7 @@ pub fn from_cell(name: &str) -> Robot {
 pub enum Arm {
     Wrist(Box<SphericalWrist>),
     Parallel(Box<ThreeParallel>),
+    Offset(Box<OffsetWrist>),
 }
 
 /// InverseAnswer of the solver for one pose.
@@ -78,6 +79,12 @@ impl InverseBench {
         Self { robot, chain, arm }
     }
 
+    pub fn offset(robot: Robot) -> Self {
+        let chain = Chain::new(&robot);
+        let arm = Arm::Offset(Box::new(OffsetWrist::new(&chain).unwrap()));
+        Self { robot, chain, arm }
+    }
+
     pub fn solve(&self, flange: &Pose) -> InverseAnswer {
         let mut scratch = self.chain.posture(&JointVector::default());
         let mut found = Vec::new();
@@ -85,6 +92,7 @@ impl InverseBench {
         let missing = match &self.arm {
             Arm::Wrist(arm) => arm.solve(flange, &mut scratch, &mut push),
             Arm::Parallel(arm) => arm.solve(flange, &mut scratch, &mut push),
+            Arm::Offset(arm) => arm.solve(flange, &mut scratch, &mut push),
         };
         InverseAnswer { missing, found }
     }
@@ -100,9 +108,15 @@ impl InverseBench {
 
     /// Solves the pose of `q`, checks that every answer holds it, and returns the answers.
     pub fn check(&self, q: &JointVector) -> InverseAnswer {
+        let answer = self.verified(q);
+        assert!(!answer.found.is_empty() && answer.missing == 0.0, "{q:?}: {} missing", answer.missing);
+        answer
+    }
+
+    /// Solves the pose of `q`, checks that every answer holds it, and returns the answers, if any.
+    pub fn verified(&self, q: &JointVector) -> InverseAnswer {
         let flange = self.pose(q);
         let answer = self.solve(&flange);
-        assert!(!answer.found.is_empty() && answer.missing == 0.0, "{q:?}: {} missing", answer.missing);
         for (branch, posture) in &answer.found {
             let held = self.chain.forward(posture);
             let position = (held.translation - flange.translation).norm();

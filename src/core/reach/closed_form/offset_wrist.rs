@@ -22,7 +22,7 @@ const LEAST_SINE: f64 = 1e-3;
 
 /// Inverse kinematics of an arm with an offset wrist; lengths in m.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::reach) struct OffsetWrist {
+pub struct OffsetWrist {
     /// D-H rows from base to flange, or the rows of the reversed chain.
     links: [Link; 6],
     arm: PositioningArm,
@@ -104,7 +104,7 @@ impl OffsetWrist {
     fn reach(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let axis = self.fixed_axis(flange);
         let mut scratch = *posture;
-        let (roots, least) = CircleRoots::new(|turn| self.misses(&axis, turn, &mut scratch));
+        let roots = CircleRoots::new(|turn| self.misses(&axis, turn, &mut scratch));
         let mut number = 0;
         for &(branch, angle) in roots.all() {
             let (sin, cos) = angle.sin_cos();
@@ -117,8 +117,8 @@ impl OffsetWrist {
                 }
             });
         }
-        match (number, least.is_finite()) {
-            (0, true) => (least * self.links[3].r.abs()).max(f64::MIN_POSITIVE),
+        match (number, roots.least().is_finite()) {
+            (0, true) => (roots.least() * self.links[3].r.abs()).max(f64::MIN_POSITIVE),
             (0, false) => self.distance(&axis, &mut scratch),
             _ => 0.0,
         }
@@ -143,12 +143,14 @@ impl OffsetWrist {
     /// its required value.
     fn misses(&self, axis: &FixedAxis, turn: Angle, scratch: &mut Posture) -> CircleValues {
         let placed = self.placed_axis(axis, turn);
-        let mut misses = [f64::NAN; PositioningArm::BRANCHES];
-        self.fast.solve(&placed.centre, scratch, &mut |branch, posture: &mut Posture| {
+        let mut values = CircleValues::NONE;
+        values.gap = self.fast.solve(&placed.centre, scratch, &mut |branch, posture: &mut Posture| {
             let z4 = self.behind_arm(&placed.z4, posture);
-            misses[usize::from(branch)] = z4.z - self.links[3].cos_alpha;
+            let k = usize::from(branch);
+            values.functions[k] = z4.z - self.links[3].cos_alpha;
+            values.aside[k] = (z4.x, z4.y);
         });
-        misses
+        values
     }
 
     /// Returns a vector of frame 0 in frame 3.

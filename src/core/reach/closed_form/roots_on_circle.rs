@@ -1,195 +1,197 @@
 //! Roots of several functions of one angle, each of which exists on a part of the circle only.
 //!
-//! The circle is scanned at equidistant angles. Between two neighbouring angles, a function has a root where its
-//! sign changes. A parabola through three neighbouring values shows where two roots may lie between two angles.
-//! Where a function begins or ends, the interval is halved until the end is known. Functions that end together
-//! meet there, so a root between the two last known values is too near to the end to matter.
+//! The circle is scanned adaptively. An interval is halved until every function in it is nearly linear, or too
+//! far from zero to have a root. Between two neighbouring angles, a function then has one root if its sign changes,
+//! and otherwise none. Where a function begins or ends, the interval is halved until the end is known precisely.
 
 use super::positioning_arm::PositioningArm;
 use std::f64::consts::TAU;
-use std::sync::LazyLock;
 
 /// Number of functions.
 const COUNT: usize = PositioningArm::BRANCHES;
-/// Number of angles at which the circle is scanned.
-const ANGLES: usize = 96;
+/// Number of intervals with which the scan begins.
+const INTERVALS: usize = 32;
 /// Largest number of roots.
-pub(super) const MAX_ROOTS: usize = 16;
-/// Width of an interval, rad, below which the end of a function is not located more precisely.
-const LEAST_WIDTH: f64 = 1e-10;
-/// Largest value at an accepted root.
+const MAX_ROOTS: usize = 16;
+/// Width of an interval, rad, below which it is not halved to find pairs of roots.
+const LEAST_WIDTH: f64 = 1e-5;
+/// Width of an interval, rad, below which the end of a function is known precisely.
+const LEAST_WIDTH_AT_END: f64 = 1e-9;
+/// Factor of the second difference of three values. A function that is farther than this from zero at all three
+/// angles has no root between them. A parabola would need the factor 1/8.
+const NEAR_ZERO: f64 = 2.0;
+/// Largest second difference of a nearly linear function, as a share of the change of its value.
+const NEARLY_LINEAR: f64 = 0.5;
+/// Largest squared change of the other coordinates of a curve between two neighbouring angles.
+const MAX_SWING: f64 = 0.2;
+/// Largest absolute value at an accepted root.
 const ACCURACY: f64 = 1e-9;
-/// Largest number of steps to a root; each step at least halves the interval in the long run.
+/// Absolute value at which the iteration for a root ends.
+const EXACT: f64 = 1e-15;
+/// Largest number of steps to a root.
 const STEPS: usize = 60;
-/// Largest number of steps towards the least absolute value between two roots.
-const VERTEX_STEPS: usize = 6;
+/// Number of slow steps after which an interval is bisected.
+const MAX_SLOW_STEPS: usize = 3;
 
-/// Values of the functions at one angle; NaN where a function does not exist.
-pub(super) type CircleValues = [f64; COUNT];
+/// Values of the functions at one angle.
+#[derive(Clone, Copy)]
+pub(super) struct CircleValues {
+    /// Value of each function; NaN if the function does not exist.
+    pub functions: [f64; COUNT],
+    /// Other two coordinates of the curve of which the function is one coordinate.
+    pub aside: [(f64, f64); COUNT],
+    /// Measure of the distance to an angle at which a function exists; 0 if a function exists here.
+    pub gap: f64,
+}
 
-/// One root: the index of the function, and the angle, rad.
-pub(super) type CircleRoot = (usize, f64);
+/// Angle, rad, and the values there.
+type Sample = (f64, CircleValues);
 
 /// Roots found so far.
 pub(super) struct CircleRoots {
-    all: [CircleRoot; MAX_ROOTS],
+    all: [(usize, f64); MAX_ROOTS],
     count: usize,
+    least: f64,
 }
 
-/// Angle and values of the functions there.
-type Sample = (f64, CircleValues);
-
-/// Share of the value at the middle angle. If the vertex of the parabola is above this share, no root is
-/// expected there.
-const MIN_DIP: f64 = 0.7;
-
-/// Cosine and sine of every angle of the scan.
-static SCAN: LazyLock<[(f64, (f64, f64)); ANGLES]> = LazyLock::new(|| {
-    std::array::from_fn(|k| {
-        let angle = TAU * k as f64 / ANGLES as f64;
-        (angle, (angle.cos(), angle.sin()))
-    })
-});
+impl CircleValues {
+    /// Values of an angle at which no function exists.
+    pub const NONE: Self =
+        Self { functions: [f64::NAN; COUNT], aside: [(0.0, 0.0); COUNT], gap: f64::INFINITY };
+}
 
 impl CircleRoots {
-    /// Returns all roots of the functions that `values` computes from the cosine and the sine of an angle.
-    ///
-    /// The roots are in ascending order of the angles of their intervals. The second result is the least absolute
-    /// value that the scan met; it is infinite if no function exists anywhere.
-    pub fn new(mut values: impl FnMut((f64, f64)) -> CircleValues) -> (Self, f64) {
-        let mut scan = [(0.0, [f64::NAN; COUNT]); ANGLES + 2];
-        let mut least = f64::INFINITY;
-        for (sample, (angle, turn)) in scan.iter_mut().zip(SCAN.iter()) {
-            *sample = (*angle, values(*turn));
-            least = sample.1.iter().fold(least, |least, value| least.min(value.abs()));
-        }
-        for k in 0..2 {
-            scan[ANGLES + k] = (scan[k].0 + TAU, scan[k].1);
-        }
-        let mut roots = Self { all: [(0, 0.0); MAX_ROOTS], count: 0 };
+    /// Finds the roots of the functions that `values` computes from the cosine and the sine of an angle.
+    pub fn new(mut values: impl FnMut((f64, f64)) -> CircleValues) -> Self {
+        let mut roots = Self { all: [(0, 0.0); MAX_ROOTS], count: 0, least: f64::INFINITY };
         let mut at = |angle: f64| {
             let (sin, cos) = angle.sin_cos();
-            values((cos, sin))
+            (angle, values((cos, sin)))
         };
-        for k in 0..ANGLES {
-            roots.between(&mut at, &scan[k], &scan[k + 1]);
-            roots.around(&mut at, &scan[k..k + 3]);
+        let first = at(0.0);
+        let (mut low, step) = (first, TAU / INTERVALS as f64);
+        for k in 0..INTERVALS {
+            let middle = at((k as f64 + 0.5) * step);
+            let high = if k + 1 == INTERVALS { (TAU, first.1) } else { at((k + 1) as f64 * step) };
+            let values = low.1.functions.iter().chain(&middle.1.functions);
+            roots.least = values.fold(roots.least, |least, value| least.min(value.abs()));
+            roots.search(&mut at, &low, &middle, &high);
+            low = high;
         }
-        (roots, least)
+        roots
     }
 
-    /// Returns the roots.
-    pub fn all(&self) -> &[CircleRoot] {
+    /// Returns every root: the index of the function, and the angle, rad.
+    ///
+    /// The roots of one function are in ascending order of their angles.
+    pub fn all(&self) -> &[(usize, f64)] {
         &self.all[..self.count]
     }
 
-    /// Adds the roots at which functions change their signs between two angles.
-    fn between(&mut self, at: &mut impl FnMut(f64) -> CircleValues, low: &Sample, high: &Sample) {
-        let differs = |k: usize| low.1[k].is_nan() != high.1[k].is_nan();
-        if (0..COUNT).any(differs) {
-            if high.0 - low.0 > LEAST_WIDTH {
-                let angle = (low.0 + high.0) / 2.0;
-                let middle = (angle, at(angle));
-                self.between(at, low, &middle);
-                self.between(at, &middle, high);
-            }
+    /// Returns the least absolute value of a function in a coarse scan; infinite if the scan met no function.
+    pub fn least(&self) -> f64 {
+        self.least
+    }
+
+    /// Adds the roots between the angles of `low` and `high`, with `middle` between them.
+    fn search(&mut self, at: &mut impl FnMut(f64) -> Sample, low: &Sample, middle: &Sample, high: &Sample) {
+        let width = high.0 - low.0;
+        if (0..COUNT).any(|k| hides_roots([low, middle, high], k, width))
+            || hides_functions([low, middle, high])
+        {
+            let left = at((low.0 + middle.0) / 2.0);
+            let right = at((middle.0 + high.0) / 2.0);
+            self.search(at, low, &left, middle);
+            self.search(at, middle, &right, high);
             return;
         }
-        for k in (0..COUNT).filter(|&k| low.1[k] * high.1[k] < 0.0 || low.1[k] == 0.0) {
-            self.locate(at, k, (low.0, low.1[k]), (high.0, high.1[k]));
-        }
-    }
-
-    /// Adds pairs of roots about the middle one of three neighbouring angles, where the absolute value of a
-    /// function has a local minimum but the function does not change its sign.
-    fn around(&mut self, at: &mut impl FnMut(f64) -> CircleValues, scan: &[Sample]) {
-        let [low, middle, high] = scan else { return };
-        for k in 0..COUNT {
-            let mut known = [low, middle, high].map(|sample| (sample.0, sample.1[k]));
-            let sign = known[1].1.signum();
-            let dips = known.map(|(_, value)| value * sign);
-            if !(dips[0] > dips[1] && dips[2] >= dips[1] && dips[1] > 0.0) {
-                continue;
-            }
-            for _ in 0..VERTEX_STEPS {
-                let Some((angle, depth)) = vertex(&known) else { break };
-                if depth * sign > MIN_DIP * known[1].1 * sign {
-                    break;
+        for (from, to) in [(low, middle), (middle, high)] {
+            for k in 0..COUNT {
+                let (before, after) = (from.1.functions[k], to.1.functions[k]);
+                if before * after < 0.0 || before == 0.0 {
+                    self.locate(at, k, (from.0, before), (to.0, after));
                 }
-                let value = at(angle)[k];
-                if value.is_nan() {
-                    break;
-                }
-                if value * sign <= 0.0 {
-                    let (below, above) =
-                        if angle < known[1].0 { (known[0], known[1]) } else { (known[1], known[2]) };
-                    self.locate(at, k, below, (angle, value));
-                    self.locate(at, k, (angle, value), above);
-                    break;
-                }
-                known = match (angle < known[1].0, value * sign < known[1].1 * sign) {
-                    (true, true) => [known[0], (angle, value), known[1]],
-                    (true, false) => [(angle, value), known[1], known[2]],
-                    (false, true) => [known[1], (angle, value), known[2]],
-                    (false, false) => [known[0], known[1], (angle, value)],
-                };
             }
         }
     }
 
-    /// Adds the root of one function in an interval at whose ends the function has different signs.
+    /// Adds the root of function `k` in an interval, given by angle and value at its ends, if the function is
+    /// continuous there.
     ///
-    /// The method is the false position of Anderson and Bjorck, with a bisection after three slow steps (N. Anderson,
-    /// A. Bjorck, "A new high order method of regula falsi type for computing a root of an equation", BIT 13, 1973).
+    /// The method is the false position of N. Anderson and A. Bjorck, "A new high order method of regula falsi type
+    /// for computing a root of an equation", BIT 13, 1973. After slow steps, the interval is bisected.
     fn locate(
         &mut self,
-        at: &mut impl FnMut(f64) -> CircleValues,
-        function: usize,
+        at: &mut impl FnMut(f64) -> Sample,
+        k: usize,
         mut low: (f64, f64),
         mut high: (f64, f64),
     ) {
         let (mut best, mut slow) = (if low.1.abs() < high.1.abs() { low } else { high }, 0);
         for _ in 0..STEPS {
             let width = high.0 - low.0;
-            if best.1 == 0.0 || width < f64::EPSILON * high.0.abs().max(1.0) {
+            if best.1.abs() < EXACT || width < f64::EPSILON * high.0.max(1.0) {
                 break;
             }
             let falsi = low.0 - low.1 * width / (high.1 - low.1);
-            let angle =
-                if slow < 3 && falsi > low.0 && falsi < high.0 { falsi } else { (low.0 + high.0) / 2.0 };
-            let value = at(angle)[function];
+            let is_taken = slow < MAX_SLOW_STEPS && falsi > low.0 && falsi < high.0;
+            let angle = if is_taken { falsi } else { (low.0 + high.0) / 2.0 };
+            let value = at(angle).1.functions[k];
             if value.is_nan() {
                 return;
             }
             if value.abs() < best.1.abs() {
                 best = (angle, value);
             }
-            let here = (angle, value);
-            let weight = |old: f64| if 1.0 - value / old > 0.0 { 1.0 - value / old } else { 0.5 };
+            // The end that stays gets a smaller weight, so that the next step does not keep it again.
+            let weight = |replaced: f64| match 1.0 - value / replaced {
+                weight if weight > 0.0 => weight,
+                _ => 0.5,
+            };
             if value * high.1 < 0.0 {
-                high.1 *= if low.1 * value > 0.0 { weight(low.1) } else { 1.0 };
-                low = here;
+                high.1 *= weight(low.1);
+                low = (angle, value);
             } else {
-                low.1 *= if high.1 * value > 0.0 { weight(high.1) } else { 1.0 };
-                high = here;
+                low.1 *= weight(high.1);
+                high = (angle, value);
             }
-            slow = if high.0 - low.0 > width / 2.0 { (slow + 1) % 4 } else { 0 };
+            slow = if high.0 - low.0 > width / 2.0 && is_taken { slow + 1 } else { 0 };
         }
         if best.1.abs() < ACCURACY && self.count < MAX_ROOTS {
-            self.all[self.count] = (function, best.0);
+            self.all[self.count] = (k, best.0);
             self.count += 1;
         }
     }
 }
 
-/// Returns the vertex (angle and value) of the parabola through three points; None if the parabola has no vertex
-/// between the outer points.
-fn vertex(known: &[(f64, f64); 3]) -> Option<(f64, f64)> {
-    let [(a, fa), (b, fb), (c, fc)] = *known;
-    let (left, right) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
-    let bend = (right - left) / (c - a);
-    let slope = left + bend * (b - a);
-    let angle = b - slope / (2.0 * bend);
-    let is_inside = angle > a && angle < c && angle != b;
-    is_inside.then(|| (angle, fb - slope * slope / (4.0 * bend)))
+/// Returns whether function `k` may have roots between three neighbouring angles that its signs do not show.
+///
+/// `width` is the distance of the outer angles, rad.
+fn hides_roots(samples: [&Sample; 3], k: usize, width: f64) -> bool {
+    let values @ [a, b, c] = samples.map(|sample| sample.1.functions[k]);
+    match values.iter().filter(|value| value.is_nan()).count() {
+        0 => {}
+        3 => return false,
+        _ => return width > LEAST_WIDTH_AT_END,
+    }
+    if width <= LEAST_WIDTH {
+        return false;
+    }
+    let second = (a - 2.0 * b + c).abs();
+    let is_near = match (a * b > 0.0, b * c > 0.0) {
+        (true, true) => a.abs().min(b.abs()).min(c.abs()) < NEAR_ZERO * second,
+        (false, true) => second > NEARLY_LINEAR * (b - a).abs(),
+        (true, false) => second > NEARLY_LINEAR * (c - b).abs(),
+        (false, false) => second > NEARLY_LINEAR * (b - a).abs().min((c - b).abs()),
+    };
+    let [first, middle, last] = samples.map(|sample| sample.1.aside[k]);
+    let swing = |p: (f64, f64), q: (f64, f64)| (p.0 - q.0).powi(2) + (p.1 - q.1).powi(2);
+    is_near || swing(first, middle) > MAX_SWING || swing(middle, last) > MAX_SWING
+}
+
+/// Returns whether functions may exist only between three neighbouring angles, none of which has a function.
+fn hides_functions([low, middle, high]: [&Sample; 3]) -> bool {
+    let (a, b, c) = (low.1.gap, middle.1.gap, high.1.gap);
+    let least = a.min(b).min(c);
+    least > 0.0 && high.0 - low.0 > LEAST_WIDTH && least < NEAR_ZERO * (a - 2.0 * b + c).abs()
 }
