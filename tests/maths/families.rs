@@ -1,7 +1,7 @@
 //! Tests one shipped cell per kinematic family: its map has usable nodes, its search finds a layout no worse
 //! than the start, and `evaluate` confirms the result.
 
-use crate::common::shipped;
+use crate::common::{from_text, shipped};
 use std::sync::atomic::AtomicBool;
 use sweetspot::cell::{Coordinate, Shape};
 use sweetspot::error_map::{NodeSign, Status};
@@ -23,8 +23,10 @@ const FAMILIES: [(&str, &str); 9] = [
 
 #[test]
 fn every_robot_family_is_mapped_and_searched() {
-    for (name, family) in FAMILIES {
-        let cell = shipped(&format!("{name}_cell.toml"));
+    let numeric = "from = \"offset_wrist_cell.toml\"\n[robot]\nfrom = \"robots/kinova_gen3.toml\"\n[search]\nideal = true\n";
+    let numeric = from_text(numeric).unwrap_or_else(|faults| panic!("{faults:#?}")).cell;
+    let cells = FAMILIES.map(|(name, family)| (name, family, shipped(&format!("{name}_cell.toml"))));
+    for (name, family, cell) in cells.into_iter().chain([("kinova", "general chain (numeric)", numeric)]) {
         let searched = |e: &sweetspot::cell::Equipment| {
             e.placement.iter().any(|c| matches!(c, Coordinate::Range { .. }))
         };

@@ -122,7 +122,7 @@ class AllocationRequirement(Record):
     is_binding: bool
     """Whether the figure is at its limit."""
     shadow_price: Optional[float]
-    """Decrease of the cost per unit of a larger limit."""
+    """Decrease of the cost per unit by which the limit is raised; null if infeasible."""
     sampled: Optional[float]
     """Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled."""
 
@@ -184,7 +184,7 @@ class BudgetDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     reading: Literal['signed', 'worst-case', 'statistical']
     quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
-    """Name of the figure that the search minimizes."""
+    """Name of the figure that the reading gives."""
     registration: Literal['none', 'best-fit', 'taught']
     operations: Table[OperationBudget]
 
@@ -313,26 +313,29 @@ class ComparedFile(Record):
 
     file: str
     measured: AccuracyEntry
-    """Measured errors of the nominal robot."""
+    """Statistics of the measured errors of the nominal robot."""
     predicted: AccuracyEntry
-    """Predicted sizes of these errors."""
+    """Statistics of the predicted sizes of the errors of the nominal robot."""
     predicted_rms: bool
     """Whether the random part of the errors counts in the predicted sizes, which are then root mean squares."""
     residual: AccuracyEntry
-    """Measured minus predicted errors."""
+    """Statistics of the measured minus the predicted errors."""
     coverage_95: Optional[float]
     """Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part. The
-    random errors are taken as constant over the poses. The fit of base and reflectors absorbs a part of them.
+    random errors are taken as constant over the poses. The fit of base and reflectors absorbs a part of the
+    random errors.
     """
     coverage_95_varying: Optional[float]
     """Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
     misfit of a calibration changes like this. Null unless the errors are measured.
     """
     rank_correlation: Optional[float]
-    """Spearman correlation of predicted and measured sizes over all positions. Null if all are equal."""
+    """Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
+    measured sizes are equal.
+    """
     spots: SpotRankingEntry
     repeats: Optional[RepeatsEntry]
-    """Accuracy and repeatability of postures that were visited several times; null if there are none."""
+    """Accuracy and repeatability of postures that were visited several times; null without such a posture."""
     positions: Table[ComparedPosition]
 
     _nested = {
@@ -346,14 +349,14 @@ class ComparedFile(Record):
 
 
 class ComparedLayout(Record):
-    """One layout of a comparison. World frame, mm and degrees."""
+    """One layout of a comparison. Positions are in the world frame, mm; angles are in degrees."""
 
     name: str
     feasible: bool
     objective_mm: Optional[float]
     """Objective if it is a length; null otherwise."""
     objective: Optional[float]
-    """Objective in `unit`."""
+    """Objective of the layout, in `unit`; null if the layout is not feasible."""
     unit: Literal['share', 'cost', 'mm', 'deg']
     change_percent: Optional[float]
     """Change of the objective relative to the first layout, percent."""
@@ -376,7 +379,7 @@ class ComparedLayout(Record):
 
 
 class ComparedPosition(Record):
-    """One measured position with its prediction; base frame of the robot."""
+    """One measured position with its prediction, in the base frame of the robot."""
 
     row: int
     """Row of the file, counted from 1 without the header."""
@@ -387,7 +390,7 @@ class ComparedPosition(Record):
     nominal_mm: _Numbers
     """Position of the reflector for the nominal robot."""
     measured_mm: _Numbers
-    """Measured minus nominal position."""
+    """Measured error: the measured minus the nominal position."""
     predicted_mm: _Numbers
     """Predicted error without the part that the fit of base and reflectors absorbs."""
     predicted_size_mm: float
@@ -455,7 +458,7 @@ class CorrectionEntry(Record):
     node: Optional[List[int]]
     """Indices of the node along x and y of the surface; null for a target of a table."""
     position_mm: Optional[_Numbers]
-    """Position of the target, world frame."""
+    """Position of the target in the world frame."""
     state: Literal['corrected', 'joint-limit', 'not-converged', 'unusable']
     reason: Optional[str]
     """Reason why the target is not corrected; null if the target is corrected."""
@@ -464,15 +467,17 @@ class CorrectionEntry(Record):
     joints: Optional[_Numbers]
     """Corrected joint coordinates, the joint command: degrees, or mm for a prismatic joint."""
     command: Optional[PoseEntry]
-    """Pose command for a controller without calibration: the nominal pose at the joint command, base frame."""
+    """Pose command for a controller without calibration: the nominal pose of the TCP at the joint command, in
+    the base frame.
+    """
     before_mm: Optional[float]
-    """Position error without correction."""
+    """Position error of the TCP without correction."""
     before_deg: Optional[float]
-    """Orientation error without correction."""
+    """Orientation error of the TCP without correction."""
     rest_mm: Optional[float]
-    """Position error that remains."""
+    """Position error of the TCP that remains after the correction."""
     rest_deg: Optional[float]
-    """Orientation error that remains."""
+    """Orientation error of the TCP that remains after the correction."""
     random_mm: Optional[float]
     """Root mean square of the random position error, which no correction removes; null without random errors."""
     random_deg: Optional[float]
@@ -634,7 +639,7 @@ class ErrorsDocument(Record):
     ap: AccuracyQuantiles
     """Predicted pose accuracy AP from the constant errors alone."""
     ap_of_set: AccuracyQuantiles
-    """Predicted accuracy of the tolerances as printed, random errors included."""
+    """Predicted pose accuracy AP from the printed tolerances, which include the random errors."""
     joint_scatter: Optional[_Numbers]
     """Standard deviations of the joint coordinates that give the repeatability: degrees, or mm for a prismatic
     joint. Null without a repeatability.
@@ -680,8 +685,8 @@ class ExpectedEntry(Record):
 
 
 class ExplanationDocument(Record):
-    """Error calculation of one posture with all intermediate results, for a check by hand. Lengths in mm, angles
-    in degrees.
+    """Error calculation of one posture with all intermediate results, for a check by hand. Lengths are in mm,
+    angles in degrees.
     """
 
     schema: Literal['sweetspot/explain/1']
@@ -692,7 +697,7 @@ class ExplanationDocument(Record):
     model: Literal['nonlinear', 'linear', 'second-order']
     reading: Literal['signed', 'worst-case', 'statistical']
     quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
-    """Name of the figure that the search minimizes."""
+    """Name of the figure that the reading gives."""
     registration: Literal['none', 'best-fit', 'taught']
     name: str
     equipment: str
@@ -702,10 +707,11 @@ class ExplanationDocument(Record):
     node: Optional[List[int]]
     """Indices of the node; null if joint values were given."""
     position_mm: _Numbers
-    """TCP in the world frame."""
+    """Position of the TCP in the world frame."""
     joints_deg: _Numbers
+    """Joint coordinates: degrees, or mm for a prismatic joint."""
     base: PlacementEntry
-    """Robot base in the world frame."""
+    """Placement of the robot base in the world frame."""
     tool_axis_world: _Numbers
     tool_elevation_deg: float
     """Angle of the tool axis above the horizontal."""
@@ -717,30 +723,30 @@ class ExplanationDocument(Record):
     row 1 of the file are part of frame 0. In the last row of this table, both are 0.
     """
     frames: Table[FrameEntry]
-    """Link frames and the TCP in the base frame."""
+    """Frames of the links and of the TCP, in the base frame."""
     parameters: Table[ParameterEntry]
     linear: DisplacementEntry
-    """Error by the linear model, world frame."""
+    """Error of the TCP by the linear model, in the world frame."""
     second_order_correction: DisplacementEntry
-    """Second-order correction of the linear model, world frame."""
+    """Second-order correction of the linear model, in the world frame."""
     second_order: DisplacementEntry
-    """Error by the second-order model, world frame."""
+    """Error of the TCP by the second-order model, in the world frame."""
     nonlinear: DisplacementEntry
-    """Error by the nonlinear model, world frame."""
+    """Error of the TCP by the nonlinear model, in the world frame."""
     robot_alone_nonlinear: DisplacementEntry
-    """Nonlinear error of the robot alone, world frame. The effects of registration, of the pick of the part and
-    of equipment errors are not subtracted.
+    """Nonlinear error of the robot alone, in the world frame. The effects of registration, of the pick of the
+    part and of equipment errors are not subtracted.
     """
     taken_off_nonlinear: DisplacementEntry
-    """Displacement that is subtracted from the nonlinear error of the robot alone, world frame. The
+    """Displacement that is subtracted from the nonlinear error of the robot alone, in the world frame. The
     registration, the pick of the part and errors of the equipment cause this displacement.
     """
     guard: PostureGuardEntry
     sense_rows: Table[SenseRowEntry]
     """Rows of the sense: weighted components of the error, with their values."""
     worst_corner: Optional[Dict[str, int]]
-    """Sign of every parameter at the worst corner of the tolerance box. Null if the errors are not tolerances:
-    they compensate each other in one calibrated arm.
+    """Sign of every parameter at the worst corner of the tolerance box. Null if the errors are not tolerances,
+    because measured errors compensate each other in one calibrated arm.
     """
     total: TotalEntry
     margin: Optional[float]
@@ -750,7 +756,7 @@ class ExplanationDocument(Record):
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the posture; null unless the reading is statistical."""
     value: float
-    """Value of the figure that the search minimizes, in `unit`."""
+    """Value of the figure that `quantity` names, in `unit`."""
     unit: Literal['share', 'cost', 'mm', 'deg']
 
     _nested = {
@@ -775,12 +781,12 @@ class ExplanationDocument(Record):
 
 
 class ExtrapolatedEntry(Record):
-    """Usable nodes whose postures the calibration of the robot did not measure."""
+    """Usable nodes at which a joint is outside the range that the calibration of the robot measured."""
 
     nodes: int
-    """Number of usable nodes outside the measured ranges."""
+    """Number of usable nodes at which a joint is outside its measured range."""
     joints: List[str]
-    """Names of the joints that leave their measured range."""
+    """Names of the joints that are outside their measured range at one of these nodes."""
     spot: bool
     """Whether the spot is one of these nodes."""
 
@@ -929,7 +935,7 @@ class IdentifiedParameter(Record):
 
 
 class IslandEntry(Record):
-    """Search with one of several seeds."""
+    """Island: one of several searches that differ only in the seed."""
 
     seed: int
     is_best: bool
@@ -979,8 +985,8 @@ class JudgementEntry(Record):
     """Judgement of the tolerances by the full error model."""
 
     missed_percent: float
-    """Largest excess of the first solution over a limit by the full error model, percent. Negative if the
-    solution keeps all limits.
+    """Largest excess over a limit that the full error model finds for the first solution, percent. Negative if
+    the solution keeps all limits.
     """
     rounds: int
     """Number of rounds that adapted the linear requirements to the full model."""
@@ -1049,7 +1055,9 @@ class ManifestDocument(Record):
 
 
 class MapDocument(Record):
-    """Error map of one layout: every node of every operation. World frame, mm and degrees."""
+    """Error map of one layout: every node of every operation. Positions are in the world frame, mm; angles are
+    in degrees.
+    """
 
     schema: Literal['sweetspot/map/1']
     cell: str
@@ -1061,7 +1069,7 @@ class MapDocument(Record):
     objective_mm: Optional[float]
     """Objective if it is a length; null otherwise."""
     objective: Optional[float]
-    """Objective in `unit`."""
+    """Objective of the layout, in `unit`; null if the layout is not feasible."""
     unit: Literal['share', 'cost', 'mm', 'deg']
     notes: List[str]
     """Caveats on the interpretation of the errors."""
@@ -1106,7 +1114,7 @@ class MapDocument(Record):
 
 
 class MapNode(Record):
-    """One node of a map: world frame, mm and degrees. A node without a posture has no errors."""
+    """One node of a map. Vectors are in the world frame, mm or degrees. A node without a posture has no errors."""
 
     i: int
     """Index of the node along x of the surface."""
@@ -1169,7 +1177,7 @@ class MeasuredSpotEntry(Record):
     """One spot with its errors."""
 
     position_mm: _Numbers
-    """Mean position of the reflector for the nominal robot, base frame."""
+    """Mean position of the reflector for the nominal robot, in the base frame."""
     positions: int
     """Number of measured positions."""
     measured_mm: float
@@ -1291,7 +1299,7 @@ class MotionEntry(Record):
     """
     axis_base: _Numbers
     lever_base_mm: _Numbers
-    """Vector from the origin of `frame` to the TCP, base frame."""
+    """Vector from the origin of `frame` to the TCP, in the base frame."""
 
     _nested = {
         'axis_base': ('numbers', ''),
@@ -1309,7 +1317,7 @@ class MoveEntry(Record):
 
 
 class OperationBudget(Record):
-    """Error budget of one operation at one node. World frame, mm and degrees."""
+    """Error budget of one operation at one node. Positions are in the world frame, mm; angles are in degrees."""
 
     name: str
     equipment: str
@@ -1319,9 +1327,10 @@ class OperationBudget(Record):
     node: Optional[List[int]]
     position_mm: _Numbers
     joints_deg: _Numbers
+    """Joint coordinates: degrees, or mm for a prismatic joint."""
     worst_linear_exact: Optional[bool]
-    """Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors are no
-    tolerances: they compensate each other in one calibrated arm.
+    """Whether the linear worst case is exact; otherwise it is an upper bound. Null if the errors are not
+    tolerances, because measured errors compensate each other in one calibrated arm.
     """
     total: TotalEntry
     margin: Optional[float]
@@ -1333,7 +1342,7 @@ class OperationBudget(Record):
     parameters: Table[ShareEntry]
     """Shares of the parameters, the largest first."""
     tighten: Table[TightenEntry]
-    """Gains from halving the tolerances of the parameters with the largest shares. Empty if the errors are no
+    """Gains from halving the tolerances of the parameters with the largest shares. Empty if the errors are not
     tolerances.
     """
     linear_worst: Optional[float]
@@ -1357,7 +1366,7 @@ class OperationMapEntry(Record):
     name: str
     equipment: str
     sense: str
-    """Sense of the operation."""
+    """Name of the sense that the operation states."""
     senses: Table[SenseEntry]
     """Senses in which the errors of every node are reported."""
     model: Literal['nonlinear', 'linear', 'second-order']
@@ -1383,7 +1392,9 @@ class OperationMapEntry(Record):
     counts: StatusCounts
     guard: GuardEntry
     extrapolated: Optional[ExtrapolatedEntry]
-    """Usable nodes outside the joint ranges of the calibration; left out if there are none."""
+    """Usable nodes at which a joint is outside the range that the calibration measured; left out if there are
+    none.
+    """
     monte_carlo: Optional[MonteCarloEntry]
     """Monte Carlo check of the spot; null unless the reading is statistical."""
     best: Optional[MapNode]
@@ -1464,7 +1475,7 @@ class ParameterEntry(Record):
     motions: Table[MotionEntry]
     effect_base_mm_per_unit: _Numbers
     taken_off_base_mm_per_unit: _Numbers
-    """Part of the effect that the registration and the pick of the part subtract, base frame."""
+    """Part of the effect that the registration and the pick of the part subtract, in the base frame."""
     linear_term_mm: _Numbers
     linear_term_deg: _Numbers
 
@@ -1584,7 +1595,7 @@ class ReadingEntry(Record):
 
     reading: Literal['signed', 'worst-case', 'statistical']
     quantity: Literal['error', 'worst case', 'share of failures', 'rms', 'mean', 'p95', 'p99', 'tolerance cost']
-    """Name of the figure that the search minimizes."""
+    """Name of the figure that `reading` gives."""
     registration: Literal['none', 'best-fit', 'taught']
     unit: Literal['share', 'cost', 'mm', 'deg']
     node: Optional[List[int]]
@@ -1610,7 +1621,9 @@ class ReadingEntry(Record):
 
 
 class ReadingsDocument(Record):
-    """Results of evaluating the drawn layout under every reading and registration. World frame, mm and degrees."""
+    """Results of evaluating the drawn layout under every reading and registration. Positions are in the world
+    frame, mm.
+    """
 
     schema: Literal['sweetspot/readings/1']
     cell: str
@@ -1638,6 +1651,7 @@ class RefinedEntry(Record):
     on_surface_mm: _Numbers
     """Coordinates x and y of the spot in the frame of the equipment."""
     joints_deg: _Numbers
+    """Joint coordinates: degrees, or mm for a prismatic joint."""
     value: float
     """Value of the operation at the refined spot, in the unit of the objective."""
     worst_value: Optional[float]
@@ -1658,10 +1672,10 @@ class RefinedEntry(Record):
 
 
 class RegionEntry(Record):
-    """Region in which one piece may stand, world frame. All other pieces keep the placements that the search
-    found, and every operation keeps its spot and branch. Everywhere in the region, the layout still works
-    within the placement tolerances. The objective is at most `indifference_percent` above the objective of
-    the layout.
+    """Region in the world frame in which one piece may stand: a piece of equipment or the robot base. All other
+    pieces keep the placements that the search found, and every operation keeps its spot and posture branch.
+    Everywhere in the region, the layout still works within the placement tolerances. The objective is at most
+    `indifference_percent` above the objective of the layout.
     """
 
     equipment: str
@@ -1672,7 +1686,7 @@ class RegionEntry(Record):
     points. The list is empty if the search moves the piece along neither axis.
     """
     rim_mm: float
-    """Width of the rim along the outline that is not resolved."""
+    """Width of the rim along the outline in which the region is not resolved."""
     z_mm: _Numbers
     """Least and greatest z, at the x, y and yaw of the layout."""
     yaw_deg: _Numbers
@@ -1686,7 +1700,7 @@ class RegionEntry(Record):
     piece.
     """
     ends_with: str
-    """Reason that limits the room in plan, or the room to rotate if the piece has no room in plan."""
+    """Reason that limits `room_mm`, or `room_deg` if the search does not displace the piece in plan."""
 
     _nested = {
         'z_mm': ('numbers', ''),
@@ -1738,14 +1752,14 @@ class RemediesDocument(Record):
 
 
 class RemedyEntry(Record):
-    """One remedy with its layout. World frame, mm and degrees."""
+    """One remedy with its layout. Positions are in the world frame, mm; angles are in degrees."""
 
     remedy: Literal['as-drawn', 'calibrated', 'moved', 'both']
     feasible: bool
     objective: Optional[float]
     """Objective in the unit of the document; null if the layout is not feasible."""
     gain_percent: Optional[float]
-    """Reduction of the objective against the layout as drawn, percent."""
+    """Reduction of the objective relative to the layout as drawn, percent."""
     within_limits: Optional[bool]
     """Whether every operation keeps its limit; null if no operation has one."""
     reasons: List[str]
@@ -1770,7 +1784,7 @@ class RepeatedPostureEntry(Record):
     """Row of the file with the first visit, counted from 1 without the header."""
     visits: int
     position_mm: _Numbers
-    """Position of the reflector for the nominal robot, base frame."""
+    """Position of the reflector for the nominal robot, in the base frame."""
     ap_mm: float
     """Distance of the barycentre of the measured positions from the command position."""
     rp_mm: float
@@ -1803,6 +1817,7 @@ class RequirementEntry(Record):
     """Limit of an operation and the margin to it, in the unit of the objective."""
 
     limit: float
+    """Largest allowed value of the operation. If the objective is a cost, the cost of the tightest tolerances."""
     margin: float
     """Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     withstand misplacements, `worst` takes the place of the value.
@@ -1891,7 +1906,7 @@ class RobotSheetDocument(Record):
     home: _Numbers
     """Home posture: degrees, or mm for a prismatic joint."""
     home_position_mm: _Numbers
-    """Position of the TCP in the home posture, base frame."""
+    """Position of the TCP in the home posture, in the base frame."""
     solids: List[str]
     """Names of the solids of the links."""
     errors: Table[ErrorSetEntry]
@@ -2019,8 +2034,9 @@ class RunningCombination(Record):
 
 
 class SearchResult(Record):
-    """Result of a search: the best layout found, the layout as drawn and the proven bound. World frame, mm and
-    degrees. The document is the same, byte for byte, for every number of threads.
+    """Result of a search: the best layout found, the layout as drawn and the proven bound. Positions are in the
+    world frame, mm; angles are in degrees. The document is the same, byte for byte, for every number of
+    threads.
     """
 
     schema: Literal['sweetspot/search/1']
@@ -2059,7 +2075,7 @@ class SearchResult(Record):
     seed: int
     """Seed of the random numbers; for several islands, the seed of the first one."""
     budget: int
-    """Largest number of layouts to evaluate, or to evaluate on each island."""
+    """Largest number of layouts to evaluate; for several islands, the largest number for each island."""
     robust: bool
     """Whether the worst case over the placement tolerances was minimized."""
     pareto: Optional[List[Literal['error', 'clearance', 'joint-limits', 'singularity', 'travel', 'footprint', 'time', 'cost']]]
@@ -2076,7 +2092,8 @@ class SearchResult(Record):
     """
     least_value: Optional[float]
     """Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective, the
-    best layout is one with much room. Null if no layout is feasible and keeps every limit.
+    best layout is one whose equipment has much room to be displaced. Null if no layout is feasible and keeps
+    every limit.
     """
     regions: Table[RegionEntry]
     """Regions in which each piece that the search places may stand instead."""
@@ -2190,15 +2207,15 @@ class ShareEntry(Record):
     signed: float
     plus_minus: float
     linear_term_mm: _Numbers
-    """Linear position error of the TCP that the parameter causes, world frame. In the signed reading the
+    """Linear position error of the TCP that the parameter causes, in the world frame. In the signed reading, the
     parameter has its signed value, otherwise the upper limit of its tolerance.
     """
     alone: float
     """Linear error in the sense of the operation if this parameter is at its tolerance and all others are 0."""
     share_of_worst: Optional[float]
-    """Null if the errors are not tolerances."""
+    """Share of the parameter in the linear worst case, from 0 to 1. Null if the errors are not tolerances."""
     share_of_variance: Optional[float]
-    """Null if the errors are not tolerances."""
+    """Share of the parameter in the linear variance, from 0 to 1. Null if the errors are not tolerances."""
 
     _nested = {
         'linear_term_mm': ('numbers', ''),
@@ -2262,7 +2279,9 @@ class SlopeEntry(Record):
 
 
 class SpotEntry(Record):
-    """One operation of a layout: its spot and the errors there. World frame, mm and degrees."""
+    """One operation of a layout: its spot and the errors there. Positions are in the world frame, mm; angles are
+    in degrees.
+    """
 
     name: str
     equipment: str
@@ -2282,6 +2301,7 @@ class SpotEntry(Record):
     """Indices of the node of the spot along x and y of the surface."""
     position_mm: Optional[_Numbers]
     joints_deg: Optional[_Numbers]
+    """Joint coordinates: degrees, or mm for a prismatic joint."""
     refined: Optional[RefinedEntry]
     """Spot refined between the nodes of the grid."""
     robustness: Optional[RobustnessEntry]
@@ -2319,7 +2339,9 @@ class SpotRankingEntry(Record):
     count: int
     """Number of spots."""
     rank_correlation: Optional[float]
-    """Spearman correlation of predicted and measured errors over the spots. Null if all are equal."""
+    """Spearman correlation of predicted and measured errors over the spots. Null if all predicted or all
+    measured errors are equal.
+    """
     predicted_best: MeasuredSpotEntry
     """Spot with the least predicted error."""
     mean_mm: float
@@ -2339,7 +2361,7 @@ class SpreadEntry(Record):
 
     name: str
     plus_minus: float
-    """Half width."""
+    """Half width of the tolerance, in `unit`."""
     unit: str
     """Unit of the half width: mm or deg."""
     distribution: str
@@ -2413,7 +2435,7 @@ class SweepPlan(Record):
     version: str
     """Version of the program."""
     cell: str
-    """Cell file."""
+    """Path of the cell file."""
     packages: List[List[Any]]
     """Name and folder of each ROS package that the option `--package` gives."""
     search: bool
@@ -2441,8 +2463,8 @@ class SweepPlan(Record):
 
 
 class SweepRow(Record):
-    """Result of one combination, `NNNN.json`, where NNNN is the index with at least four digits. World frame, mm
-    and degrees.
+    """Result of one combination, `NNNN.json`, where NNNN is the index with at least four digits. Positions are
+    in the world frame, mm; angles are in degrees.
     """
 
     index: int
@@ -2545,7 +2567,7 @@ class SweepTable(Record):
 
 
 class TestCubeEntry(Record):
-    """Test cube of ISO 9283, base frame."""
+    """Test cube of ISO 9283. Positions are in the base frame."""
 
     edge_mm: float
     is_standard: bool
@@ -2565,7 +2587,7 @@ class TestCubeEntry(Record):
 
 
 class TestPoseEntry(Record):
-    """One test pose."""
+    """Pose in the test cube at which the accuracy is predicted."""
 
     position_mm: _Numbers
     joints: _Numbers
@@ -2674,7 +2696,7 @@ class TurnEntry(Record):
     """Rotation of all pieces together about the base axis."""
 
     turn_deg: _Numbers
-    """Least and greatest angle."""
+    """Least and greatest angle of the rotation."""
     ends_with: str
     """Reason that limits the rotation at the nearer end of its range."""
 
@@ -2723,7 +2745,7 @@ class UrdfRow(Record):
 
 
 class VerdictDocument(Record):
-    """Verdict of a report. Lengths in mm, angles in degrees, rounded to 1e-9 as in search.json."""
+    """Verdict of a report. Lengths are in mm and angles in degrees, rounded to 1e-9 as in search.json."""
 
     schema: Literal['sweetspot/report/1']
     of: Literal['search', 'layout']
@@ -2769,7 +2791,7 @@ class VerdictDocument(Record):
 
 
 class VerdictPlacement(Record):
-    """Placement of a piece of equipment, seen from the robot base, with its room."""
+    """Placement of a piece of equipment, seen from the robot base, and the room to displace and rotate it."""
 
     equipment: str
     at: PlacementEntry

@@ -253,21 +253,25 @@ fn warnings(table: &MeasuredTable, reading: &DataReading, rotation: Option<&Rota
 /// Warns of rows that are left out.
 fn warn_of_suspects(name: &str, suspect: &SuspectRows) {
     let kinds = [
-        (&suspect.copies, "rows repeat an earlier row digit by digit", ""),
-        (&suspect.stuck_positions, "rows repeat the position of another posture", ""),
+        (&suspect.copies, "an earlier row digit by digit", ""),
+        (&suspect.stuck_positions, "the position of another posture", ""),
         (
             &suspect.stuck_joints,
-            "rows repeat the joint coordinates of the row before, although the reflector has moved",
+            "the joint coordinates of the row before, although the reflector has moved",
             "; if they belong to several reflectors, name the reflectors in a column `reflector`",
         ),
     ];
     for (rows, what, help) in kinds.into_iter().filter(|(rows, _, _)| !rows.is_empty()) {
         let first: Vec<_> = rows.iter().take(10).map(ToString::to_string).collect();
         let more = if rows.len() > first.len() { ", ..." } else { "" };
-        output::talk(&format!(
-            "warning: {name}: {} {what} and are left out (rows {}{more}){help}",
-            rows.len(),
-            first.join(", ")
-        ));
+        let first = first.join(", ");
+        output::talk(&match rows.len() {
+            1 => format!("warning: {name}: row {first} repeats {what}, and is left out{help}"),
+            count => {
+                format!(
+                    "warning: {name}: {count} rows repeat {what}, and are left out (rows {first}{more}){help}"
+                )
+            }
+        });
     }
 }

@@ -313,10 +313,21 @@ impl Inverse {
             all.sort_by_key(|branch| branch.index >> 4);
         }
         match &self.follower {
-            // The numeric solver knows whether the position or the attitude is missed.
-            Some(_) if all.is_empty() => self.numeric_branches(target, attitudes),
+            Some(_) if all.is_empty() => self.reason(target, attitudes),
             _ if all.is_empty() => Reach::OutOfReach { by },
             _ => Reach::Branches(all),
+        }
+    }
+
+    /// Returns the reason why a scan finds no branch: the numeric solver knows whether the position or the attitude is
+    /// missed.
+    fn reason(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
+        match self.numeric_branches(target, attitudes) {
+            Reach::NotConverged { position, angle } if position.is_finite() => {
+                Reach::Attitude { by: angle, joint: None }
+            }
+            Reach::Branches(_) => Reach::NotConverged { position: 0.0, angle: 0.0 },
+            reason => reason,
         }
     }
 

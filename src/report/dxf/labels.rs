@@ -35,6 +35,13 @@ impl Labels {
         for k in 0..drawing.fields.len() {
             let arrows = drawing.arrows(k, 0, crate::drawing::Component::Resultant);
             labels.occupy(arrows.iter().map(|arrow| (arrow.tip.x, arrow.tip.y)));
+            let (nodes, radius) = (&drawing.fields[k].nodes, drawing.fields[k].radius());
+            for at in nodes.iter().map(|node| node.position) {
+                labels.occupy([(at.x - radius, at.y - radius), (at.x + radius, at.y + radius)].into_iter());
+            }
+        }
+        for envelope in &drawing.envelopes {
+            envelope.at_work.iter().for_each(|ring| labels.occupy_line(ring.iter().map(|p| (p.x, p.y))));
         }
         labels
     }
@@ -42,6 +49,20 @@ impl Labels {
     fn occupy(&mut self, points: impl Iterator<Item = PlanePoint>) {
         if let Some((low, high)) = bounding_box(points) {
             self.taken.keep([low.0, low.1, high.0, high.1]);
+        }
+    }
+
+    /// Occupies the places along a polyline.
+    pub fn occupy_line(&mut self, points: impl Iterator<Item = PlanePoint>) {
+        let (mut before, beside) = (None::<PlanePoint>, 0.2 * self.height);
+        for to in points {
+            let from = before.replace(to).unwrap_or(to);
+            let parts = ((to.0 - from.0).hypot(to.1 - from.1) / self.height).ceil().max(1.0);
+            for k in 0..=parts as usize {
+                let share = k as f64 / parts;
+                let (x, y) = (from.0 + (to.0 - from.0) * share, from.1 + (to.1 - from.1) * share);
+                self.taken.keep([x - beside, y - beside, x + beside, y + beside]);
+            }
         }
     }
 

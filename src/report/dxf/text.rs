@@ -31,3 +31,18 @@ const CHARACTER: f64 = 0.95;
 pub fn width(text: &str, height: f64) -> f64 {
     CHARACTER * height * text.chars().count() as f64
 }
+
+/// Breaks a text between words into lines of at most `most` characters. A longer word has a line of its own.
+pub fn broken(text: &str, most: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_string()),
+        }
+    }
+    lines
+}

@@ -370,10 +370,9 @@ fn suspect_rows_are_left_out_with_words() {
     lines.insert(42, format!("1,2,3,4,5,6,{position}"));
     let said = explained(&shop, "suspect.csv", (lines.join("\n") + "\n").as_bytes(), &[], 60);
     for words in [
-        "1 rows repeat an earlier row",
-        "1 rows repeat the joints",
-        "(rows 31)",
-        "1 rows repeat the position",
+        "row 63 repeats an earlier row",
+        "row 31 repeats the joint coordinates",
+        "row 42 repeats the position",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }

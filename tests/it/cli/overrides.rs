@@ -260,7 +260,13 @@ fn check_states_which_postures_a_search_judges() {
         "{text}"
     );
     assert_eq!(order["judges"], "spin-families");
-    let (text, order) = judged("cells/offset_wrist_cell.toml");
+    let (_, order) = judged("cells/offset_wrist_cell.toml");
+    assert_eq!(order["judges"], "spin-families");
+    shop.write(
+        "cells/numeric.toml",
+        "from = \"offset_wrist_cell.toml\"\n[robot]\nfrom = \"robots/kinova_gen3.toml\"\n",
+    );
+    let (text, order) = judged("cells/numeric.toml");
     let why = "the inverse kinematics of the arm is numeric";
     assert!(text.contains(&format!(": a search judges every posture: {why}")), "{text}");
     assert_eq!((order["judges"].as_str(), order["why"].as_str()), (Some("every-posture"), Some(why)));

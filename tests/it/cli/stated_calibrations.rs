@@ -249,7 +249,7 @@ fn wrong_calibrations_are_refused_with_their_place() {
     );
     let nominal = urdf(&NOMINAL, [0.0; 6]);
     shop.write("nominal.urdf", &nominal);
-    refused(&["ur10", "a.urdf"], "a.urdf", &nominal, &["not a robot of a URDF"]);
+    refused(&["ur10", "a.urdf"], "a.urdf", &nominal, &["was not read from a URDF"]);
     let other = nominal.replace("forearm_joint", "elbow_joint");
     refused(&["nominal.urdf", "b.urdf"], "b.urdf", &other, &["other joints"]);
     let other = nominal.replacen("0 0 1\"/><limit", "0 1 0\"/><limit", 1);
