@@ -27,7 +27,7 @@ pub fn of_sets(sets: &Bound<'_, PyTuple>) -> PyResult<Vec<Setting>> {
                 settings.push(Setting::new(path.extract::<String>()?, toml(&value)?));
             }
         } else {
-            return Err(PyTypeError::new_err("expected a text PATH=VALUE, or a dict of paths and values"));
+            return Err(PyTypeError::new_err("expected a string PATH=VALUE, or a dict of paths and values"));
         }
     }
     Ok(settings)

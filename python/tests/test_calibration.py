@@ -1,4 +1,4 @@
-"""Calibration from arrays beside the command that reads a table of the same measurements."""
+"""Calibration from arrays, compared with the command that reads a table of the same measurements."""
 
 from __future__ import annotations
 

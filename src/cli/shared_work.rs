@@ -122,7 +122,7 @@ impl<'f> SharedWork<'f> {
         locked(&self.queue).others.iter().map(|watched| watched.index).collect()
     }
 
-    /// Returns the number of combinations that are not finished.
+    /// Returns the number of combinations that are neither finished nor given up.
     pub fn left(&self) -> usize {
         let queue = locked(&self.queue);
         queue.free.len() + queue.others.len() + locked(&self.held).len()

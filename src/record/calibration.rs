@@ -188,7 +188,7 @@ impl OutlierRow {
 #[serde(deny_unknown_fields)]
 pub struct HarmonicsEntry {
     pub joint: String,
-    /// Standard deviation of a coefficient of the highest order before the measurement, found by the fit.
+    /// Prior standard deviation of a coefficient of the highest order; the fit determines this value.
     /// Orders up to 4 have twice the standard deviation of higher orders.
     pub prior_deg: f64,
     /// Root mean square of the identified error over one revolution of the joint.

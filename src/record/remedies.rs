@@ -136,7 +136,7 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
         }
         ([Remedy::Calibrated, ..], false) => {
             format!(
-                "Calibrate: this takes the error {}, and moving as well adds less than 1 %.",
+                "Calibrate: this takes the error {}, and moving the equipment as well would lower it by less than 1 % more.",
                 to(Remedy::Calibrated)
             )
         }
@@ -147,7 +147,7 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
             )
         }
         ([Remedy::Moved, ..], false) => format!(
-            "Move the equipment: this takes the error {}, and calibrating as well adds less than 1 %.",
+            "Move the equipment: this takes the error {}, and calibrating as well would lower it by less than 1 % more.",
             to(Remedy::Moved)
         ),
         ([Remedy::Both, ..], _) => format!(

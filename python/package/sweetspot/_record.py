@@ -68,7 +68,7 @@ class Record:
 class Table(Generic[Row]):
     """Rows of one kind. Data frames read a table directly: `polars.DataFrame(table)`, `pyarrow.table(table)`.
 
-    A column from a nested record has its path as name, such as `before.rms_mm`. Nested tables are left out.
+    The name of a column from a nested record is its path, such as `before.rms_mm`. Nested tables are left out.
     """
 
     # This class is not a subclass of Sequence, because polars would then not use the Arrow stream.

@@ -10,7 +10,7 @@ use crate::record::ComparedFile;
 use crate::units::m_from_mm;
 use crate::verification::{MeasuredComparison, PredictedErrors};
 
-/// Default of the largest distance between the poses of one spot along an axis, mm.
+/// Default of `--spot`, mm: poses of one spot differ by at most this distance along every axis.
 const SPOT_MM: f64 = 1.0;
 
 /// Compares the errors of a cell with every table that the flags name.

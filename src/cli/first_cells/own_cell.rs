@@ -67,7 +67,7 @@ impl OwnCell<'_> {
         format!(
             r#"#:schema ./schemas/cell.schema.json
 # A first cell, written by `{command}`. It runs as it is; change whatever differs in your workcell.
-# Lengths are in mm, angles in degrees. Editors that read the line above complete and explain every key.
+# Lengths are in mm, angles in degrees. Editors that read the first line can complete and explain every key.
 schema = "sweetspot/cell/1"
 units = {{ length = "mm", angle = "deg" }}
 name = {name}

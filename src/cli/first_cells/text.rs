@@ -24,7 +24,7 @@ impl Sketch {
         format!(
             r#"#:schema ./schemas/cell.schema.json
 # A first cell, written by `sweetspot init {name}`. It runs as it is; change whatever differs in your workcell.
-# Lengths are in mm, angles in degrees. Editors that read the line above complete and explain every key.
+# Lengths are in mm, angles in degrees. Editors that read the first line can complete and explain every key.
 schema = "sweetspot/cell/1"
 units = {{ length = "mm", angle = "deg" }}
 name = "First cell: {name}"

@@ -223,7 +223,7 @@ impl NodeFigure<'_> {
         Some(LinearFigure::RootSumSquare { squares, constant })
     }
 
-    /// Returns the probability of a percentile; None for another quantity.
+    /// Returns the probability of a percentile, or `share` for the yield; None for RMS and mean.
     fn probability(evaluator: &ErrorEvaluator, share: f64) -> Option<f64> {
         match evaluator.quantity {
             Quantity::P95 => Some(0.95),

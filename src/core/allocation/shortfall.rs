@@ -1,5 +1,5 @@
-//! Infeasible requirements: the excess of the tightest tolerances over a limit, and the bounds of scales that cause
-//! it.
+//! Infeasible requirements: how far a figure exceeds its limit even at the tightest tolerances, and the lower
+//! bounds of scales that cause this excess.
 
 use super::linear_figure::FigureScratch;
 use super::problem::ToleranceProblem;

@@ -96,10 +96,15 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
     for (x, y) in a.cell.operations.iter().zip(&b.cell.operations) {
         if question(x) != question(y) {
             let said = |o: &Operation| {
-                let Operation { sense, place, over, weight, .. } = o;
-                format!("sense {}, {} of {}, weight {weight}", sense.name, over.name(), place.in_words())
+                let Operation { sense, place, over, weight, limit, .. } = o;
+                let (of, unit) = (place.in_words(), sense.unit);
+                let limit = limit.map_or_else(
+                    || "no limit".into(),
+                    |l| format!("limit {} {}", unit.from_si(l), unit.word()),
+                );
+                format!("sense {}, {} of {of}, weight {weight}, {limit}", sense.name, over.name())
             };
-            return refuse(format!("{} has {} in one, {} in the other", x.name, said(x), said(y)));
+            return refuse(format!("{} has {} in one, but {} in the other", x.name, said(x), said(y)));
         }
     }
     Ok(())

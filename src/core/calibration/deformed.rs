@@ -16,7 +16,7 @@ pub struct Deformed {
     before: Vec<Pose>,
     /// Frame after the common normal of each row, where dl and dalpha act along x.
     normal: Vec<Pose>,
-    /// Frame after the twist of each row, where dbeta acts along y.
+    /// Frame after the twist of each row, in which dbeta is a rotation about y.
     after: Vec<Pose>,
     /// Actuator coordinates, rad or m.
     q: JointVector,

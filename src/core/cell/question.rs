@@ -207,7 +207,7 @@ impl Cell {
                 let help = "use over = \"max\", so that every node keeps the limit, or \"best\"";
                 refuse(
                     About::Operation(k),
-                    format!("{message}, but tolerances can only keep a limit at single nodes"),
+                    format!("{message}, but tolerances keep a limit node by node"),
                     help,
                 );
             }

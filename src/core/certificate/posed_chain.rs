@@ -36,7 +36,7 @@ const TRIALS: usize = 20;
 /// One number per row of a tool task, or per coordinate.
 pub type Rows = [f64; MAX_ROWS];
 
-/// Square matrix: a list of rows or of columns, as its use states.
+/// Square matrix, stored as a list of rows or of columns; each use states which.
 pub type Square = [Rows; MAX_ROWS];
 
 /// Chain at its nominal posture, prepared for a joint enclosure.

@@ -2,7 +2,7 @@
 
 use crate::cell::{JointVector, MAX_JOINTS, Robot};
 
-/// Time from rest to full speed, s, that a joint is assumed to need if the robot file states no acceleration.
+/// Time (s) from rest to full speed that a joint is assumed to need if the robot file states no acceleration.
 ///
 /// Typical programs for collaborative arms take a little more time: reaching 60 degrees per s at 80 degrees
 /// per s^2 takes 0.75 s. Fast industrial arms need less time: 0.2 to 0.4 s.

@@ -17,8 +17,8 @@ impl PlacedLayout<'_> {
         Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))
     }
 
-    /// Returns the cheapest tolerances with which every operation keeps its limit. Returns None in the cases
-    /// of [`Self::joint_price`], or if the dual ascent does not find them.
+    /// Returns the cheapest tolerances with which every operation keeps its limit. Returns None whenever
+    /// [`Self::joint_price`] does, for discrete grades, and if the dual ascent fails.
     pub fn nearby_price(
         &self,
         spots: &[Option<Spot>],

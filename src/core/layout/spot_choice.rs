@@ -158,7 +158,8 @@ pub struct Judge<'a, 'm> {
 }
 
 impl<'a, 'm> Judge<'a, 'm> {
-    /// Prepares the bounds of an operation's values under a demand.
+    /// Returns a judge for the operation of `query`. The certificates use the data in `demand`; the bound of
+    /// the value comes from the workcell.
     pub fn new(query: &'a SpotQuery<'a>, demand: Demand<'a>, memory: &'m mut MapperWorkspace) -> Self {
         let demand = Demand { value: Some(&query.workcell.value_bounds[query.operation]), ..demand };
         Self { query, demand, memory }

@@ -1,4 +1,5 @@
-//! Witnesses: postures that keep all constraints, whose values are upper bounds of the minimum.
+//! Witnesses: postures that keep all constraints. The value of the operation in a witness is an upper bound
+//! of the minimum.
 
 use super::region::Constraint;
 use super::task::Task;

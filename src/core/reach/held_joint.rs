@@ -142,7 +142,7 @@ impl HeldJoint {
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
     }
 
-    /// Returns an upper bound of the distance, m, by which one lattice step of the held joint moves the point
+    /// Returns an upper bound of the distance (m) by which one lattice step of the held joint moves the point
     /// that the other joints must reach.
     ///
     /// `flange` is the pose of the last D-H frame in frame 0.

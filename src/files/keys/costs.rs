@@ -40,8 +40,8 @@ words!(CostForm);
 key_table! {
     tolerance_grade, "a grade", "Tolerance that one process holds, with its cost.", {
         NAME = Key::new("name", ValueKind::Name, "Name of the process or grade.").required().example("\"ground\"").remedy("add name = \"ground\"");
-        MILLIMETRES = number("plus_minus_mm", NumberRange::Positive, "Tolerance, half the width of the range, of a length.").example("0.02");
-        DEGREES = number("plus_minus_deg", NumberRange::Positive, "Tolerance, half the width of the range, of an angle.").example("0.01");
+        MILLIMETRES = number("plus_minus_mm", NumberRange::Positive, "Tolerance of a length: half the width of its range.").example("0.02");
+        DEGREES = number("plus_minus_deg", NumberRange::Positive, "Tolerance of an angle: half the width of its range.").example("0.01");
         SCALE = number("scale", NumberRange::Positive, "Tolerance divided by the tolerance of the error set.").example("0.5");
         COST = number("cost", NumberRange::NotNegative, "Cost of the grade; a looser grade must cost less.").required().example("4").remedy("add cost = 4");
     }

@@ -126,7 +126,7 @@ const fn coefficients(name: &'static str, example: &'static str, help: &'static 
 key_table! {
     periodic_error, "a periodic error", "Error of a joint that repeats with every turn of its coordinate q: the sum of cos_deg cos(k q) and sin_deg sin(k q) over the orders k = 1, 2, ...", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint with this error, by its number from 1 or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint");
-        COS = coefficients("cos_deg", "[0.004, 0]", "Coefficients of the cosines, one for each order from 1.").remedy("add cos_deg = [...], a number for each order");
+        COS = coefficients("cos_deg", "[0.004, 0]", "Coefficients of the cosines, one for each order, starting at order 1.").remedy("add cos_deg = [...], a number for each order");
         SIN = coefficients("sin_deg", "[0, -0.01]", "Coefficients of the sines, one for each order from 1.").remedy("add sin_deg = [...], a number for each order");
     }
 }

@@ -1,4 +1,4 @@
-//! Columns of positions: triples of x, y and z with words in common.
+//! Columns of positions: three columns x, y and z whose names agree in all other words.
 
 use super::name::{ColumnOrigin, ColumnWords};
 use std::collections::HashMap;
@@ -58,7 +58,7 @@ impl PositionGroup {
     }
 }
 
-/// Words of a vector that is not a position.
+/// Words in a column name which show that the column is no part of a position.
 const NO_POSITION: [&str; 18] = [
     "rot",
     "rotation",

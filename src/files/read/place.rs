@@ -10,7 +10,7 @@ use crate::files::toml::value;
 use crate::files::toml::value::plain;
 use crate::units;
 
-/// Largest distance, m, by which rounding may put a point beyond the edge of its surface.
+/// Largest distance (m) by which rounding may put a point beyond the edge of its surface.
 const EDGE_ROUNDING: f64 = 1e-9;
 
 /// Time (s) and memory (bytes) that `map --json` takes per node. Both were measured on `hitachi_cell.toml`
@@ -104,8 +104,8 @@ pub fn is_on(surface: &Rectangle, (x, y): (f64, f64)) -> bool {
     beyond(x, centre.0, size.0).max(beyond(y, centre.1, size.1)) <= EDGE_ROUNDING
 }
 
-/// Returns the extent of a surface in words, for example "the surface covers x from -750 to 750 and y from -350
-/// to 350", mm.
+/// Returns the extent of a surface (mm) in words, for example "the surface covers x from -750 to 750 and y
+/// from -350 to 350".
 pub fn extent_in_words(surface: &Rectangle) -> String {
     let end = |centre: f64, half: f64| plain(units::rounded(units::mm_from_m(centre + half), 6));
     let range = |c: f64, s: f64| format!("{} to {}", end(c, -s / 2.0), end(c, s / 2.0));

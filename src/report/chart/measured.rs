@@ -79,8 +79,8 @@ pub fn view(drawn: &[&ComparedPosition], across: usize, up: usize, space: (f64, 
 
 fn told(every: usize, has_direction: bool) -> Vec<String> {
     let mut told = vec![
-        "base frame of the robot; base and reflectors are fitted with the nominal arm, and the part \
-        that the fit absorbs is left out of both errors"
+        "base frame of the robot; base and reflectors are fitted with the nominal arm; the measured and \
+        the predicted errors are shown without the part that this fit absorbs"
             .to_string(),
     ];
     if every > 1 {

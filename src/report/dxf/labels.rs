@@ -1,6 +1,7 @@
 //! Positions in plan at which texts cover neither objects nor each other.
 
 use super::text::width;
+use crate::cell::Role;
 use crate::drawing::silhouette::{ABOVE, silhouette};
 use crate::drawing::{Drawing, floor_corners};
 use crate::geometry::{PlanePoint, bounding_box};
@@ -17,8 +18,15 @@ pub struct Labels {
 }
 
 impl Labels {
-    /// Returns the places that the objects of a drawing occupy. The column of texts begins at `column`.
-    pub fn new(drawing: &Drawing<'_>, operation: Option<usize>, height: f64, column: Vector2<f64>) -> Self {
+    /// Returns the places that the objects of a drawing occupy, and the lines of their dimensions.
+    ///
+    /// The dimensions are left of and below the point `low`. The column of texts begins at `column`.
+    pub fn new(
+        drawing: &Drawing<'_>,
+        operation: Option<usize>,
+        height: f64,
+        (low, column): (PlanePoint, Vector2<f64>),
+    ) -> Self {
         let mut labels = Self { taken: OccupiedBoxes::default(), height, column };
         for (part, pose) in drawing.posed(operation, drawing.movement.frames(operation)) {
             let loops = silhouette(&part.mesh, &pose, &ABOVE).loops;
@@ -28,6 +36,12 @@ impl Labels {
         let stands = cell.equipment.iter().map(|e| &e.footprint).zip(&layout.placements);
         for (footprint, at) in stands.chain([(&cell.robot.footprint, &layout.base)]) {
             labels.occupy(floor_corners(footprint, at).into_iter());
+        }
+        let placed = cell.equipment.iter().zip(&layout.placements);
+        let placed = placed.filter(|(equipment, _)| equipment.role == Role::Equipment).map(|(_, at)| at);
+        for at in placed.chain([&layout.base]) {
+            labels.occupy_line([(at.x, at.y), (at.x, low.1)].into_iter());
+            labels.occupy_line([(at.x, at.y), (low.0, at.y)].into_iter());
         }
         for region in &drawing.regions {
             region.rings.iter().for_each(|ring| labels.occupy(ring.iter().map(|p| (p.x, p.y))));

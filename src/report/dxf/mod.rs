@@ -40,7 +40,7 @@ pub fn dxf(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<u8> {
     let height = (side * HEIGHT.0).max(HEIGHT.1);
     let mut file = DxfFile::new(height);
     let column = Vector2::new(high.x + 4.0 * height, high.y - height);
-    let mut labels = Labels::new(drawing, operation, height, column);
+    let mut labels = Labels::new(drawing, operation, height, ((low.x, low.y), column));
     let faces = pieces::write(&mut file, drawing, operation, &mut labels);
     (0..drawing.envelopes.len()).for_each(|k| envelope(&mut file, drawing, k));
     drawing.regions.iter().for_each(|drawn| region(&mut file, drawn));
@@ -220,7 +220,7 @@ fn titles(
         crate::report::text::headline(cell),
         format!("robot {stands}; mm, z up; sweetspot {}", env!("CARGO_PKG_VERSION")),
         format!(
-            "arrows: {}, {} times enlarged{}",
+            "arrows: {}, enlarged {} times{}",
             drawing.lenses[0].reading_word(),
             rounded(drawing.exaggeration(0), 6),
             if drawing.lenses[0].is_signed() { "" } else { ", plus or minus" }

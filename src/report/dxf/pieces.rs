@@ -93,7 +93,8 @@ fn block(file: &mut DxfFile, drawing: &Drawing<'_>, piece: &CadPiece<'_>, labels
     let frame = piece.at.pose();
     let own = frame.inverse();
     let said = crate::files::shown(piece.name);
-    let place = labels.beside(&said, extent(piece));
+    let standing = floor_corners(&piece.footprint, &piece.at).into_iter();
+    let place = labels.beside(&said, bounding_box(standing).unwrap_or_default());
     let mut faces = 0;
     let name = file.block(piece.name, |file| {
         for (part, pose) in &piece.parts {

@@ -261,7 +261,7 @@ fn arrows(
         all.normals.extend(mesh.normals);
         all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
     }
-    let name = format!("errors, {} times enlarged", rounded(drawing.exaggeration(0), 6));
+    let name = format!("errors, enlarged {} times", rounded(drawing.exaggeration(0), 6));
     let material = scene.material("errors", ([255; 3], 1.0, 0.7));
     let surface = GlbSurface {
         positions: &all.positions,

@@ -156,7 +156,7 @@ fn notes(drawing: &Drawing<'_>, operation: Option<usize>) -> Vec<String> {
     let stands = operation.map_or("home".into(), |k| shown(&cell.operations[k].name));
     let lens = drawing.lenses.first();
     let arrows = format!(
-        "arrows: {} error, {} times enlarged{}",
+        "arrows: {} error, enlarged {} times{}",
         lens.map_or("", |l| l.reading_word()),
         rounded(drawing.exaggeration(0), 6),
         if lens.is_some_and(|l| l.is_signed()) { "" } else { ", plus or minus" }
