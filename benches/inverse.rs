@@ -44,8 +44,8 @@ fn poses(name: &str) -> Vec<Pose> {
 /// Returns for each joint the cosine and sine of the middle of its range, and the cosine of half the
 /// width of the range.
 ///
-/// A joint is within its limits if the cosine of its distance from the middle is at least the third value. That
-/// value is -2 for a range of a full turn or more.
+/// A joint is within its limits if the cosine of its distance from the middle is at least the third value.
+/// That value is -2 for a range of a full turn or more.
 fn arcs(robot: &Robot) -> [[f64; 3]; 6] {
     std::array::from_fn(|k| {
         let joint = &robot.joints[k];

@@ -1,4 +1,5 @@
-//! Figures of results/measured, from the tracker data of a real UR10: `cargo bench --bench measured [-- STUDY ...]`.
+//! Figures of results/measured, from the tracker data of a real UR10: `cargo bench --bench measured [-- STUDY
+//! ...]`.
 //!
 //! | study | question |
 //! |---|---|

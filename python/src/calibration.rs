@@ -175,7 +175,8 @@ fn in_session(py: Python<'_>, name: &str, why: &PyErr) -> PyErr {
     PyErr::from_type(why.get_type(py), format!("{name}: {}", why.value(py)))
 }
 
-/// Returns measured positions from arrays of joint coordinates (n, axes) and of positions (n, 3) or poses (n, 4, 4).
+/// Returns measured positions from arrays of joint coordinates (n, axes) and of positions (n, 3) or poses (n,
+/// 4, 4).
 fn rows(
     q: &Numbers<'_>,
     measured: &Numbers<'_>,

@@ -1,4 +1,5 @@
-//! Records as typed objects of `sweetspot.records`, the comparison of cells, and the schemas of all documents.
+//! Records as typed objects of `sweetspot.records`, the comparison of cells, and the schemas of all
+//! documents.
 
 use crate::cell::Cell;
 use crate::faults;

@@ -5,7 +5,8 @@ use nalgebra::Vector2;
 /// Edge of a polygon: start and end.
 type Edge = (Vector2<f64>, Vector2<f64>);
 
-/// Returns the indices of two edges that share a point other than a common corner; None if the polygon is simple.
+/// Returns the indices of two edges that share a point other than a common corner; None if the polygon is
+/// simple.
 ///
 /// Edge k runs from corner k to the next one.
 pub fn crossing_edges(corners: &[Vector2<f64>]) -> Option<(usize, usize)> {

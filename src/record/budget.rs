@@ -63,7 +63,8 @@ pub struct OperationBudget {
     pub tighten: Vec<TightenEntry>,
     /// Worst case of the linear model, in the unit of the sense. Null if the errors are not tolerances.
     pub linear_worst: Option<f64>,
-    /// Standard deviation of the linear model, in the unit of the sense. Null if the errors are not tolerances.
+    /// Standard deviation of the linear model, in the unit of the sense. Null if the errors are not
+    /// tolerances.
     pub linear_rms: Option<f64>,
 }
 

@@ -90,7 +90,8 @@ pub struct CorrectionEntry {
     pub rest_mm: Option<f64>,
     /// Orientation error of the TCP that remains after the correction.
     pub rest_deg: Option<f64>,
-    /// Root mean square of the random position error, which no correction removes; null without random errors.
+    /// Root mean square of the random position error, which no correction removes; null without random
+    /// errors.
     pub random_mm: Option<f64>,
     /// Root mean square of the random orientation error; null without random errors.
     pub random_deg: Option<f64>,

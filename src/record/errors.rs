@@ -171,8 +171,8 @@ pub struct GuessQuestion {
 }
 
 impl ErrorsDocument {
-    /// Makes the document of a guess with the name and the source of its error set. `total` is the accuracy of
-    /// the tolerances with the random errors.
+    /// Makes the document of a guess with the name and the source of its error set. `total` is the accuracy
+    /// of the tolerances with the random errors.
     pub fn new(
         robot: &Robot,
         question: &GuessQuestion,

@@ -118,8 +118,8 @@ pub struct OperationMapEntry<'a> {
     pub over: NodeAggregation,
     /// Value of the operation: the value of its best node, or the combined value of all its nodes.
     pub value: Option<f64>,
-    /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
-    /// certified, or if no bound is known.
+    /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is
+    /// not certified, or if no bound is known.
     pub worst: Option<f64>,
     pub counts: StatusCounts,
     pub guard: GuardEntry,

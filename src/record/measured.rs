@@ -63,11 +63,13 @@ pub struct ComparedPosition {
     pub predicted_size_mm: f64,
     /// Size of the measured minus the predicted error.
     pub residual_mm: f64,
-    /// Whether the measured error is inside the predicted 95 % ellipsoid. Null if the errors have no random part.
+    /// Whether the measured error is inside the predicted 95 % ellipsoid. Null if the errors have no random
+    /// part.
     pub inside_95: Option<bool>,
 }
 
-/// Spots of a file, ranked by their errors. A spot is a commanded position; its error is the mean of its poses.
+/// Spots of a file, ranked by their errors. A spot is a commanded position; its error is the mean of its
+/// poses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpotRankingEntry {

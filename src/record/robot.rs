@@ -157,8 +157,8 @@ pub struct SizeEntry {
     pub radius_mm: Option<[f64; 2]>,
     /// Least and greatest height above the origin of the base; null if nothing is reached.
     pub height_mm: Option<[f64; 2]>,
-    /// Bound of the error of `radius_mm` and `height_mm`. Parts of the envelope that are narrower than the distance
-    /// between the sample points may be missed.
+    /// Bound of the error of `radius_mm` and `height_mm`. Parts of the envelope that are narrower than the
+    /// distance between the sample points may be missed.
     pub extent_within_mm: Option<f64>,
 }
 

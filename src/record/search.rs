@@ -75,8 +75,8 @@ pub struct SearchResult {
     pub ideal: bool,
     /// Values that the cell file leaves out and that were assumed.
     pub assumed: Vec<AssumedEntry>,
-    /// Whether the best layout certainly works at every misplacement within its placement tolerances: true, or the
-    /// reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    /// Whether the best layout certainly works at every misplacement within its placement tolerances: true,
+    /// or the reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
     pub certified: Option<CertifiedEntry>,
     /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective,
     /// the best layout is one whose equipment has much room to be displaced. Null if no layout is feasible

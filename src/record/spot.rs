@@ -23,8 +23,8 @@ pub struct SpotEntry {
     pub over: NodeAggregation,
     /// Value of the operation, in the unit of the objective.
     pub value: Option<f64>,
-    /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is not
-    /// certified, or if no bound is known.
+    /// Upper bound of the value at all misplacements within the placement tolerances. Null if the layout is
+    /// not certified, or if no bound is known.
     pub worst: Option<f64>,
     /// Limit and margin; null if the operation has no limit or no spot.
     pub requirement: Option<RequirementEntry>,
@@ -59,7 +59,8 @@ pub type OptionBySense = super::placement::ByName<Option<f64>>;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
-    /// Largest allowed value of the operation. If the objective is a cost, the cost of the tightest tolerances.
+    /// Largest allowed value of the operation. If the objective is a cost, the cost of the tightest
+    /// tolerances.
     pub limit: f64,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
     /// withstand misplacements, `worst` takes the place of the value.

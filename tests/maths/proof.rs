@@ -508,8 +508,8 @@ const FIGURES: &str = "# How good is the best layout found?\n\n\
     | cell | bound | covers | best found | evaluations | gap | boxes | seconds |\n\
     |---|---|---|---|---|---|---|---|\n";
 
-/// Returns errors of rows and elastic errors of revolute joints as a tolerance or, with a covariance and periodic
-/// errors, as measured errors.
+/// Returns errors of rows and elastic errors of revolute joints as a tolerance or, with a covariance and
+/// periodic errors, as measured errors.
 fn elastic_set(robot: &Robot, is_measured: bool, rng: &mut ChaCha8Rng) -> ErrorSet {
     let axes = robot.axes();
     let value = |p: Parameter| match p {
@@ -586,7 +586,8 @@ fn no_random_posture_is_below_the_bound_with_elastic_errors() {
     assert!(positive >= 20, "{positive}");
 }
 
-/// A long search of a cell with elastic errors finds no layout below the bound, which most of its errors give.
+/// A long search of a cell with elastic errors finds no layout below the bound, which most of its errors
+/// give.
 #[test]
 fn the_best_of_a_search_with_elastic_errors_is_not_below_the_bound() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);

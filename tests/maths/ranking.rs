@@ -185,8 +185,8 @@ fn near_start(cell: &Cell, rng: &mut ChaCha8Rng) -> Layout {
     layout
 }
 
-/// Spin families are bounded, and their members are judged only while the bound can win. The cells are judged as
-/// shipped and with another quantity, sense, spin, errors of the tool, or collisions switched off.
+/// Spin families are bounded, and their members are judged only while the bound can win. The cells are judged
+/// as shipped and with another quantity, sense, spin, errors of the tool, or collisions switched off.
 #[test]
 fn spin_families_do_not_change_the_layouts_of_shipped_cells() {
     let mut rng = ChaCha8Rng::seed_from_u64(16);
@@ -240,7 +240,8 @@ fn vary(cell: &mut Cell, variant: usize, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Elastic errors depend on the posture, so that spin families may have no bound; each set has them in another form.
+/// Elastic errors depend on the posture, so that spin families may have no bound; each set has them in
+/// another form.
 #[test]
 fn bounds_do_not_change_the_layouts_of_elastic_cells() {
     let mut rng = ChaCha8Rng::seed_from_u64(18);
@@ -267,7 +268,8 @@ fn bounds_do_not_change_the_layouts_of_elastic_cells() {
     assert!(counts.iter().all(|c| *c > 20), "{counts:?}");
 }
 
-/// Returns errors of rows and elastic errors: signed in the forms 0 and 1, a tolerance in form 2, measured in form 3.
+/// Returns errors of rows and elastic errors: signed in the forms 0 and 1, a tolerance in form 2, measured in
+/// form 3.
 ///
 /// In form 0 and 2, no term depends on the spin of the last joint.
 fn elastic_set(robot: &Robot, form: usize, rng: &mut ChaCha8Rng) -> ErrorSet {
@@ -290,7 +292,8 @@ fn elastic_set(robot: &Robot, form: usize, rng: &mut ChaCha8Rng) -> ErrorSet {
     }
 }
 
-/// A worst case has bounds at every posture, and an operation at every node asks for the best posture of each node.
+/// A worst case has bounds at every posture, and an operation at every node asks for the best posture of each
+/// node.
 #[test]
 fn bounds_do_not_change_worst_cases_and_operations_at_every_node() {
     let mut rng = ChaCha8Rng::seed_from_u64(26);

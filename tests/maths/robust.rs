@@ -332,8 +332,8 @@ fn the_refined_spot_of_shipped_cells_is_no_worse_and_keeps_off_touched_points() 
     }
 }
 
-/// The redundant joint at the refined spot is scanned in 400 steps between the neighbouring samples. No usable posture
-/// is better by more than 0.1 %.
+/// The redundant joint at the refined spot is scanned in 400 steps between the neighbouring samples. No
+/// usable posture is better by more than 0.1 %.
 #[test]
 fn the_refined_spot_resolves_the_redundant_joint() {
     let mut gained = 0;

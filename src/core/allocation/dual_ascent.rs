@@ -67,7 +67,8 @@ impl PricedScales {
 /// Returns the cheapest scales for figures whose limits are 1, and a lower bound of their cost. The relative
 /// gap is at most `gap` if this gap can be reached.
 ///
-/// The costs must be continuous, and the tightest scales must keep every limit. Returns None if the ascent fails.
+/// The costs must be continuous, and the tightest scales must keep every limit. Returns None if the ascent
+/// fails.
 pub fn priced_scales(
     costs: &[ToleranceCost],
     figures: &[LinearFigure],

@@ -11,8 +11,8 @@ use std::rc::Rc;
 pub struct DualTerm {
     pub figure: usize,
     pub cut: Rc<ConeCut>,
-    /// Multiplier vector of a sign pattern in several axes. For any other constraint, the multiplier is the first
-    /// component.
+    /// Multiplier vector of a sign pattern in several axes. For any other constraint, the multiplier is the
+    /// first component.
     pub y: Vector6<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged figures.
+//! Allocation judged by the full error model: rounds that adapt the linear requirements to the judged
+//! figures.
 //!
 //! In each round, the linear figure of a requirement is multiplied by a factor. The scaled figure equals the
 //! judged figure at the scales of the previous round. The square of a judged figure may be a convex function
@@ -21,8 +22,8 @@ const MAX_REPLACING_ROUNDS: usize = 10;
 const MAX_REDUCTIONS: usize = 8;
 /// Relative excess of a judged figure over its limit up to which the limit counts as kept.
 pub const JUDGED_EXCESS: f64 = 1e-6;
-/// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut before the
-/// first solution.
+/// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut
+/// before the first solution.
 const NEAR_LARGEST: f64 = 0.8;
 /// Relative change of the common scale at which uniform tightening has converged.
 const SAME_SCALE: f64 = 1e-9;
@@ -47,8 +48,8 @@ pub struct JudgedAllocation {
     pub judged: Vec<f64>,
     /// Number of rounds after the first.
     pub rounds: usize,
-    /// Largest relative excess of a judged figure over its limit after the first round. This excess measures the
-    /// error of the linear problem.
+    /// Largest relative excess of a judged figure over its limit after the first round. This excess measures
+    /// the error of the linear problem.
     pub missed: f64,
     /// Largest relative excess of a judged figure over its limit at the end.
     pub excess: f64,
@@ -83,7 +84,8 @@ impl LinearModel<'_> {
         ToleranceProblem { costs: self.costs.to_vec(), requirements: requirements.collect() }
     }
 
-    /// Solves the linear problem. The shadow price of a requirement is the sum of the shadow prices of its figures.
+    /// Solves the linear problem. The shadow price of a requirement is the sum of the shadow prices of its
+    /// figures.
     fn solved(&self) -> Result<ToleranceAllocation, AllocationFailure> {
         let owner = |k: usize| self.figures.get(k).map_or(0, |(requirement, _)| *requirement);
         let mut found = allocate(&self.problem()).map_err(|failure| match failure {

@@ -16,8 +16,8 @@ const QUICK_GAIN: f64 = 1e-4;
 /// Difference up to which two values count as equal, because rounding may cause it.
 const SAME: f64 = 1e-13;
 
-/// One constraint along one direction: `constant + sum_k (linear_k u_k + squares_k u_k^2) <= 1`. An empty list counts
-/// as zeros.
+/// One constraint along one direction: `constant + sum_k (linear_k u_k + squares_k u_k^2) <= 1`. An empty
+/// list counts as zeros.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LimitRow {
     pub linear: Vec<f64>,
@@ -69,8 +69,8 @@ impl LimitRow {
         self.constant + costs.iter().enumerate().map(of).sum::<f64>()
     }
 
-    /// Returns the value of the constraint minus its limit, and its derivative with respect to the logarithm of the
-    /// multiplier.
+    /// Returns the value of the constraint minus its limit, and its derivative with respect to the logarithm
+    /// of the multiplier.
     fn excess(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64], multiplier: f64) -> (f64, f64) {
         let (mut sum, mut slope) = (self.constant - 1.0, 0.0);
         for (k, cost) in costs.iter().enumerate() {
@@ -118,7 +118,8 @@ impl LimitRow {
         bound
     }
 
-    /// Returns the least multiplier with which the scales keep the constraint, by Newton's method within a bracket.
+    /// Returns the least multiplier with which the scales keep the constraint, by Newton's method within a
+    /// bracket.
     pub fn multiplier(&self, costs: &[ToleranceCost], p: &[f64], q: &[f64]) -> f64 {
         if self.excess(costs, p, q, 0.0).0 <= 0.0 {
             return 0.0;

@@ -33,7 +33,8 @@ pub struct FigureScratch {
 }
 
 impl LinearFigure {
-    /// Returns the figure at the scales `u`. A worst case with more than three components may be an upper bound.
+    /// Returns the figure at the scales `u`. A worst case with more than three components may be an upper
+    /// bound.
     pub fn value(&self, u: &[f64], scratch: &mut FigureScratch) -> f64 {
         match self {
             Self::WorstCase { rows, generators, fixed } => {
@@ -111,7 +112,8 @@ impl LinearFigure {
         }
     }
 
-    /// Returns the generators and the sum of the fixed errors, with the signs that the last [`Self::value`] found.
+    /// Returns the generators and the sum of the fixed errors, with the signs that the last [`Self::value`]
+    /// found.
     fn signed(&self, scratch: &FigureScratch) -> (Vec<Vector6<f64>>, Vector6<f64>) {
         let Self::WorstCase { generators, fixed, .. } = self else { return (Vec::new(), Vector6::zeros()) };
         let signed = |(g, s): (&Vector6<f64>, &f64)| g * *s;

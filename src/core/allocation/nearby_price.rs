@@ -1,8 +1,9 @@
 //! Price of figures that differ a little from figures whose cheapest tolerances are known.
 //!
-//! The known scales, reduced until they keep the limits of the new figures, give an upper bound of the new price. The
-//! known multipliers give a lower bound, which differs from the price by about the square of the change. The two
-//! bounds decide most comparisons of a price with a limit, at a tenth of the effort of an ascent.
+//! The known scales, reduced until they keep the limits of the new figures, give an upper bound of the new
+//! price. The known multipliers give a lower bound, which differs from the price by about the square of the
+//! change. The two bounds decide most comparisons of a price with a limit, at a tenth of the effort of an
+//! ascent.
 
 use super::dual_ascent::{PricedScales, priced_scales};
 use super::linear_figure::{FigureScratch, LinearFigure};
@@ -18,8 +19,8 @@ const STEPS: usize = 3;
 pub struct NearbyPrice {
     /// Scale of every tolerance.
     scales: Vec<f64>,
-    /// Multiplier vectors, each with the index of its figure. For a root sum square, the multiplier is the first
-    /// component.
+    /// Multiplier vectors, each with the index of its figure. For a root sum square, the multiplier is the
+    /// first component.
     multipliers: Vec<(usize, Vector6<f64>)>,
 }
 

@@ -30,7 +30,8 @@ pub struct NodeFigure<'a> {
 }
 
 impl NodeFigure<'_> {
-    /// Returns the figure of the reading, m or rad. Any reading except the statistical one counts as worst case.
+    /// Returns the figure of the reading, m or rad. Any reading except the statistical one counts as worst
+    /// case.
     ///
     /// For the yield, this is the percentile that must not exceed the limit.
     pub fn value(&self, memory: &mut EvaluatorScratch) -> f64 {
@@ -70,7 +71,8 @@ impl NodeFigure<'_> {
         }
     }
 
-    /// Returns whether the squared figure is a convex function of the squared scales, apart from nonlinear effects.
+    /// Returns whether the squared figure is a convex function of the squared scales, apart from nonlinear
+    /// effects.
     ///
     /// The square of a high percentile is convex. Up to a factor, it lies between the largest eigenvalue
     /// and the trace of the covariance. The square of a mean or of a low percentile is not convex.
@@ -111,7 +113,8 @@ impl NodeFigure<'_> {
         LinearFigure::WorstCase { rows: measure.rows(), generators, fixed }
     }
 
-    /// Returns the root sum square whose square is the mean square of the error without its mean, times `ratio`.
+    /// Returns the root sum square whose square is the mean square of the error without its mean, times
+    /// `ratio`.
     pub fn mean_square(&self, free: &[Parameter], ratio: f64, memory: &mut EvaluatorScratch) -> LinearFigure {
         let (mut squares, of_mean, constant) = self.squares(free, memory);
         squares.iter_mut().for_each(|w| *w *= ratio);
@@ -190,7 +193,8 @@ impl NodeFigure<'_> {
     ///
     /// Returns None if the quantity is not a percentile or an error is not normal.
     ///
-    /// The squared percentile is a function of the eigenvalues of the covariance, so a few percentiles give all slopes.
+    /// The squared percentile is a function of the eigenvalues of the covariance, so a few percentiles give
+    /// all slopes.
     pub fn normal_percentile(
         &self,
         free: &[Parameter],

@@ -37,8 +37,8 @@ pub struct TolerancePricing {
     most: f64,
     /// Cost of the loosest tolerances.
     least: f64,
-    /// Logarithm of the multiplier with which bounds start. It is the logarithm of the present cost, which is near
-    /// the multiplier if the limits are near the present figures.
+    /// Logarithm of the multiplier with which bounds start. It is the logarithm of the present cost, which is
+    /// near the multiplier if the limits are near the present figures.
     first_multiplier: f64,
 }
 
@@ -82,7 +82,8 @@ impl TolerancePricing {
 
     /// Returns the cost of the cheapest tolerances that keep every limit, which is 1 for each figure.
     ///
-    /// If even the tightest tolerances exceed a limit, the result is their cost multiplied by the largest figure.
+    /// If even the tightest tolerances exceed a limit, the result is their cost multiplied by the largest
+    /// figure.
     pub fn price(&self, figures: &[LinearFigure], scratch: &mut FigureScratch) -> f64 {
         let mut largest = |end: fn(&ToleranceCost) -> f64| {
             let scales: Vec<f64> = self.costs.iter().map(end).collect();

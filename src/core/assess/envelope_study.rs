@@ -137,14 +137,15 @@ pub struct RobotDataSheet<'a> {
     pub family: &'static str,
     /// Pose of the TCP at the home position.
     pub pose: Pose,
-    /// Working envelope; None for a redundant arm and for numeric inverse kinematics, because the computation would
-    /// take many seconds.
+    /// Working envelope; None for a redundant arm and for numeric inverse kinematics, because the computation
+    /// would take many seconds.
     pub envelope: Option<SheetEnvelope>,
 }
 
 /// Working envelope on the data sheet of a robot.
 pub struct SheetEnvelope {
-    /// Elevation of the tool axis, rad: the fixed elevation of the arm if it has one, otherwise straight down.
+    /// Elevation of the tool axis, rad: the fixed elevation of the arm if it has one, otherwise straight
+    /// down.
     pub elevation: f64,
     pub size: Size,
     /// Distance between sampled points, m.

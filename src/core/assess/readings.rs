@@ -1,7 +1,8 @@
 //! Comparison of readings: the layout of the cell file under every reading and registration.
 //!
-//! For each reading R, the comparison gives the spot that R chooses, and a regret. The signed spot is the spot that
-//! the signed reading chooses. The regret is the value at the signed spot divided by the least value, both under R.
+//! For each reading R, the comparison gives the spot that R chooses, and a regret. The signed spot is the
+//! spot that the signed reading chooses. The regret is the value at the signed spot divided by the least
+//! value, both under R.
 
 use super::posture_context::no_spot;
 use crate::cell::{

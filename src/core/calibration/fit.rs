@@ -15,7 +15,8 @@ const STEPS: usize = 100;
 const CONVERGED: f64 = 1e-6;
 /// Smallest share of a scoring step by which the variances change.
 const LEAST_SHARE: f64 = 0.1;
-/// Largest step, in standard deviations before the measurement, at which the variances may count as converged.
+/// Largest step, in standard deviations before the measurement, at which the variances may count as
+/// converged.
 const ROUGHLY: f64 = 1e-3;
 /// Largest step, in standard deviations before the measurement, that need not lower the loss.
 const SURE: f64 = 0.1;
@@ -48,7 +49,8 @@ pub(super) struct Residual {
 }
 
 impl Residual {
-    /// Returns the squared Mahalanobis distance of the residual under the covariance of misfit and prediction.
+    /// Returns the squared Mahalanobis distance of the residual under the covariance of misfit and
+    /// prediction.
     pub fn normalised(&self) -> f64 {
         let covariance = self.misfit + self.spread;
         covariance.cholesky().map_or(f64::INFINITY, |c| self.by.dot(&c.solve(&self.by)))
@@ -64,8 +66,8 @@ impl<'a> Fit<'a> {
 
     /// Returns the fit to the sessions without some of their positions, with the same variances.
     ///
-    /// A single Newton step is exact up to second-order terms of the change, because errors are small. Returns None
-    /// if the other positions do not determine the unknowns.
+    /// A single Newton step is exact up to second-order terms of the change, because errors are small.
+    /// Returns None if the other positions do not determine the unknowns.
     pub fn without(&self, all: &NormalEquations, left_out: &[MeasuringSession]) -> Option<Self> {
         let left_out = NormalEquations::of_positions(&self.state, left_out, 1.0);
         let (step, covariance) = all.without(&left_out).with_expectations(&self.state, 0.0).solution()?;
@@ -139,7 +141,8 @@ impl<'a> Fit<'a> {
         Ok(largest)
     }
 
-    /// Changes the variances by a share of one scoring step, and returns their largest relative change with its sign.
+    /// Changes the variances by a share of one scoring step, and returns their largest relative change with
+    /// its sign.
     fn improve_misfit(&mut self, sessions: &[MeasuringSession], share: f64) -> f64 {
         let mut scores = Scores::none();
         for (s, session) in sessions.iter().enumerate() {

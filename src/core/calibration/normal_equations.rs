@@ -19,8 +19,8 @@ pub(super) struct NormalEquations {
 impl NormalEquations {
     /// Returns the equations of the measured positions.
     ///
-    /// The second derivatives of the positions enter the Hessian with the factor `newton`: 1 gives Newton's method, 0
-    /// the Gauss-Newton method.
+    /// The second derivatives of the positions enter the Hessian with the factor `newton`: 1 gives Newton's
+    /// method, 0 the Gauss-Newton method.
     pub fn of_positions(state: &FitState<'_>, sessions: &[MeasuringSession], newton: f64) -> Self {
         let common = state.question.unknowns.len();
         let size = common + state.frames.iter().map(SessionFrames::size).sum::<usize>();
@@ -63,8 +63,8 @@ impl NormalEquations {
     /// Adds the prior expectations of the unknowns of the arm and of the reflectors. The prior precisions
     /// (inverse variances) of the unknowns of the arm are multiplied by `1 + damping` in the Hessian.
     ///
-    /// Without the expectation of the reflectors, the height of the reflector is undetermined on an arm whose tool is
-    /// always upright.
+    /// Without the expectation of the reflectors, the height of the reflector is undetermined on an arm whose
+    /// tool is always upright.
     pub fn with_expectations(mut self, state: &FitState<'_>, damping: f64) -> Self {
         for (k, (prior, value)) in state.priors.iter().zip(&state.values).enumerate() {
             self.hessian[(k, k)] += (1.0 + damping) * prior.powi(-2);
@@ -89,7 +89,8 @@ impl NormalEquations {
         Self { hessian: &self.hessian - &some.hessian, right: &self.right - &some.right }
     }
 
-    /// Returns the step of the unknowns and their covariance, or None if the Hessian is not positive definite.
+    /// Returns the step of the unknowns and their covariance, or None if the Hessian is not positive
+    /// definite.
     pub fn solution(self) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let factor = self.hessian.cholesky()?;
         Some((factor.solve(&self.right), factor.inverse()))

@@ -1,4 +1,5 @@
-//! Plans of measuring poses (optimal experimental design): the poses that reduce the uncertainty at a task the most.
+//! Plans of measuring poses (optimal experimental design): the poses that reduce the uncertainty at a task
+//! the most.
 //!
 //! The measured position of pose i is, to first order in the unknowns a (robot, base and reflector),
 //!
@@ -11,10 +12,10 @@
 //! Gaussian process over the joint space. Two poses near each other have nearly the same misfit, so the
 //! second of them adds little information. The remaining errors e_i are independent.
 //!
-//! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of the task
-//! (I-optimality). A plan that maximises a determinant (D-optimality) would determine all unknowns well, even those
-//! that the task does not need. After a calibration the base is registered anew, so a rigid motion that fits the
-//! candidates does not count as an error.
+//! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of
+//! the task (I-optimality). A plan that maximises a determinant (D-optimality) would determine all unknowns
+//! well, even those that the task does not need. After a calibration the base is registered anew, so a rigid
+//! motion that fits the candidates does not count as an error.
 
 use super::plan_posterior::PlanPosterior;
 use super::plan_problem::PlanProblem;
@@ -36,7 +37,8 @@ impl PlanProblem {
         PlanPosterior::of(self, chosen).map_or(f64::INFINITY, |posterior| posterior.remaining().sqrt())
     }
 
-    /// Chooses `count` candidates that leave the least expected error at the task, the most informative first.
+    /// Chooses `count` candidates that leave the least expected error at the task, the most informative
+    /// first.
     ///
     /// The first choice is greedy. Then at most `PASSES` passes exchange each pose for a better candidate
     /// if there is one (Fedorov 1972). `progress` receives the number of finished steps and the largest

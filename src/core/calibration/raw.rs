@@ -77,8 +77,8 @@ impl RotationConvention {
         }
     }
 
-    /// Returns the rotation matrix; `scale` converts angles to rad. Returns None if the numbers are not a rotation,
-    /// or do not have the form of the convention.
+    /// Returns the rotation matrix; `scale` converts angles to rad. Returns None if the numbers are not a
+    /// rotation, or do not have the form of the convention.
     pub fn matrix(self, raw: &RawRotation, scale: f64) -> Option<Matrix3<f64>> {
         match (*raw, self) {
             (RawRotation::Angles(angles), _) => self.of_angles(angles.map(|angle| angle * scale)),

@@ -71,13 +71,15 @@ impl ResidualVariances {
         drives.iter().zip(&self.joints).fold(own, |sum, (g, v)| sum + g * g.transpose() * *v)
     }
 
-    /// Returns the covariance (m^2) that weights the residual in the fit, with enlarged variances of the joints.
+    /// Returns the covariance (m^2) that weights the residual in the fit, with enlarged variances of the
+    /// joints.
     pub fn covariance_of_fit(&self, drives: &[Vector3<f64>], stated: Option<f64>) -> Matrix3<f64> {
         let joints = self.joints.iter().map(|v| v * self.correlated).collect();
         Self { joints, ..self.clone() }.covariance(drives, stated)
     }
 
-    /// Returns the variances after a share of one scoring step, and their largest relative change with its sign.
+    /// Returns the variances after a share of one scoring step, and their largest relative change with its
+    /// sign.
     pub fn improved(&self, scores: &Scores, share: f64) -> (Self, f64) {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);

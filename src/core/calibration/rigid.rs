@@ -101,7 +101,8 @@ pub fn aligned(poses: &[Deformed], measured: &[MeasuredPosition]) -> Option<Sess
     Some(frames)
 }
 
-/// Returns the rigid motion that best moves the first points of the pairs onto the second points (Kabsch 1976).
+/// Returns the rigid motion that best moves the first points of the pairs onto the second points (Kabsch
+/// 1976).
 fn superposed(pairs: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + Clone) -> Option<Pose> {
     let count = pairs.clone().count() as f64;
     let zero = (Vector3::zeros(), Vector3::zeros());

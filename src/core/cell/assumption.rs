@@ -43,8 +43,8 @@ pub struct StatedKeys {
 impl Cell {
     /// Returns this cell with an assumed value for every quantity that its file leaves out.
     ///
-    /// Nothing is assumed if the cell asks for an ideal layout. Clearance and margins are assumed if the cell has
-    /// search settings or a search variable. Tolerances are assumed for bodies that the search places.
+    /// Nothing is assumed if the cell asks for an ideal layout. Clearance and margins are assumed if the cell
+    /// has search settings or a search variable. Tolerances are assumed for bodies that the search places.
     pub fn assuming(mut self, stated: &StatedKeys) -> Self {
         let is_searched = |placement: &[Coordinate; 4]| placement.iter().any(Coordinate::is_free);
         let searches = is_searched(&self.base) || self.equipment.iter().any(|e| is_searched(&e.placement));
@@ -91,7 +91,8 @@ impl Cell {
         self
     }
 
-    /// Returns the least travel of the joints of a kind that have an actuator, rad or m; None without such a joint.
+    /// Returns the least travel of the joints of a kind that have an actuator, rad or m; None without such a
+    /// joint.
     fn least_travel(&self, kind: JointKind) -> Option<f64> {
         let moving = self.robot.joints.iter().filter(|joint| joint.kind == kind && !joint.is_passive());
         moving.map(|joint| joint.limits.1 - joint.limits.0).reduce(f64::min)

@@ -21,7 +21,8 @@ impl Cell {
         Some(cell)
     }
 
-    /// Returns this cell with every tolerance multiplied by its scale; correlated and measured errors stay unchanged.
+    /// Returns this cell with every tolerance multiplied by its scale; correlated and measured errors stay
+    /// unchanged.
     ///
     /// A signed sample becomes a tolerance whose half widths are the scaled magnitudes of its values.
     pub fn with_scaled_tolerances(&self, scale: &dyn Fn(Parameter) -> f64) -> Cell {

@@ -43,8 +43,8 @@ pub enum Parameter {
     /// The deflection grows with the posture-dependent lever. The value is the compliance of the joint times
     /// the weight at and beyond the end of the link.
     Elastic(usize, usize),
-    /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the joint
-    /// carries ([`crate::robot::gravity_torque`]).
+    /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the
+    /// joint carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
     /// Dimensionless factor of the periodic error of a revolute joint ([`SignedErrors::periodic`]); 1 for
     /// the whole error. The index is that of the joint.
@@ -70,7 +70,8 @@ impl Parameter {
     }
 
     /// Returns the elastic parameters of a robot with `axes` joints: the elastic terms joint by joint, the
-    /// compliances, then the factors of periodic errors. Each joint has one elastic term per link that it carries.
+    /// compliances, then the factors of periodic errors. Each joint has one elastic term per link that it
+    /// carries.
     pub fn elastic(axes: usize) -> impl Iterator<Item = Parameter> {
         let terms =
             (0..axes).flat_map(move |joint| (joint..axes).map(move |link| Self::Elastic(joint, link)));
@@ -175,8 +176,8 @@ pub struct PeriodicError {
 }
 
 impl SignedErrors {
-    /// Returns the sample with the given values (m, rad), in the order of [`Parameter::of_robot`], without periodic
-    /// errors.
+    /// Returns the sample with the given values (m, rad), in the order of [`Parameter::of_robot`], without
+    /// periodic errors.
     pub fn of_values(name: String, axes: usize, values: &[f64]) -> Self {
         let row = |k: usize| (0..axes).map(|i| values[PER_LINK * i + k]).collect();
         let frame = |k: usize| std::array::from_fn(|c| values[PER_LINK * axes + PER_FRAME * k + c]);
@@ -386,7 +387,8 @@ impl FrameErrors {
         }
     }
 
-    /// Returns the errors as tolerances. For a signed sample, the half widths are the magnitudes of its values.
+    /// Returns the errors as tolerances. For a signed sample, the half widths are the magnitudes of its
+    /// values.
     pub fn tolerance(&self) -> [Spread; PER_FRAME] {
         match self {
             FrameErrors::Signed(values) => values.map(Spread::of_magnitude),

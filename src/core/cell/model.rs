@@ -268,7 +268,8 @@ pub struct Cell {
     pub assumed: Vec<Assumption>,
 }
 
-/// Reason why errors that compensate each other ([`Cell::errors_compensate`]) have no worst case and no statistics.
+/// Reason why errors that compensate each other ([`Cell::errors_compensate`]) have no worst case and no
+/// statistics.
 pub const NO_TOLERANCES: &str =
     "the errors compensate each other in one calibrated arm, so they are not tolerances";
 

@@ -32,8 +32,8 @@ pub enum CostLaw {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToleranceCost {
     pub law: CostLaw,
-    /// Least and greatest scale of the tolerance. For grades, these are the scales of the tightest and the loosest
-    /// grade.
+    /// Least and greatest scale of the tolerance. For grades, these are the scales of the tightest and the
+    /// loosest grade.
     pub range: (f64, f64),
 }
 

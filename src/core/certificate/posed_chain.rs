@@ -14,8 +14,8 @@
 //! Krawczyk's test (R. Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken",
 //! Computing 4, 1969) for a path. J + D is regular along the path, so the arm stays in its branch.
 //!
-//! D is bounded by its first derivatives at the nominal posture and by a bound of its second derivatives. Every
-//! derivative of a column is a product of unit axes and one lever arm.
+//! D is bounded by its first derivatives at the nominal posture and by a bound of its second derivatives.
+//! Every derivative of a column is a product of unit axes and one lever arm.
 
 use super::target_box::BoxAxis;
 use crate::cell::{JointKind, MAX_JOINTS};
@@ -41,9 +41,9 @@ pub type Square = [Rows; MAX_ROWS];
 
 /// Chain at its nominal posture, prepared for a joint enclosure.
 ///
-/// The coordinates y are displacements of the active joints. For successive revolute joints with parallel axes,
-/// they are sums of the angles from the first of these joints on. Such a sum rotates one link and shifts the
-/// links after it, so a planar arm decouples into independent links.
+/// The coordinates y are displacements of the active joints. For successive revolute joints with parallel
+/// axes, they are sums of the angles from the first of these joints on. Such a sum rotates one link and
+/// shifts the links after it, so a planar arm decouples into independent links.
 pub struct PosedChain<'a> {
     pub chain: &'a Chain,
     pub task: &'a ToolTask,
@@ -134,8 +134,8 @@ impl<'a> PosedChain<'a> {
         column
     }
 
-    /// Returns the inverse of the Jacobian of the tool task with respect to the coordinates; None if the Jacobian
-    /// is singular.
+    /// Returns the inverse of the Jacobian of the tool task with respect to the coordinates; None if the
+    /// Jacobian is singular.
     pub fn inverse(&self) -> Option<Square> {
         let n = self.task.rows;
         let mut columns = [[0.0; MAX_ROWS]; MAX_ROWS];
@@ -150,8 +150,8 @@ impl<'a> PosedChain<'a> {
         Some(std::array::from_fn(|r| std::array::from_fn(|c| inverse[(r, c)])))
     }
 
-    /// Converts derivatives with respect to the displacements of the active joints to derivatives with respect to the
-    /// coordinates. Entry c of the result is the sum of `S_kc` times entry k.
+    /// Converts derivatives with respect to the displacements of the active joints to derivatives with
+    /// respect to the coordinates. Entry c of the result is the sum of `S_kc` times entry k.
     fn by_coordinates(&self, columns: &Square) -> Square {
         let n = self.task.rows;
         let mut sums = [[0.0; MAX_ROWS]; MAX_ROWS];
@@ -176,8 +176,8 @@ impl<'a> PosedChain<'a> {
         rate
     }
 
-    /// Returns the columns of `J^-1 dJ/dy_a` for each coordinate `y_a`, where J is the Jacobian with respect to the
-    /// coordinates.
+    /// Returns the columns of `J^-1 dJ/dy_a` for each coordinate `y_a`, where J is the Jacobian with respect
+    /// to the coordinates.
     fn derivatives(&self, inverse: &Square) -> [Square; MAX_ROWS] {
         let n = self.task.rows;
         let active = &self.task.active[..n];
@@ -206,8 +206,8 @@ impl<'a> PosedChain<'a> {
         all
     }
 
-    /// Returns an upper bound of the deviation of the coordinates from their linear expansion; None if the test
-    /// fails.
+    /// Returns an upper bound of the deviation of the coordinates from their linear expansion; None if the
+    /// test fails.
     ///
     /// `first` are the linear displacements along each axis of the target box. `around` bounds the
     /// displacements of the nominal posture over which the result must hold, too.
@@ -249,8 +249,8 @@ impl<'a> PosedChain<'a> {
             }
             let needed: Rows = std::array::from_fn(|k| second[k] + rest[k]);
             if (0..n).all(|k| needed[k] <= half[k]) {
-                // The displacement grows at most linearly along the path, so the integral over the path halves
-                // the second-order term.
+                // The displacement grows at most linearly along the path, so the integral over the path
+                // halves the second-order term.
                 return Some(std::array::from_fn(|k| second[k] / 2.0 + rest[k]));
             }
             if !needed.iter().all(|v| v.is_finite() && *v < 1.0) {
@@ -261,8 +261,8 @@ impl<'a> PosedChain<'a> {
         None
     }
 
-    /// Returns an upper bound of the third-order terms in the rows of the task: `D q'` without the first derivatives
-    /// of D. The displacements are at most `wide`, and the rates at most `rates`.
+    /// Returns an upper bound of the third-order terms in the rows of the task: `D q'` without the first
+    /// derivatives of D. The displacements are at most `wide`, and the rates at most `rates`.
     fn third(&self, wide: &Rows, rates: &Rows) -> Rows {
         let n = self.task.rows;
         let turned = |by: &Rows, bits: u8| -> f64 {

@@ -1,4 +1,5 @@
-//! Target box: possible positions of a TCP target relative to the robot base, if equipment and base are misplaced.
+//! Target box: possible positions of a TCP target relative to the robot base, if equipment and base are
+//! misplaced.
 
 use crate::cell::{Cell, Layout, Placement, PlacementTolerance};
 use nalgebra::Vector3;
@@ -35,9 +36,9 @@ impl TargetBox {
     /// Returns the box of a target on a piece of equipment; `target` is the nominal position of the target in
     /// the world, m.
     ///
-    /// The position of the target depends on the placements of the equipment, of all equipment that carries it,
-    /// and of the robot base. Each placement is expanded to first order; the bound of the second-order terms is
-    /// added.
+    /// The position of the target depends on the placements of the equipment, of all equipment that carries
+    /// it, and of the robot base. Each placement is expanded to first order; the bound of the second-order
+    /// terms is added.
     pub fn new(cell: &Cell, layout: &Layout, equipment: usize, target: &Vector3<f64>) -> Self {
         let mut sum = Self { position: Vector3::zeros(), yaw: 0.0, heading: 0.0 };
         let mut second = SecondOrder::default();
@@ -89,7 +90,8 @@ impl TargetBox {
         self
     }
 
-    /// Returns this box for a point that lies up to `length` (m) from the target and rotates with the surface.
+    /// Returns this box for a point that lies up to `length` (m) from the target and rotates with the
+    /// surface.
     #[must_use]
     pub fn extended_by(mut self, length: f64) -> Self {
         let by = self.heading * length;

@@ -81,7 +81,8 @@ pub struct ValueBound {
     totals: (f64, f64),
     /// Distance from the TCP to the point whose error counts, m.
     point: f64,
-    /// Whether the value is a nonlinear worst case, which is evaluated at the worst corners of the linear model.
+    /// Whether the value is a nonlinear worst case, which is evaluated at the worst corners of the linear
+    /// model.
     searches_corners: bool,
 }
 
@@ -246,14 +247,16 @@ impl ValueBound {
 
     /// Returns an upper bound of the change of the mean error over the box, m.
     ///
-    /// The mean error is a sum of second-order terms: each is a product of two sizes, unit axes and a lever arm.
+    /// The mean error is a sum of second-order terms: each is a product of two sizes, unit axes and a lever
+    /// arm.
     fn mean(&self, boxed: &BoxedPosture<'_>, lever: f64) -> f64 {
         let total: f64 = self.motions.iter().map(|m| m.size).sum();
         let turned: f64 = boxed.joints.half.iter().sum();
         total * total * lever.max(1.0) * turned
     }
 
-    /// Returns, for each link, an upper bound of the distance from its frame to the point whose error counts, m.
+    /// Returns, for each link, an upper bound of the distance from its frame to the point whose error counts,
+    /// m.
     fn levers(&self, chain: &Chain, boxed: &BoxedPosture<'_>) -> [f64; MAX_JOINTS + 1] {
         let frames = boxed.frames;
         let n = chain.axes();
@@ -268,8 +271,8 @@ impl ValueBound {
         levers
     }
 
-    /// Returns an upper bound of the value of all deviations of the effects from their interpolation between the
-    /// corners, m. In the statistical reading, the value is the RMS of their sum.
+    /// Returns an upper bound of the value of all deviations of the effects from their interpolation between
+    /// the corners, m. In the statistical reading, the value is the RMS of their sum.
     fn rest(
         &self,
         evaluator: &ErrorEvaluator,

@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 
 /// Upper bounds of how far solids move from their nominal poses, as seen from the robot base, m.
 ///
-/// A robot solid is given by its index in [`Scene::bounding_spheres`]. For equipment, the index after all equipment
-/// stands for the fence; None stands for the floor.
+/// A robot solid is given by its index in [`Scene::bounding_spheres`]. For equipment, the index after all
+/// equipment stands for the fence; None stands for the floor.
 pub trait SolidMotion {
     /// Returns the bound for a robot solid.
     fn of_link(&self, link: usize) -> f64;

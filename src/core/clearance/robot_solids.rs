@@ -37,8 +37,8 @@ pub(super) struct RobotSolid {
     reach: f64,
 }
 
-/// Returns all solids in [`crate::cell::Robot::solids`], then the solids of the part held in each operation, then the
-/// pedestal.
+/// Returns all solids in [`crate::cell::Robot::solids`], then the solids of the part held in each operation,
+/// then the pedestal.
 pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     let mut links = Vec::new();
     for (k, s) in cell.robot.solids.iter().enumerate() {
@@ -142,7 +142,8 @@ impl RobotSolid {
         BoundingCapsule { radius: self.reach, ..self.core.at(pose) }
     }
 
-    /// Returns a capsule that contains the solid without the clearance; `pose` is the pose of the carrier frame.
+    /// Returns a capsule that contains the solid without the clearance; `pose` is the pose of the carrier
+    /// frame.
     pub(super) fn bare_capsule(&self, pose: &Pose) -> BoundingCapsule {
         let radius = if self.reach.is_finite() { self.core.radius } else { f64::INFINITY };
         BoundingCapsule { radius, ..self.core.at(pose) }

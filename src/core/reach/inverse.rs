@@ -319,8 +319,8 @@ impl Inverse {
         }
     }
 
-    /// Returns the reason why a scan finds no branch: the numeric solver knows whether the position or the attitude is
-    /// missed.
+    /// Returns the reason why a scan finds no branch: the numeric solver knows whether the position or the
+    /// attitude is missed.
     fn reason(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
         match self.numeric_branches(target, attitudes) {
             Reach::NotConverged { position, angle } if position.is_finite() => {

@@ -14,8 +14,8 @@ const TRIALS: usize = 16;
 /// (Frobenius norm).
 const MAX_ERROR: f64 = 1e-9;
 
-/// Inverse kinematics for a given pose of the last D-H frame: a closed form, or a scan of one joint with closed
-/// forms for the others.
+/// Inverse kinematics for a given pose of the last D-H frame: a closed form, or a scan of one joint with
+/// closed forms for the others.
 #[derive(Debug, Clone)]
 pub(super) enum PoseSolver {
     Scara(Scara),
@@ -34,14 +34,15 @@ impl PoseSolver {
         found.is_exact(chain).then_some(found)
     }
 
-    /// Returns the solver of a chain that scans one joint, if there is one that reproduces sampled poses of the
-    /// chain. It takes about twenty times as long as a closed form.
+    /// Returns the solver of a chain that scans one joint, if there is one that reproduces sampled poses of
+    /// the chain. It takes about twenty times as long as a closed form.
     pub fn scanning(chain: &Chain) -> Option<Self> {
         let found = Self::OffsetWrist(Box::new(OffsetWrist::new(chain).ok()?));
         found.is_exact(chain).then_some(found)
     }
 
-    /// Returns whether the branch index of a posture is kept while the pose moves, except at singular postures.
+    /// Returns whether the branch index of a posture is kept while the pose moves, except at singular
+    /// postures.
     pub fn keeps_branches(&self) -> bool {
         !matches!(self, Self::OffsetWrist(_))
     }
@@ -52,6 +53,7 @@ impl PoseSolver {
             Self::Scara(_) => "SCARA (closed form)",
             Self::SphericalWrist(_) => "six axes with three that meet in a point (closed form)",
             Self::ThreeParallel(_) => "six axes with three parallel ones (closed form)",
+            Self::OffsetWrist(arm) if arm.is_reversed() => "six axes, offset shoulder (scan of joint 1)",
             Self::OffsetWrist(_) => "six axes, offset wrist (scan of joint 6)",
         }
     }

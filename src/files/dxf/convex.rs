@@ -1,12 +1,13 @@
 //! Convex parts of a polygon: ear clipping, then removal of diagonals between parts whose union is convex.
 //!
-//! The parts have the corners of the polygon, do not overlap, and their union is the polygon. Removing diagonals follows
-//! S. Hertel and K. Mehlhorn, Fast triangulation of simple polygons, FCT 1983: at most four times as many parts as
-//! necessary remain.
+//! The parts have the corners of the polygon, do not overlap, and their union is the polygon. Removing
+//! diagonals follows S. Hertel and K. Mehlhorn, Fast triangulation of simple polygons, FCT 1983: at most four
+//! times as many parts as necessary remain.
 
 use crate::geometry::{PlanePoint, turn};
 
-/// Returns the convex parts of a polygon that does not cross itself, all anticlockwise; None if rounding prevents it.
+/// Returns the convex parts of a polygon that does not cross itself, all anticlockwise; None if rounding
+/// prevents it.
 pub fn convex_parts(corners: &[PlanePoint]) -> Option<Vec<Vec<PlanePoint>>> {
     let mut parts = triangles(corners)?;
     let mut k = 0;

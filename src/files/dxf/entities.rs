@@ -12,7 +12,8 @@ pub struct Entity {
     pub kind: EntityKind,
     pub layer: String,
     pub line: usize,
-    /// Whether the entity is drawn on the underside of the plan, with its x axis reversed (extrusion 0, 0, -1).
+    /// Whether the entity is drawn on the underside of the plan, with its x axis reversed (extrusion 0, 0,
+    /// -1).
     pub is_flipped: bool,
 }
 
@@ -79,7 +80,8 @@ const ANNOTATIONS: [&str; 16] = [
     "VERTEX",
 ];
 
-/// Reads the entities between two places of a drawing. Entities of the paper space and annotations are left out.
+/// Reads the entities between two places of a drawing. Entities of the paper space and annotations are left
+/// out.
 pub fn entities(pairs: &[GroupCode<'_>]) -> Result<Vec<Entity>, DxfFault> {
     let mut all = Vec::new();
     let mut rest = pairs;

@@ -148,7 +148,8 @@ fn read_robot(t: &mut Table) -> Option<Based> {
     })
 }
 
-/// Reads `pedestal`: true or false, or its cross-section. None stands for a pedestal as large as the footprint.
+/// Reads `pedestal`: true or false, or its cross-section. None stands for a pedestal as large as the
+/// footprint.
 fn read_support(t: &mut Table) -> Option<Option<BaseSupport>> {
     let key = robot_in_cell::PEDESTAL;
     let Some(node) = t.get(&key) else { return Some(None) };

@@ -98,7 +98,8 @@ pub fn read_held(t: &mut Table) -> Option<HeldPart> {
     Some(HeldPart { solids, touches_surface: touches_surface?, mass: mass?, centre: centre? })
 }
 
-/// Reads `self_collision`: true or false, or `{ allowed = [["NAME", "NAME"], ...] }`, the pairs that may touch.
+/// Reads `self_collision`: true or false, or `{ allowed = [["NAME", "NAME"], ...] }`, the pairs that may
+/// touch.
 pub fn read_self_collision(t: &mut Table, solids: &[LinkSolid]) -> Option<SelfCollision> {
     let key = robot::SELF_COLLISION;
     let Some(node) = t.get(&key) else { return Some(SelfCollision::default()) };

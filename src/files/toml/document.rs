@@ -137,7 +137,8 @@ impl<'a> Library<'a> {
         None
     }
 
-    /// Reads a TOML file as [`Self::text`] does. A file whose content shows that it is of another kind is one fault.
+    /// Reads a TOML file as [`Self::text`] does. A file whose content shows that it is of another kind is one
+    /// fault.
     pub fn toml(&mut self, path: &str, at: Option<At>) -> Option<usize> {
         let file = self.file(path, at)?;
         let Some(content) = FileContent::of(&self.sources[file].bytes) else { return self.text(path, at) };

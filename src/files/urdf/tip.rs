@@ -35,7 +35,8 @@ const SAME_POINT: f64 = 1e-3;
 /// Deviation of a direction from a coordinate axis at which it counts as that axis.
 const ON_AXIS: f64 = 1e-3;
 
-/// Returns the guessed tip link below `base`: on the longest chain of moving joints, without the fingers of a gripper.
+/// Returns the guessed tip link below `base`: on the longest chain of moving joints, without the fingers of a
+/// gripper.
 pub fn guess(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> usize {
     let end = end_of_arm(urdf, tree, base);
     let fixed = fixed_below(urdf, tree, end);

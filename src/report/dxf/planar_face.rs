@@ -69,7 +69,8 @@ fn oriented(ring: &[Vector2<f64>], anticlockwise: bool) -> Vec<Vector2<f64>> {
     ring
 }
 
-/// Returns whether a point lies in a ring: a ray from the point along +x crosses the ring an odd number of times.
+/// Returns whether a point lies in a ring: a ray from the point along +x crosses the ring an odd number of
+/// times.
 fn surrounds(ring: &[Vector2<f64>], p: &Vector2<f64>) -> bool {
     let edges = ring.iter().zip(ring.iter().cycle().skip(1));
     let is_crossed = |(a, b): &(&Vector2<f64>, &Vector2<f64>)| {

@@ -11,8 +11,8 @@ pub struct SizedPage {
     pub note: Option<String>,
 }
 
-/// Returns the most detailed page that is not larger than 8 MB. If none fits, returns the least detailed page, and
-/// its note is a warning.
+/// Returns the most detailed page that is not larger than 8 MB. If none fits, returns the least detailed
+/// page, and its note is a warning.
 ///
 /// # Errors
 /// Returns the reason why `page` cannot render the page.

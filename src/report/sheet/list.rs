@@ -80,8 +80,8 @@ fn lines(drawing: &Drawing<'_>) -> Vec<ListLine> {
     all
 }
 
-/// Returns the lines of robot, equipment and obstacles. Corners and frames are given along the world axes from
-/// the robot base, heights from the floor.
+/// Returns the lines of robot, equipment and obstacles. Corners and frames are given along the world axes
+/// from the robot base, heights from the floor.
 fn placements(drawing: &Drawing<'_>) -> Vec<ListLine> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let columns = ["corner x", "corner y", "frame x", "frame y", "height", "yaw"];

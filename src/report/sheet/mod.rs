@@ -1,4 +1,5 @@
-//! Drawing of the cell on paper: plan and front view to scale, with dimensions, list of placements and title block.
+//! Drawing of the cell on paper: plan and front view to scale, with dimensions, list of placements and title
+//! block.
 //!
 //! Sizes are in mm on paper. The sheet is A4 or A3 (ISO 216) with the margins of ISO 5457 and a scale of ISO
 //! 5455. The views are in the projection that the cell file states (ISO 5456-2). Print the sheet at 100 %.

@@ -3,7 +3,8 @@
 use super::sandbox::{CELL, PAPER, Sandbox};
 use serde_json::Value;
 
-/// The question of the references: the seed paper's robot with Table 3 as tolerances, by the linear model in xy.
+/// The question of the references: the seed paper's robot with Table 3 as tolerances, by the linear model in
+/// xy.
 const REFERENCE: [&str; 8] =
     ["allocate", PAPER, "--errors", "table-3-tolerance", "--model", "linear", "--sense", "xy"];
 

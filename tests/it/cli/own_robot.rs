@@ -1,4 +1,5 @@
-//! Tests the way from the URDF of a user to a first cell: `init` with a URDF, a xacro file or the folder of a package.
+//! Tests the way from the URDF of a user to a first cell: `init` with a URDF, a xacro file or the folder of a
+//! package.
 
 use crate::cli::sandbox::*;
 use crate::common::root;

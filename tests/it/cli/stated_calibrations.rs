@@ -1,4 +1,5 @@
-//! Tests calibrations that other programs state: YAML and configuration of Universal Robots, pairs of URDF files.
+//! Tests calibrations that other programs state: YAML and configuration of Universal Robots, pairs of URDF
+//! files.
 //!
 //! The reference is a product of matrices of the stated frames. The errors are read from the printed table.
 

@@ -2,7 +2,8 @@
 
 use sweetspot::report::dxf::planar_face::planar_faces;
 
-/// Returns the corners (mm) of every loop of a scrambled ACIS text. Fails if a pointer leads to a wrong record.
+/// Returns the corners (mm) of every loop of a scrambled ACIS text. Fails if a pointer leads to a wrong
+/// record.
 pub fn loops(scrambled: &[&str]) -> Vec<Vec<[f64; 3]>> {
     // Every character above the space is mirrored about 79.5; the space after a caret is no character.
     let mirrored = |c: char| if c == ' ' { c } else { char::from(159 - c as u8) };

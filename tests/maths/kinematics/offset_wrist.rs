@@ -1,12 +1,12 @@
-//! Tests the inverse kinematics of arms with an offset wrist against a D-H product written here, and against the
-//! numeric solver.
+//! Tests the inverse kinematics of arms with an offset wrist against a D-H product written here, and against
+//! the numeric solver.
 
 use crate::kinematics::six_axes::{InverseBench, turning};
 use nalgebra::Matrix3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use sweetspot::reach::{AttitudeGoal, Numeric, OffsetWrist, SphericalWrist, TcpGoal};
+use sweetspot::reach::{AttitudeGoal, Inverse, Numeric, OffsetWrist, SphericalWrist, TcpGoal};
 use sweetspot::robot::Chain;
 
 /// Returns the rows of the FANUC CRX-10iA: theta (degrees), r, l (mm), alpha (degrees).
@@ -21,7 +21,8 @@ fn crx() -> [[f64; 4]; 6] {
     ]
 }
 
-/// Returns the rows of a random arm: the axes 2 and 3 are parallel if `anthropomorphic`, and the wrist has two offsets.
+/// Returns the rows of a random arm: the axes 2 and 3 are parallel if `anthropomorphic`, and the wrist has
+/// two offsets.
 fn random_rows(rng: &mut ChaCha8Rng, anthropomorphic: bool) -> [[f64; 4]; 6] {
     let mut side = || if rng.random() { 1.0 } else { -1.0 };
     let [first, second] = [side(), side()];
@@ -58,7 +59,8 @@ fn reversed(rows: &[[f64; 4]; 6]) -> [[f64; 4]; 6] {
     })
 }
 
-/// Returns the number of random poses whose original posture is not found. Every posture found holds the pose.
+/// Returns the number of random poses whose original posture is not found. Every posture found holds the
+/// pose.
 fn missed(bench: &InverseBench, count: usize, seed: u64) -> usize {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let missed = |_| {
@@ -89,8 +91,12 @@ fn the_scan_finds_the_original_posture_of_random_arms_in_both_directions() {
         .map(|seed| {
             let mut rng = ChaCha8Rng::seed_from_u64(100 + seed);
             let rows = random_rows(&mut rng, seed % 2 == 0);
-            let rows = if seed % 4 < 2 { rows } else { reversed(&rows) };
-            (seed, missed(&InverseBench::offset(turning(rows)), poses, seed))
+            let is_reversed = seed % 4 >= 2;
+            let rows = if is_reversed { reversed(&rows) } else { rows };
+            let bench = InverseBench::offset(turning(rows));
+            let joint = if is_reversed { "(scan of joint 1)" } else { "(scan of joint 6)" };
+            assert!(Inverse::new(&bench.chain).family().ends_with(joint), "{seed}");
+            (seed, missed(&bench, poses, seed))
         })
         .collect();
     let sum: usize = lost.iter().map(|(_, lost)| lost).sum();

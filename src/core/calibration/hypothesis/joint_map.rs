@@ -78,8 +78,8 @@ impl JointMap {
         self
     }
 
-    /// Returns the plain map in every column order that is tried: two columns swapped, all shifted by one, or all
-    /// reversed.
+    /// Returns the plain map in every column order that is tried: two columns swapped, all shifted by one, or
+    /// all reversed.
     pub fn orders(axes: usize) -> Vec<Self> {
         let with = |column: &dyn Fn(usize) -> usize| {
             let mut map = Self::PLAIN;

@@ -52,7 +52,8 @@ impl<'c> LinearScore<'c> {
         Self { chain, unit, joints, positions, degrees }
     }
 
-    /// Returns the joint maps with the least residuals. The flag of each map is true if angles are in degrees.
+    /// Returns the joint maps with the least residuals. The flag of each map is true if angles are in
+    /// degrees.
     pub fn best(&self, count: usize) -> Vec<(bool, JointMap)> {
         let axes = self.chain.axes();
         let mut maps = vec![JointMap::PLAIN];

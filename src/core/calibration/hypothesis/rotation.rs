@@ -27,7 +27,8 @@ const ROWS: usize = 80;
 const LEAST: usize = 4;
 
 impl RotationReading {
-    /// Returns the measured orientation in the frame of the instrument; None if its numbers are not a rotation.
+    /// Returns the measured orientation in the frame of the instrument; None if its numbers are not a
+    /// rotation.
     pub fn applied(&self, raw: &RawRotation) -> Option<Matrix3<f64>> {
         self.convention.matrix(raw, if self.degrees { rad_from_deg(1.0) } else { 1.0 })
     }
@@ -38,7 +39,8 @@ impl RotationReading {
     }
 }
 
-/// Returns the convention that explains the orientations best; `reading` is the reading of joints and positions.
+/// Returns the convention that explains the orientations best; `reading` is the reading of joints and
+/// positions.
 ///
 /// Returns None if there are fewer than four orientations, or if the positions are mirrored.
 pub fn explain_rotations(

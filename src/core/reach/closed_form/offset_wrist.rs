@@ -2,14 +2,14 @@
 //! intersection.
 //!
 //! The pose of the flange fixes axis 6. If theta_6 were known, axis 5 would be known, too, and with it the
-//! intersection P of the axes 4 and 5. The first three joints put P in place, in up to four ways for most arms.
-//! For each way, the angle between the axes 4 and 5 must equal the D-H twist alpha_4. This is one equation for
-//! theta_6, whose roots are found by a scan. A scan over one angle with closed forms for the other joints is the
-//! "1D search" of A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using subproblem
-//! decomposition" (2022).
+//! intersection P of the axes 4 and 5. The first three joints put P in place, in up to four ways for most
+//! arms. For each way, the angle between the axes 4 and 5 must equal the D-H twist alpha_4. This is one
+//! equation for theta_6, whose roots are found by a scan. A scan over one angle with closed forms for the
+//! other joints is the "1D search" of A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using
+//! subproblem decomposition" (2022).
 
 use super::positioning_arm::PositioningArm;
-use super::reversed_chain::{mirrored, reversed};
+use super::reversed_chain::{in_either_direction, solve_either_direction};
 use super::roots_on_circle::{CircleRoots, CircleValues};
 use super::subproblems::{Angle, before_twist, turned_back};
 use crate::cell::JointKind;
@@ -59,13 +59,7 @@ impl OffsetWrist {
     /// # Errors
     /// Returns the reason if the chain is not such an arm.
     pub fn new(chain: &Chain) -> Result<Self, String> {
-        let links: [Link; 6] =
-            chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
-        Self::forward(links, None).or_else(|wrist| {
-            let (rows, lead) = reversed(&links);
-            Self::forward(rows, Some(lead))
-                .map_err(|other| format!("{wrist}; with base and flange exchanged, {other}"))
-        })
+        in_either_direction(chain, Self::forward)
     }
 
     fn forward(links: [Link; 6], lead: Option<Pose>) -> Result<Self, String> {
@@ -83,21 +77,23 @@ impl OffsetWrist {
         Ok(Self { links, fast: arm.fast(), arm, lead })
     }
 
+    /// Returns whether the offset is in the shoulder, so that the arm is solved from flange to base.
+    pub fn is_reversed(&self) -> bool {
+        self.lead.is_some()
+    }
+
     /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
     /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed
-    /// D-H values of the chain. The branch index numbers the solutions of this pose. It is not kept while the pose
-    /// moves, because solutions appear and vanish.
+    /// D-H values of the chain. The branch index numbers the solutions of this pose. It is not kept while the
+    /// pose moves, because solutions appear and vanish.
     ///
-    /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of reach: the
-    /// least distance of P from the reach of the first three joints, or else the error of the angle between the axes
-    /// 4 and 5 times the length of the forearm.
+    /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
+    /// reach: the least distance of P from the reach of the first three joints, or else the error of the
+    /// angle between the axes 4 and 5 times the length of the forearm.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
-        let Some(lead) = &self.lead else { return self.reach(flange, posture, found) };
-        let mut mirror = mirrored(posture);
-        self.reach(&(*lead * flange.inverse()), &mut mirror, &mut |branch, mirror| {
-            *posture = mirrored(mirror);
-            found(branch, posture);
+        solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
+            self.reach(flange, posture, found)
         })
     }
 
@@ -139,8 +135,8 @@ impl OffsetWrist {
         PlacedAxis { z4, x5, centre: axis.origin - z4 * e.r - x5 * e.l }
     }
 
-    /// Returns, for each branch of the first three joints, the cosine of the angle between the axes 4 and 5 minus
-    /// its required value.
+    /// Returns, for each branch of the first three joints, the cosine of the angle between the axes 4 and 5
+    /// minus its required value.
     fn misses(&self, axis: &FixedAxis, turn: Angle, scratch: &mut Posture) -> CircleValues {
         let placed = self.placed_axis(axis, turn);
         let mut values = CircleValues::NONE;

@@ -1,8 +1,46 @@
 //! Six-axis chains solved from flange to base.
 
 use crate::pose::Pose;
-use crate::robot::{Link, Posture};
+use crate::robot::{Chain, Link, Posture};
 use nalgebra::{Matrix3, Vector3};
+
+/// Returns the solver that `new` makes of the rows of a six-axis chain or, if it fails, of the reversed
+/// chain.
+///
+/// The second argument of `new` is None, or the constant part `Tx(l_6) Rx(alpha_6)` of the last row if the
+/// rows are those of the reversed chain.
+///
+/// # Errors
+/// Returns the reasons of both if neither succeeds, or if the chain does not have six axes.
+pub(in crate::reach) fn in_either_direction<T>(
+    chain: &Chain,
+    new: impl Fn([Link; 6], Option<Pose>) -> Result<T, String>,
+) -> Result<T, String> {
+    let links: [Link; 6] =
+        chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
+    new(links, None).or_else(|forward| {
+        let (rows, lead) = reversed(&links);
+        new(rows, Some(lead)).map_err(|back| format!("{forward}; with base and flange exchanged, {back}"))
+    })
+}
+
+/// Calls `solve` with a pose of the flange and a posture, or with those of the reversed chain if `lead` is
+/// the constant part of the last row. Every posture found is passed to `found` as one of the chain.
+#[inline]
+pub(in crate::reach) fn solve_either_direction(
+    lead: Option<&Pose>,
+    flange: &Pose,
+    posture: &mut Posture,
+    found: &mut dyn FnMut(u8, &Posture),
+    solve: impl FnOnce(&Pose, &mut Posture, &mut dyn FnMut(u8, &Posture)) -> f64,
+) -> f64 {
+    let Some(lead) = lead else { return solve(flange, posture, found) };
+    let mut mirror = mirrored(posture);
+    solve(&(*lead * flange.inverse()), &mut mirror, &mut |branch, mirror| {
+        *posture = mirrored(mirror);
+        found(branch, posture);
+    })
+}
 
 /// Returns the D-H rows of the reversed chain, and the constant part `Tx(l_6) Rx(alpha_6)` of the last row of
 /// the chain.
@@ -11,7 +49,7 @@ use nalgebra::{Matrix3, Vector3};
 ///
 /// Row k (from 1) is `Rz(-theta) Tz(-r)` of joint 7 - k, then `Tx(-l) Rx(-alpha)` of row 6 - k. Row 6 has
 /// only the first part.
-pub(in crate::reach) fn reversed(links: &[Link; 6]) -> ([Link; 6], Pose) {
+fn reversed(links: &[Link; 6]) -> ([Link; 6], Pose) {
     let last = &links[5];
     let (s, c) = (last.sin_alpha, last.cos_alpha);
     let rotation = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
@@ -27,7 +65,7 @@ pub(in crate::reach) fn reversed(links: &[Link; 6]) -> ([Link; 6], Pose) {
 
 /// Converts a posture of the chain to the equivalent posture of the reversed chain, or the other way round.
 #[inline]
-pub(in crate::reach) fn mirrored(posture: &Posture) -> Posture {
+fn mirrored(posture: &Posture) -> Posture {
     let mut mirror = *posture;
     for k in 0..6 {
         mirror.cos[k] = posture.cos[5 - k];

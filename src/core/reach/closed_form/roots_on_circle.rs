@@ -1,8 +1,9 @@
 //! Roots of several functions of one angle, each of which exists on a part of the circle only.
 //!
-//! The circle is scanned adaptively. An interval is halved until every function in it is nearly linear, or too
-//! far from zero to have a root. Between two neighbouring angles, a function then has one root if its sign changes,
-//! and otherwise none. Where a function begins or ends, the interval is halved until the end is known precisely.
+//! The circle is scanned adaptively. An interval is halved until every function in it is nearly linear, or
+//! too far from zero to have a root. Between two neighbouring angles, a function then has one root if its
+//! sign changes, and otherwise none. Where a function begins or ends, the interval is halved until the end is
+//! known precisely.
 
 use super::positioning_arm::PositioningArm;
 use std::f64::consts::TAU;
@@ -17,8 +18,8 @@ const MAX_ROOTS: usize = 16;
 const LEAST_WIDTH: f64 = 1e-5;
 /// Width of an interval, rad, below which the end of a function is known precisely.
 const LEAST_WIDTH_AT_END: f64 = 1e-9;
-/// Factor of the second difference of three values. A function that is farther than this from zero at all three
-/// angles has no root between them. A parabola would need the factor 1/8.
+/// Factor of the second difference of three values. A function that is farther than this from zero at all
+/// three angles has no root between them. A parabola would need the factor 1/8.
 const NEAR_ZERO: f64 = 2.0;
 /// Largest second difference of a nearly linear function, as a share of the change of its value.
 const NEARLY_LINEAR: f64 = 0.5;
@@ -118,8 +119,9 @@ impl CircleRoots {
     /// Adds the root of function `k` in an interval, given by angle and value at its ends, if the function is
     /// continuous there.
     ///
-    /// The method is the false position of N. Anderson and A. Bjorck, "A new high order method of regula falsi type
-    /// for computing a root of an equation", BIT 13, 1973. After slow steps, the interval is bisected.
+    /// The method is the false position of N. Anderson and A. Bjorck, "A new high order method of regula
+    /// falsi type for computing a root of an equation", BIT 13, 1973. After slow steps, the interval is
+    /// bisected.
     fn locate(
         &mut self,
         at: &mut impl FnMut(f64) -> Sample,

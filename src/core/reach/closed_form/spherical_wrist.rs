@@ -5,7 +5,7 @@
 //! shoulder takes the place of the wrist.
 
 use super::positioning_arm::PositioningArm;
-use super::reversed_chain::{mirrored, reversed};
+use super::reversed_chain::{in_either_direction, solve_either_direction};
 use super::subproblems::{ALIGNED, Twists, before_twist, turned_back};
 use crate::cell::JointKind;
 use crate::pose::Pose;
@@ -32,13 +32,7 @@ impl SphericalWrist {
     /// # Errors
     /// Returns the reason if the chain is not such an arm.
     pub fn new(chain: &Chain) -> Result<Self, String> {
-        let links: [Link; 6] =
-            chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
-        Self::forward(links, None).or_else(|wrist| {
-            let (rows, lead) = reversed(&links);
-            Self::forward(rows, Some(lead))
-                .map_err(|shoulder| format!("{wrist}; with base and flange exchanged, {shoulder}"))
-        })
+        in_either_direction(chain, Self::forward)
     }
 
     fn forward(links: [Link; 6], reversed: Option<Pose>) -> Result<Self, String> {
@@ -83,11 +77,8 @@ impl SphericalWrist {
     /// orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
-        let Some(lead) = &self.reversed else { return self.reach(flange, posture, found) };
-        let mut mirror = mirrored(posture);
-        self.reach(&(*lead * flange.inverse()), &mut mirror, &mut |branch, mirror| {
-            *posture = mirrored(mirror);
-            found(branch, posture);
+        solve_either_direction(self.reversed.as_ref(), flange, posture, found, |flange, posture, found| {
+            self.reach(flange, posture, found)
         })
     }
 
