@@ -87,7 +87,7 @@ fn say_notes(loaded: &Loaded, settings: &[Setting]) {
     if chosen && loaded.follows_errors && cell.reading == Reading::WorstCase {
         let whose = match cell.error_set() {
             ErrorSet::Tolerance(_) => format!("{} is", shown(cell.error_set().name())),
-            _ => "the errors of the equipment are".to_string(),
+            _ => "the error of the equipment is".to_string(),
         };
         output::talk(&format!(
             "note: {whose} a tolerance, so the reading is worst-case \

@@ -133,7 +133,8 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
-/// Newest claim of another worker to a combination, and for how long this worker has seen no change.
+/// Newest claim of another worker to a combination, and the time for which our own worker has seen no change
+/// of this claim.
 struct WatchedClaim {
     index: usize,
     number: u32,

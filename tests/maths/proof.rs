@@ -3,7 +3,7 @@
 //! Brute force and postures use the inverse kinematics and the gauge. The proof uses neither: it only knows
 //! axes in space.
 
-use crate::common::{root, shipped};
+use crate::common::{cases, root, shipped};
 use crate::elastic::random_waves;
 use nalgebra::{DMatrix, Matrix3, Vector3, Vector6};
 use rand::{Rng, SeedableRng};
@@ -258,7 +258,7 @@ fn no_random_posture_is_below_the_bound_in_any_reading() {
                             ErrorSet::Signed(SignedErrors::of_values("plus".into(), axes, &values));
                     }
                     let what = format!("{name} {reading:?} {quantity:?} {model:?} {sense}");
-                    let proof = nothing_is_below(&what, &cell, 600, 60);
+                    let proof = nothing_is_below(&what, &cell, cases(300, 600) as u64, 60);
                     let turns = sense.starts_with('r') && model != Model::Linear;
                     let refused = turns && reading != Reading::Statistical;
                     let why = proof.operations[0].value.err();

@@ -885,8 +885,8 @@ class HarmonicsEntry(Record):
 
     joint: str
     prior_deg: float
-    """Standard deviation of a coefficient of the highest order before the measurement, found by the fit. Orders
-    up to 4 have twice the standard deviation of higher orders.
+    """Prior standard deviation of a coefficient of the highest order; the fit determines this value. Orders up
+    to 4 have twice the standard deviation of higher orders.
     """
     rms_deg: float
     """Root mean square of the identified error over one revolution of the joint."""

@@ -171,9 +171,9 @@ impl Calibration {
     /// Fits base and reflectors to positions that were not part of the calibration.
     ///
     /// Returns the session, and the share of its positions inside their 95 % ellipsoids. An ellipsoid
-    /// accounts for the misfit and for the uncertainty of the unknowns. The part of the error that the fit
-    /// of base and reflectors absorbs does not count. Returns None if the positions do not determine base
-    /// and reflectors.
+    /// accounts for the misfit and for the uncertainty of the unknowns. It leaves out the part of the error
+    /// that the fit of base and reflectors absorbs. Returns None if the positions do not determine base and
+    /// reflectors.
     pub fn tested(&self, measured: &[MeasuredPosition]) -> Option<(FittedSession, f64)> {
         let (unknowns, _) = self.unknowns_and_values();
         let poses: Vec<_> = measured.iter().map(|m| self.deformed(&m.joints)).collect();

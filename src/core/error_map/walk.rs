@@ -32,7 +32,7 @@ pub struct OperationQuery<'a> {
     /// Data, other than the posture, from which the errors are computed, or the reason why the errors
     /// cannot be computed.
     pub context: Result<WorkContext, Unjudged>,
-    /// Posture that a candidate with the branch index [`crate::reach::CONTINUED`] continues.
+    /// Posture that is continued if a candidate has the branch index [`crate::reach::CONTINUED`].
     pub kept: Option<HeldPosture>,
 }
 

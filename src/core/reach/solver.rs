@@ -1,4 +1,5 @@
-//! Choice of the inverse kinematics for a chain: the closed form of its family, or the numeric solver.
+//! Choice of the inverse kinematics for a chain: a closed form, a scan of one joint with closed forms, or the
+//! numeric solver.
 
 use super::closed_form::planar::PlanarArm;
 use super::held_joint::HeldJoint;

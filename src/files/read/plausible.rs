@@ -34,7 +34,8 @@ struct SizedObject {
     size: f64,
 }
 
-/// Warns of objects, link solids and tolerances whose size does not fit the reach of the robot.
+/// Warns of objects, link solids and tolerances whose size does not fit the reach of the robot. Also warns of
+/// implausible elastic errors, and of equipment that does not stand properly on its support.
 pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     let reach = cell.robot.reach();
     let side = |thing: &SizedObject| side(thing.size, reach);

@@ -122,9 +122,10 @@ pub fn whole(node: &Node, what: &str, (min, max): (u64, u64), lib: &mut Library)
             _ if *i > i128::from(max) => (format!("at most {max}, not {i}"), range),
             _ => (format!("at least {min}, not {i}"), range),
         },
-        Value::Float(f) if f.fract() == 0.0 && f.abs() < 1e15 => {
-            (format!("a whole number, not {f:?}"), format!("write {f:.0}, without point and exponent"))
-        }
+        Value::Float(f) if f.fract() == 0.0 && f.abs() < 1e15 => (
+            format!("a whole number, not {f:?}"),
+            format!("write {f:.0}, without a decimal point or an exponent"),
+        ),
         Value::Float(f) => (format!("a whole number, not {}", plain(*f)), range),
         other => (format!("a whole number, not {}", other.kind()), range),
     };

@@ -158,7 +158,7 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
         let message = format!("the limits of joint `{name}` leave no travel: both are {lower}");
         lib.error(at, message, "make it fixed, or write the limits");
     } else if farthest > most {
-        let message = format!("a limit of joint `{name}` is {farthest}");
+        let message = format!("a limit of joint `{name}` is too far from 0: {farthest}, more than {most}");
         lib.error(at, message, format!("limits of a URDF are in {unit}"));
     } else if joint.kind == UrdfJointKind::Revolute && farthest > MANY_TURNS {
         let message = format!("joint `{name}` turns by up to {farthest} rad, more than four turns");

@@ -1,12 +1,16 @@
 //! Positions in plan at which texts cover neither objects nor each other.
 
 use super::text::width;
-use crate::cell::Role;
+use crate::cell::{Equipment, Placement, Role};
 use crate::drawing::silhouette::{ABOVE, silhouette};
 use crate::drawing::{Drawing, floor_corners};
 use crate::geometry::{PlanePoint, bounding_box};
 use crate::report::chart::labels::OccupiedBoxes;
+use crate::units::wrapped;
 use nalgebra::{Vector2, Vector3};
+
+/// Number of parts of an arc whose places no text covers.
+const ARC_PARTS: usize = 24;
 
 /// Occupied places in plan, world frame, m.
 pub struct Labels {
@@ -38,8 +42,11 @@ impl Labels {
             labels.occupy(floor_corners(footprint, at).into_iter());
         }
         let placed = cell.equipment.iter().zip(&layout.placements);
-        let placed = placed.filter(|(equipment, _)| equipment.role == Role::Equipment).map(|(_, at)| at);
-        for at in placed.chain([&layout.base]) {
+        let placed: Vec<_> = placed.filter(|(equipment, _)| equipment.role == Role::Equipment).collect();
+        for (equipment, at) in &placed {
+            labels.occupy_yaw(equipment, at);
+        }
+        for at in placed.iter().map(|(_, at)| *at).chain([&layout.base]) {
             labels.occupy_line([(at.x, at.y), (at.x, low.1)].into_iter());
             labels.occupy_line([(at.x, at.y), (low.0, at.y)].into_iter());
         }
@@ -66,8 +73,18 @@ impl Labels {
         }
     }
 
+    /// Occupies the lines and the arc of the angular dimension at the frame of a piece.
+    fn occupy_yaw(&mut self, equipment: &Equipment, at: &Placement) {
+        let (angle, radius) = (wrapped(at.yaw), yaw_radius(equipment, self.height));
+        let on_circle = |turn: f64, radius: f64| (at.x + radius * turn.cos(), at.y + radius * turn.sin());
+        self.occupy_line((0..=ARC_PARTS).map(|k| on_circle(angle * k as f64 / ARC_PARTS as f64, radius)));
+        for side in [0.0, angle] {
+            self.occupy_line([(at.x, at.y), on_circle(side, radius + self.height)].into_iter());
+        }
+    }
+
     /// Occupies the places along a polyline.
-    pub fn occupy_line(&mut self, points: impl Iterator<Item = PlanePoint>) {
+    fn occupy_line(&mut self, points: impl Iterator<Item = PlanePoint>) {
         let (mut before, beside) = (None::<PlanePoint>, 0.2 * self.height);
         for to in points {
             let from = before.replace(to).unwrap_or(to);
@@ -85,6 +102,8 @@ impl Labels {
     pub fn beside(&mut self, said: &str, (low, high): (PlanePoint, PlanePoint)) -> Option<Vector2<f64>> {
         let (wide, h) = (width(said, self.height), self.height);
         let middle = ((low.0 + high.0 - wide) / 2.0, (low.1 + high.1 - h) / 2.0);
+        // Left and right of a dimension line through the middle of the box.
+        let (left, right) = ((low.0 + high.0) / 2.0 - wide - 0.6 * h, (low.0 + high.0) / 2.0 + 0.6 * h);
         let steps = (0..8).map(|k| h * (0.7 + 1.2 * f64::from(k)));
         let places = steps.flat_map(|away| {
             [
@@ -96,6 +115,10 @@ impl Labels {
                 (high.0 + away, low.1 - away - h),
                 (low.0 - away - wide, high.1 + away),
                 (low.0 - away - wide, low.1 - away - h),
+                (left, low.1 - away - h),
+                (right, low.1 - away - h),
+                (left, high.1 + away),
+                (right, high.1 + away),
             ]
         });
         let mut places = places;
@@ -110,6 +133,12 @@ impl Labels {
         self.column.y -= 1.8 * self.height;
         at
     }
+}
+
+/// Returns the radius of the arc of the angular dimension of a piece, m.
+pub fn yaw_radius(equipment: &Equipment, height: f64) -> f64 {
+    let (length, width) = equipment.footprint.size;
+    (length.max(width) / 2.0).max(6.0 * height)
 }
 
 /// Returns a point in plan at a height.

@@ -18,7 +18,7 @@ use crate::drawing::{Component, Drawing, DrawnRegion, Field};
 use crate::files::shown;
 use crate::units::{deg_from_rad, mm_from_m, rounded, wrapped};
 use file::DxfFile;
-use labels::{Labels, at_height};
+use labels::{Labels, at_height, yaw_radius};
 use layers::{DIMENSIONS, ENVELOPE, REGION, SPOT, TEXT};
 use nalgebra::{Vector2, Vector3};
 use planar_face::planar_faces;
@@ -27,8 +27,6 @@ use text::broken;
 /// Text height as a share of the longer side of the cell, and the least text height, m.
 const HEIGHT: (f64, f64) = (1.0 / 90.0, 0.015);
 
-/// Number of parts of an arc whose places no text covers.
-const ARC_PARTS: usize = 24;
 /// Largest number of characters in a line of the title.
 const TITLE_WIDTH: usize = 78;
 
@@ -191,15 +189,9 @@ fn yaw(file: &mut DxfFile, (equipment, at): (&Equipment, &Placement), tolerance:
     let angle = wrapped(at.yaw);
     let after = plus_minus(deg_from_rad(tolerance), "\u{b0}");
     let said = format!("{}\u{b0}{after}", rounded(deg_from_rad(angle), 2));
-    let radius = (equipment.footprint.size.0.max(equipment.footprint.size.1) / 2.0).max(6.0 * file.height);
+    let radius = yaw_radius(equipment, file.height);
     let frame = at.pose().translation;
-    let at = |turn: f64, radius: f64| frame.xy() + Vector2::new(turn.cos(), turn.sin()) * radius;
-    let end = at(angle / 2.0, radius);
-    let arc = (0..=ARC_PARTS).map(|k| at(angle * k as f64 / ARC_PARTS as f64, radius));
-    labels.occupy_line(arc.map(|p| (p.x, p.y)));
-    for side in [0.0, angle] {
-        labels.occupy_line([frame.xy(), at(side, radius + file.height)].into_iter().map(|p| (p.x, p.y)));
-    }
+    let end = frame.xy() + Vector2::new((angle / 2.0).cos(), (angle / 2.0).sin()) * radius;
     let wide = text::width(&said, file.height);
     let place = labels.beside(&said, ((end.x, end.y), (end.x, end.y))).unwrap_or_else(|| labels.next_line());
     let middle = place + Vector2::new(wide / 2.0, 0.5 * file.height);

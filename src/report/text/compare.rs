@@ -19,7 +19,8 @@ pub fn comparison(comparison: &Comparison<'_>) -> String {
     out + &side_by_side(comparison)
 }
 
-/// Returns the table of [`comparison`] without the certificates, then the reasons why layouts are not feasible.
+/// Returns the table of [`comparison`] without the certificates, then the reasons why layouts are not
+/// feasible.
 pub fn side_by_side(comparison: &Comparison<'_>) -> String {
     let mut out = comparison_table(comparison).render();
     for column in comparison.columns.iter().filter(|c| c.evaluation.objective.is_none()) {
@@ -67,7 +68,7 @@ fn objective_label(cell: &Cell) -> String {
         (_, Objective::WeightedSum) => ", weighted sum",
         (_, Objective::WeightedMaximum) => ", weighted maximum",
         (_, Objective::Lexicographic) => ", in order of priority",
-        (_, Objective::ToleranceCost) => ", tolerances that serve all operations,",
+        (_, Objective::ToleranceCost) => ", tolerances for all operations:",
     };
     let misplaced = if cell.search.robust { " if misplaced" } else { "" };
     format!("objective{misplaced}{how} {}", cell.unit().word()).trim_end().to_string()

@@ -81,7 +81,7 @@ fn a_dxf_shows_the_values_of_the_map() {
     }
     // One exaggeration holds for all arrows and is given in a text.
     let texts = on(&all, "TEXT", "TEXT");
-    let said = texts.iter().find_map(|t| t[&1].strip_prefix("arrows: signed sample, ")).unwrap();
+    let said = texts.iter().find_map(|t| t[&1].strip_prefix("arrows: signed sample, enlarged ")).unwrap();
     let enlarged: f64 = said.split(' ').next().unwrap().parse().unwrap();
     for (axis, layer) in ["ARROWS_X", "ARROWS_Y", "ARROWS_Z", "ARROWS_R"].into_iter().enumerate() {
         let lines = on(&all, "LINE", layer);

@@ -51,7 +51,12 @@ fn joint_limits_of_a_urdf_are_checked() {
     one(&[(limit, "")], (3, "j1\""), "`j1` has no limits", "0 to 0");
     one(&[(limit, "<limit effort=\"1\"/>")], (3, "j1\""), "`j1` has no limits", "0 to 0");
     one(&[(limit, "<limit lower=\"2\" upper=\"1\"/>")], (3, "<limit"), "2 is above 1", "swap");
-    one(&[(limit, "<limit lower=\"-9999\" upper=\"1\"/>")], (3, "<limit"), "is 9999", "degrees");
+    one(
+        &[(limit, "<limit lower=\"-9999\" upper=\"1\"/>")],
+        (3, "<limit"),
+        "is too far from 0: 9999, more than 1000",
+        "degrees",
+    );
     let warned = faults(&[(limit, "<limit lower=\"-170\" upper=\"170\"/>")], "");
     assert!(warned.len() == 1 && !warned[0].is_error() && warned[0].help.contains("degrees"), "{warned:#?}");
     let turning = faults(&[("\"revolute\"", "\"continuous\"")], "");

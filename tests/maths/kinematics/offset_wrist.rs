@@ -95,7 +95,7 @@ fn the_scan_finds_the_original_posture_of_random_arms_in_both_directions() {
             let rows = if is_reversed { reversed(&rows) } else { rows };
             let bench = InverseBench::offset(turning(rows));
             let joint = if is_reversed { "(scan of joint 1)" } else { "(scan of joint 6)" };
-            assert!(Inverse::new(&bench.chain).family().ends_with(joint), "{seed}");
+            assert!(Inverse::new(&bench.chain).family().ends_with(joint), "seed {seed}");
             (seed, missed(&bench, poses, seed))
         })
         .collect();

@@ -13,7 +13,8 @@ use std::sync::OnceLock;
 
 /// Number of intervals of the eigenvalue ratio for vectors with two components.
 const PLANE_STEPS: usize = 2048;
-/// Number of intervals of each eigenvalue ratio for vectors with three components.
+/// Number of intervals into which the table divides the range of each of the two eigenvalue ratios, for
+/// vectors with three components.
 const SPACE_STEPS: usize = 96;
 /// Largest relative rounding error of an eigenvalue.
 const ROUNDING: f64 = 1e-7;
