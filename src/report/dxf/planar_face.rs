@@ -37,7 +37,7 @@ pub fn planar_faces(rings: &[Vec<PlanePoint>]) -> Vec<PlanarFace> {
         (0..loops.len()).filter(|&j| j != k && surrounds(&loops[j], &loops[k][0])).collect()
     };
     let around: Vec<Vec<usize>> = (0..loops.len()).map(around).collect();
-    let faces = (0..loops.len()).filter(|&k| around[k].len() % 2 == 0).map(|k| {
+    let faces = (0..loops.len()).filter(|&k| around[k].len().is_multiple_of(2)).map(|k| {
         let is_hole = |j: usize| around[j].len() == around[k].len() + 1 && around[j].contains(&k);
         let holes = (0..loops.len()).filter(|&j| is_hole(j)).map(|j| oriented(&loops[j], false));
         PlanarFace { loops: std::iter::once(oriented(&loops[k], true)).chain(holes).collect() }

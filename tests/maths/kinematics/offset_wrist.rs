@@ -90,7 +90,7 @@ fn the_scan_finds_the_original_posture_of_random_arms_in_both_directions() {
         .into_par_iter()
         .map(|seed| {
             let mut rng = ChaCha8Rng::seed_from_u64(100 + seed);
-            let rows = random_rows(&mut rng, seed % 2 == 0);
+            let rows = random_rows(&mut rng, seed.is_multiple_of(2));
             let is_reversed = seed % 4 >= 2;
             let rows = if is_reversed { reversed(&rows) } else { rows };
             let bench = InverseBench::offset(turning(rows));
@@ -111,7 +111,7 @@ fn the_scan_finds_the_solutions_of_the_numeric_solver() {
         .into_par_iter()
         .map(|seed| {
             let mut rng = ChaCha8Rng::seed_from_u64(500 + seed);
-            let rows = if seed % 2 == 0 { crx() } else { random_rows(&mut rng, seed % 4 == 1) };
+            let rows = if seed.is_multiple_of(2) { crx() } else { random_rows(&mut rng, seed % 4 == 1) };
             let bench = InverseBench::offset(turning(rows));
             let numeric = Numeric::new(&bench.chain);
             let q = bench.random(&mut rng);
