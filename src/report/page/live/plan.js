@@ -245,8 +245,9 @@ class Plan {
   }
 
   /**
-   * Places the name of a piece. The name of a piece with a work surface is beside its floor space, because nodes
-   * would cover a name on the surface. Of the sides without a handle, the side farthest from the robot is used.
+   * Places the name of a piece. The name of a piece with a work surface is beside its floor space, because
+   * nodes would cover a name on the surface. Of the sides without a handle, the side farthest from the robot
+   * is used.
    * @param {Piece} piece
    */
   placeName({ equipment, at, text }) {

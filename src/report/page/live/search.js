@@ -59,7 +59,10 @@ class SearchPanel {
     byId("found").replaceChildren(...searchLines(search).flatMap((line) => [line, make("br")]));
   }
 
-  /** Asks the server for changes by other pages and for the progress of a search; returns whether a search runs. */
+  /**
+   * Asks the server for changes by other pages and for the progress of a search; returns whether a search
+   * runs.
+   */
   async look() {
     const { page } = this;
     const fault = byId("fault");
