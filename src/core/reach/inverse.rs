@@ -58,7 +58,7 @@ impl Inverse {
             template: chain.zero_posture(),
             chain: chain.clone(),
             limits: limits.ok(),
-            follower: follower(chain, &solver),
+            follower: solver.follower(chain),
             solver,
             last_joint,
         }
@@ -97,20 +97,6 @@ impl Inverse {
             ChainSolver::Pose(solver) if solver.keeps_branches() => Cost::Middle,
             ChainSolver::Pose(_) | ChainSolver::Redundant(_) => Cost::High,
             ChainSolver::Numeric(_) => Cost::Numeric,
-        }
-    }
-
-    /// Returns whether a branch index denotes the same branch at a neighbouring target. If not, a posture is
-    /// continued to another target by [`Self::continued`].
-    pub fn keeps_branches(&self) -> bool {
-        self.numeric_solver().is_none()
-    }
-
-    /// Returns the numeric solver of an arm whose branch indices are not kept.
-    pub(super) fn numeric_solver(&self) -> Option<&Numeric> {
-        match &self.solver {
-            ChainSolver::Numeric(numeric) => Some(numeric),
-            _ => self.follower.as_deref(),
         }
     }
 
@@ -319,18 +305,6 @@ impl Inverse {
         }
     }
 
-    /// Returns the reason why a scan finds no branch: the numeric solver knows whether the position or the
-    /// attitude is missed.
-    fn reason(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
-        match self.numeric_branches(target, attitudes) {
-            Reach::NotConverged { position, angle } if position.is_finite() => {
-                Reach::Attitude { by: angle, joint: None }
-            }
-            Reach::Branches(_) => Reach::NotConverged { position: 0.0, angle: 0.0 },
-            reason => reason,
-        }
-    }
-
     fn branch(
         &self,
         index: u64,
@@ -447,10 +421,4 @@ impl Inverse {
             None => flange,
         }
     }
-}
-
-/// Returns the numeric solver that continues the postures of a chain; None if `solver` does so by itself.
-fn follower(chain: &Chain, solver: &ChainSolver) -> Option<Box<Numeric>> {
-    let lacks = matches!(solver, ChainSolver::Pose(solver) if !solver.keeps_branches());
-    lacks.then(|| Box::new(Numeric::new(chain)))
 }

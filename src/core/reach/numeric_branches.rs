@@ -1,10 +1,11 @@
 //! Branches of the numeric solver: each attitude becomes a goal of the TCP.
 //!
-//! All solutions of a goal keep the joint limits.
+//! All solutions of a goal keep the joint limits. The numeric solver also continues the postures of an arm
+//! whose branch indices are not kept, and explains targets that a scan cannot reach.
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
-use super::numeric::{AttitudeGoal, NumericSolution, PoseMiss, Shortfall, TcpGoal};
+use super::numeric::{AttitudeGoal, Numeric, NumericSolution, PoseMiss, Shortfall, TcpGoal};
 use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
 use super::tool_task::best_held;
@@ -20,6 +21,20 @@ pub const CONTINUED: u64 = u64::MAX;
 const START_BITS: u32 = 16;
 
 impl Inverse {
+    /// Returns whether a branch index denotes the same branch at a neighbouring target. If not, a posture is
+    /// continued to another target by [`Self::continued`].
+    pub fn keeps_branches(&self) -> bool {
+        self.numeric_solver().is_none()
+    }
+
+    /// Returns the numeric solver of an arm whose branch indices are not kept.
+    pub(super) fn numeric_solver(&self) -> Option<&Numeric> {
+        match &self.solver {
+            ChainSolver::Numeric(numeric) => Some(numeric),
+            _ => self.follower.as_deref(),
+        }
+    }
+
     /// Calls `found` with every branch of the numeric solver; returns the [`Gap`] of the target.
     pub(super) fn visit_numeric(
         &self,
@@ -62,6 +77,18 @@ impl Inverse {
             Shortfall::OutOfReach { by } => Reach::OutOfReach { by },
             Shortfall::Attitude { by, joint } => Reach::Attitude { by, joint },
             Shortfall::NotConverged { position, angle } => Reach::NotConverged { position, angle },
+        }
+    }
+
+    /// Returns the reason why a scan finds no branch: the numeric solver knows whether the position or the
+    /// attitude is missed.
+    pub(super) fn reason(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
+        match self.numeric_branches(target, attitudes) {
+            Reach::NotConverged { position, angle } if position.is_finite() => {
+                Reach::Attitude { by: angle, joint: None }
+            }
+            Reach::Branches(_) => Reach::NotConverged { position: 0.0, angle: 0.0 },
+            reason => reason,
         }
     }
 

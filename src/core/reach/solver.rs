@@ -43,6 +43,12 @@ impl ChainSolver {
         Self::Numeric(Box::new(Numeric::new(chain)))
     }
 
+    /// Returns the numeric solver that continues the postures of a chain; None if `self` does so by itself.
+    pub fn follower(&self, chain: &Chain) -> Option<Box<Numeric>> {
+        let lacks = matches!(self, Self::Pose(solver) if !solver.keeps_branches());
+        lacks.then(|| Box::new(Numeric::new(chain)))
+    }
+
     /// Returns whether a closed form for a whole pose solves the last joint.
     pub fn solves_last_joint(&self) -> bool {
         match self {
