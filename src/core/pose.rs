@@ -69,6 +69,12 @@ impl Pose {
         Self { rotation, translation }
     }
 
+    /// Returns the rotation by a rotation vector (rad) about a point (m), as a pose.
+    pub fn rotation_about(point: &Vector3<f64>, turn: &Vector3<f64>) -> Self {
+        let rotation = Rotation3::new(*turn).into_inner();
+        Self { rotation, translation: point - rotation * point }
+    }
+
     /// Returns the inverse pose: the pose of frame a in frame b, if `self` is the pose of b in a.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();

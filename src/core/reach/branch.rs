@@ -37,8 +37,8 @@ pub enum Cost {
     Low,
     /// About a microsecond per attitude.
     Middle,
-    /// About a microsecond per attitude and sampled value of the redundant joint, or about twenty
-    /// microseconds per attitude of a solver that scans one joint.
+    /// About a microsecond per attitude and sampled value of the redundant joint, or tens of microseconds per
+    /// attitude of a solver that scans one joint, refines a closed form or solves general six axes.
     High,
     /// About a millisecond per target, because the solver is numeric.
     Numeric,

@@ -48,8 +48,8 @@ impl HeldJoint {
     /// 2 m.
     pub const LATTICE: u32 = (Self::SAMPLES as u32 - 1) * Self::SAMPLE_STEP;
 
-    /// Prepares a chain with its first or last joint held; None if no closed form solves the other joints.
-    pub fn new(chain: &Chain, first: bool) -> Option<Self> {
+    /// Prepares a chain with its first or last joint held; None if `solver` has no solver of the other joints.
+    pub fn new(chain: &Chain, first: bool, solver: fn(&Chain) -> Option<PoseSolver>) -> Option<Self> {
         let n = chain.axes();
         let held = if first { 0 } else { n.checked_sub(1)? };
         let drives = |i: usize, j: usize| i != j && chain.coupling[i][j] != 0.0;
@@ -64,7 +64,7 @@ impl HeldJoint {
             row.remove(held);
         }
         let link = chain.links[held];
-        let (solver, template) = (PoseSolver::new(&rest)?, rest.zero_posture());
+        let (solver, template) = (solver(&rest)?, rest.zero_posture());
         let lead = rest.links.last().map_or(0.0, |last| last.l.hypot(last.r));
         let fast = solver.fast();
         Some(Self { solver, fast, template, link, lead, first, axes: n, range: link.limits })
@@ -72,14 +72,7 @@ impl HeldJoint {
 
     /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
-        match (&self.solver, self.first) {
-            (PoseSolver::SphericalWrist(_), true) => "spherical wrist, first joint free (closed form)",
-            (PoseSolver::SphericalWrist(_), false) => "spherical shoulder, last joint free (closed form)",
-            (PoseSolver::ThreeParallel(_), true) => "three parallel axes, first joint free (closed form)",
-            (PoseSolver::ThreeParallel(_), false) => "three parallel axes, last joint free (closed form)",
-            (PoseSolver::Scara(_), _) => "SCARA, one joint free (closed form)",
-            (PoseSolver::OffsetWrist(_), _) => "offset wrist, one joint free (scan)",
-        }
+        self.solver.redundant_family(self.first)
     }
 
     /// Returns whether the held joint is the first joint of the arm; otherwise it is the last.

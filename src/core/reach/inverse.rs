@@ -94,7 +94,7 @@ impl Inverse {
     pub fn cost(&self) -> Cost {
         match &self.solver {
             ChainSolver::Planar(_) => Cost::Low,
-            ChainSolver::Pose(solver) if solver.keeps_branches() => Cost::Middle,
+            ChainSolver::Pose(solver) if solver.is_closed_form() => Cost::Middle,
             ChainSolver::Pose(_) | ChainSolver::Redundant(_) => Cost::High,
             ChainSolver::Numeric(_) => Cost::Numeric,
         }

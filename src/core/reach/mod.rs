@@ -3,8 +3,9 @@
 //! | file | content |
 //! |---|---|
 //! | `inverse` | [`Inverse`]: the single entry point; every branch of a target, within the limits |
-//! | `solver`, `pose_solver` | the choice of the closed form, tested on the chain before it is used |
+//! | `solver`, `pose_solver`, `exact_solver` | the choice of the solver, tested on the chain before it is used |
 //! | `closed_form` | one file per family of arms, or per mathematical tool |
+//! | `refined_solver`, `simplified_chain` | closed forms of chains that nearly belong to a family |
 //! | `held_joint`, `redundancy` | redundancy resolution by a sweep of one joint |
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
@@ -20,6 +21,7 @@ mod between_samples;
 mod branch;
 mod closed_form;
 mod envelope;
+mod exact_solver;
 mod fixed_elevation;
 mod held_joint;
 mod inverse;
@@ -30,7 +32,9 @@ mod numeric_branches;
 mod planar_geometry;
 mod pose_solver;
 mod redundancy;
+mod refined_solver;
 mod shell;
+mod simplified_chain;
 mod solver;
 mod spin_family;
 mod spin_joint;
@@ -50,6 +54,7 @@ pub use numeric::{AttitudeGoal, Numeric, NumericSolution, PoseMiss, Shortfall, T
 pub use numeric::{least_turn, rotation_vector};
 pub use numeric_branches::CONTINUED;
 pub use planar_geometry::PlanarGeometry;
+pub use refined_solver::RefinedSolver;
 pub use shell::Shell;
 pub use tool_attitudes::{PlanarAttitude, ToolAttitudes};
 pub use tool_task::{MAX_ROWS, RotationRow, ToolTask};

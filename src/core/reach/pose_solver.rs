@@ -1,63 +1,76 @@
-//! Solvers for a pose of the last D-H frame, tested on the chain before they are used.
+//! Solvers for a pose of the last D-H frame: of a chain of a known family, or of one that is nearly so.
 
-use super::closed_form::offset_wrist::OffsetWrist;
-use super::closed_form::scara::Scara;
-use super::closed_form::spherical_wrist::SphericalWrist;
-use super::closed_form::three_parallel::ThreeParallel;
+use super::exact_solver::ExactSolver;
+use super::refined_solver::RefinedSolver;
 use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
 
-/// Number of sampled postures on which a solver is tested.
-const TRIALS: usize = 16;
-
-/// Number of sampled postures of which a scan may find no solution: it may miss two postures that nearly coincide.
-const MAX_MISSED_BY_SCAN: usize = 1;
-
-/// Largest error of a solver at a sampled posture: of the translation (m), and of the rotation matrix
-/// (Frobenius norm).
-const MAX_ERROR: f64 = 1e-9;
-
-/// Inverse kinematics for a given pose of the last D-H frame: a closed form, or a scan of one joint with
-/// closed forms for the others.
+/// Inverse kinematics for a given pose of the last D-H frame.
 #[derive(Debug, Clone)]
 pub(super) enum PoseSolver {
-    Scara(Scara),
-    SphericalWrist(Box<SphericalWrist>),
-    ThreeParallel(ThreeParallel),
-    OffsetWrist(Box<OffsetWrist>),
+    /// Solver of the family of the chain.
+    Exact(ExactSolver),
+    /// Solver of a family that the chain resembles, followed by Newton's method on the chain.
+    Refined(Box<RefinedSolver>),
 }
 
 impl PoseSolver {
     /// Returns the closed form of a chain, if there is one that reproduces sampled poses of the chain.
-    pub fn new(chain: &Chain) -> Option<Self> {
-        let scara = || Scara::new(chain).ok().map(Self::Scara);
-        let wrist = || SphericalWrist::new(chain).ok().map(|arm| Self::SphericalWrist(Box::new(arm)));
-        let parallel = || ThreeParallel::new(chain).ok().map(Self::ThreeParallel);
-        let found = scara().or_else(wrist).or_else(parallel)?;
-        found.is_exact(chain, 0).then_some(found)
+    pub fn closed_form(chain: &Chain) -> Option<Self> {
+        ExactSolver::closed_form(chain).map(Self::Exact)
     }
 
     /// Returns the solver of a chain that scans one joint, if there is one that reproduces sampled poses of
     /// the chain. It takes about twenty times as long as a closed form.
     pub fn scanning(chain: &Chain) -> Option<Self> {
-        let found = Self::OffsetWrist(Box::new(OffsetWrist::new(chain).ok()?));
-        found.is_exact(chain, MAX_MISSED_BY_SCAN).then_some(found)
+        ExactSolver::scanning(chain).map(Self::Exact)
+    }
+
+    /// Returns the solver of a chain that nearly has a closed form, as a calibrated arm does. It takes about
+    /// fifty times as long as the closed form.
+    pub fn refined(chain: &Chain) -> Option<Self> {
+        let solver = Self::refined_closed_form(chain);
+        solver.or_else(|| Some(Self::Refined(Box::new(RefinedSolver::scanning(chain)?))))
+    }
+
+    /// Returns what [`Self::refined`] returns, but no solver that scans a joint.
+    pub fn refined_closed_form(chain: &Chain) -> Option<Self> {
+        Some(Self::Refined(Box::new(RefinedSolver::closed_form(chain)?)))
+    }
+
+    /// Returns whether the solver is that of a SCARA.
+    pub fn is_scara(&self) -> bool {
+        matches!(self, Self::Exact(ExactSolver::Scara(_)))
+    }
+
+    /// Returns whether the solver is a closed form of the chain, which takes about a microsecond per pose.
+    pub fn is_closed_form(&self) -> bool {
+        matches!(self, Self::Exact(solver) if solver.keeps_branches())
     }
 
     /// Returns whether the branch index of a posture is kept while the pose moves, except at singular
     /// postures.
     pub fn keeps_branches(&self) -> bool {
-        !matches!(self, Self::OffsetWrist(_))
+        match self {
+            Self::Exact(solver) => solver.keeps_branches(),
+            Self::Refined(solver) => solver.keeps_branches(),
+        }
     }
 
     /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
         match self {
-            Self::Scara(_) => "SCARA (closed form)",
-            Self::SphericalWrist(_) => "six axes with three that meet in a point (closed form)",
-            Self::ThreeParallel(_) => "six axes with three parallel ones (closed form)",
-            Self::OffsetWrist(arm) if arm.is_reversed() => "six axes, offset shoulder (scan of joint 1)",
-            Self::OffsetWrist(_) => "six axes, offset wrist (scan of joint 6)",
+            Self::Exact(solver) => solver.family(),
+            Self::Refined(solver) => solver.family(),
+        }
+    }
+
+    /// Returns a phrase that names the family of an arm with one more joint: its first joint if
+    /// `first_is_free`, otherwise its last joint.
+    pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
+        match self {
+            Self::Exact(solver) => solver.redundant_family(first_is_free),
+            Self::Refined(solver) => solver.redundant_family(first_is_free),
         }
     }
 
@@ -65,8 +78,8 @@ impl PoseSolver {
     /// out of reach.
     pub fn fast(&self) -> Self {
         match self {
-            Self::SphericalWrist(arm) => Self::SphericalWrist(Box::new(arm.fast())),
-            Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => self.clone(),
+            Self::Exact(solver) => Self::Exact(solver.fast()),
+            Self::Refined(solver) => Self::Refined(Box::new(solver.fast())),
         }
     }
 
@@ -75,8 +88,8 @@ impl PoseSolver {
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
         match self {
-            Self::SphericalWrist(arm) => arm.bound(flange),
-            Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => 0.0,
+            Self::Exact(solver) => solver.bound(flange),
+            Self::Refined(solver) => solver.bound(flange),
         }
     }
 
@@ -87,36 +100,8 @@ impl PoseSolver {
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         match self {
-            Self::Scara(arm) if arm.can_hold(flange) => arm.solve(flange, posture, found),
-            Self::Scara(_) => f64::INFINITY,
-            Self::SphericalWrist(arm) => arm.solve(flange, posture, found),
-            Self::ThreeParallel(arm) => arm.solve(flange, posture, found),
-            Self::OffsetWrist(arm) => arm.solve(flange, posture, found),
+            Self::Exact(solver) => solver.solve(flange, posture, found),
+            Self::Refined(solver) => solver.solve(flange, posture, found),
         }
     }
-
-    /// Returns whether the solver reproduces the poses of the last D-H frame at sampled postures. It may find no
-    /// solution of up to `misses` of them.
-    fn is_exact(&self, chain: &Chain, misses: usize) -> bool {
-        let mut scratch = chain.zero_posture();
-        let (mut missed, mut off): (usize, f64) = (0, 0.0);
-        for k in 0..TRIALS {
-            let posture = chain.posture(&chain.halton_sample(k));
-            let wanted = flange_of(chain, &posture);
-            let mut count = 0;
-            self.solve(&wanted, &mut scratch, &mut |_, found| {
-                let flange = flange_of(chain, found);
-                let apart = (flange.translation - wanted.translation).norm();
-                off = off.max(apart).max((flange.rotation - wanted.rotation).norm());
-                count += 1;
-            });
-            missed += usize::from(count == 0);
-        }
-        missed <= misses && off < MAX_ERROR
-    }
-}
-
-/// Returns the pose of the last D-H frame in frame 0.
-fn flange_of(chain: &Chain, posture: &Posture) -> Pose {
-    chain.mount.inverse() * chain.frames(posture).links[chain.axes()]
 }

@@ -30,14 +30,18 @@ impl ChainSolver {
             if let Ok(arm) = PlanarArm::new(chain) {
                 return Self::Planar(arm);
             }
-            if let Some(solver) = PoseSolver::new(chain) {
-                return Self::Pose(solver);
-            }
-            if let Some(solver) = PoseSolver::scanning(chain) {
-                return Self::Pose(solver);
-            }
-            if let Some(joint) = [true, false].into_iter().find_map(|first| HeldJoint::new(chain, first)) {
-                return Self::Redundant(Box::new(joint));
+            let pose = |solver: fn(&Chain) -> Option<PoseSolver>| solver(chain).map(Self::Pose);
+            let held = |solver: fn(&Chain) -> Option<PoseSolver>| {
+                let joint = [true, false].into_iter().find_map(|first| HeldJoint::new(chain, first, solver));
+                joint.map(|joint| Self::Redundant(Box::new(joint)))
+            };
+            let found = pose(PoseSolver::closed_form)
+                .or_else(|| pose(PoseSolver::scanning))
+                .or_else(|| held(PoseSolver::closed_form))
+                .or_else(|| pose(PoseSolver::refined))
+                .or_else(|| held(PoseSolver::refined_closed_form));
+            if let Some(found) = found {
+                return found;
             }
         }
         Self::Numeric(Box::new(Numeric::new(chain)))

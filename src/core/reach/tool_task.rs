@@ -5,7 +5,6 @@
 
 use super::inverse::Inverse;
 use super::numeric::jacobian;
-use super::pose_solver::PoseSolver;
 use super::solver::ChainSolver;
 use super::tool_attitudes::ToolAttitudes;
 use crate::cell::MAX_JOINTS;
@@ -81,7 +80,7 @@ impl Inverse {
                 row[0] = f64::from(u8::from(set.vertical));
                 task(None, &[pitch, (RotationRow::Joints(row), row[0])], set.vertical)
             }
-            ChainSolver::Pose(PoseSolver::Scara(_)) => task(None, &[along(Vector3::z())], true),
+            ChainSolver::Pose(solver) if solver.is_scara() => task(None, &[along(Vector3::z())], true),
             ChainSolver::Pose(_) => task(None, &whole, true),
             ChainSolver::Redundant(joint) => task(Some(joint.index()), &whole, true),
             ChainSolver::Numeric(_) if set.tolerance > 0.0 => None,

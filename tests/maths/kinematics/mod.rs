@@ -9,6 +9,7 @@ mod modified;
 mod numeric;
 mod offset_wrist;
 pub mod product;
+mod refined_solver;
 mod rotations;
 mod six_axes;
 mod six_axes_edges;

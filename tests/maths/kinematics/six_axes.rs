@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use sweetspot::cell::JointKind::{self, Prismatic, Revolute};
 use sweetspot::cell::{Joint, JointVector, Robot};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{OffsetWrist, SphericalWrist, ThreeParallel};
+use sweetspot::reach::{OffsetWrist, RefinedSolver, SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
 
 /// Row of an arm: kind, and theta (degrees), r, l (mm), alpha (degrees).
@@ -52,6 +52,7 @@ pub enum Arm {
     Wrist(Box<SphericalWrist>),
     Parallel(Box<ThreeParallel>),
     Offset(Box<OffsetWrist>),
+    Refined(Box<RefinedSolver>),
 }
 
 /// InverseAnswer of the solver for one pose.
@@ -85,6 +86,13 @@ impl InverseBench {
         Self { robot, chain, arm }
     }
 
+    /// Returns a chain that nearly has a closed form.
+    pub fn refined(robot: Robot) -> Self {
+        let chain = Chain::new(&robot);
+        let arm = Arm::Refined(Box::new(RefinedSolver::closed_form(&chain).unwrap()));
+        Self { robot, chain, arm }
+    }
+
     pub fn solve(&self, flange: &Pose) -> InverseAnswer {
         let mut scratch = self.chain.posture(&JointVector::default());
         let mut found = Vec::new();
@@ -93,6 +101,7 @@ impl InverseBench {
             Arm::Wrist(arm) => arm.solve(flange, &mut scratch, &mut push),
             Arm::Parallel(arm) => arm.solve(flange, &mut scratch, &mut push),
             Arm::Offset(arm) => arm.solve(flange, &mut scratch, &mut push),
+            Arm::Refined(arm) => arm.solve(flange, &mut scratch, &mut push),
         };
         InverseAnswer { missing, found }
     }

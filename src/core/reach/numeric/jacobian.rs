@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 /// an actuator is the sum of these motions for all joints that it drives, times the coupling factors. Columns
 /// beyond the number of joints are 0.
 pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
-    let mut columns = uncoupled(chain, frames);
+    let mut columns = dh_jacobian(chain, frames);
     // The coupling is lower triangular: the columns after j are still those of the D-H coordinates.
     for (i, row) in chain.coupling.iter().enumerate() {
         for (j, &factor) in row[..i].iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
@@ -25,7 +25,7 @@ pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
 }
 
 /// Returns the geometric Jacobian with respect to the D-H coordinates, without the joint coupling.
-fn uncoupled(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
+pub(in crate::reach) fn dh_jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = [Displacement::NONE; MAX_JOINTS];
     let tcp = frames.tcp.translation;
     for ((link, frame), column) in chain.links.iter().zip(&frames.links).zip(&mut columns) {
@@ -79,7 +79,7 @@ pub(super) fn add_curvature(
     matrix: &mut NormalMatrix,
 ) {
     let n = chain.axes();
-    let columns = uncoupled(chain, frames);
+    let columns = dh_jacobian(chain, frames);
     let entry = |i: usize, j: usize| {
         let (first, last) = (i.min(j), i.max(j));
         -scale * scale * miss.position.dot(&columns[first].rotation.cross(&columns[last].position))

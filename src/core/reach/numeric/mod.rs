@@ -23,6 +23,7 @@ mod step;
 
 pub use distinct::NumericSolution;
 pub use goal::{AttitudeGoal, TcpGoal, least_turn, rotation_vector};
+pub(super) use jacobian::dh_jacobian;
 pub use jacobian::jacobian;
 pub use shortfall::{PoseMiss, Shortfall};
 

@@ -1,0 +1,136 @@
+//! Closed forms and scans that solve a chain of one family for a pose of the last D-H frame, tested on the
+//! chain before they are used.
+
+use super::closed_form::offset_wrist::OffsetWrist;
+use super::closed_form::scara::Scara;
+use super::closed_form::spherical_wrist::SphericalWrist;
+use super::closed_form::three_parallel::ThreeParallel;
+use crate::pose::Pose;
+use crate::robot::{Chain, Posture};
+
+/// Number of sampled postures on which a solver is tested.
+const TRIALS: usize = 16;
+
+/// Number of sampled postures of which a scan may find no solution: it may miss two postures that nearly coincide.
+const MAX_MISSED_BY_SCAN: usize = 1;
+
+/// Largest error of a solver at a sampled posture: of the translation (m), and of the rotation matrix
+/// (Frobenius norm).
+const MAX_ERROR: f64 = 1e-9;
+
+/// Inverse kinematics for a given pose of the last D-H frame: a closed form, or a scan of one joint with
+/// closed forms for the others.
+#[derive(Debug, Clone)]
+pub(super) enum ExactSolver {
+    Scara(Scara),
+    SphericalWrist(Box<SphericalWrist>),
+    ThreeParallel(Box<ThreeParallel>),
+    OffsetWrist(Box<OffsetWrist>),
+}
+
+impl ExactSolver {
+    /// Returns the closed form of a chain, if there is one that reproduces sampled poses of the chain.
+    pub fn closed_form(chain: &Chain) -> Option<Self> {
+        let scara = || Scara::new(chain).ok().map(Self::Scara);
+        let wrist = || SphericalWrist::new(chain).ok().map(|arm| Self::SphericalWrist(Box::new(arm)));
+        let parallel = || ThreeParallel::new(chain).ok().map(|arm| Self::ThreeParallel(Box::new(arm)));
+        let found = scara().or_else(wrist).or_else(parallel)?;
+        found.is_exact(chain, 0).then_some(found)
+    }
+
+    /// Returns the solver of a chain that scans one joint, if there is one that reproduces sampled poses of
+    /// the chain. It takes about twenty times as long as a closed form.
+    pub fn scanning(chain: &Chain) -> Option<Self> {
+        let found = Self::OffsetWrist(Box::new(OffsetWrist::new(chain).ok()?));
+        found.is_exact(chain, MAX_MISSED_BY_SCAN).then_some(found)
+    }
+
+    /// Returns whether the branch index of a posture is kept while the pose moves, except at singular
+    /// postures.
+    pub fn keeps_branches(&self) -> bool {
+        !matches!(self, Self::OffsetWrist(_))
+    }
+
+    /// Returns a phrase that names the family of the arm.
+    pub fn family(&self) -> &'static str {
+        match self {
+            Self::Scara(_) => "SCARA (closed form)",
+            Self::SphericalWrist(_) => "six axes with three that meet in a point (closed form)",
+            Self::ThreeParallel(_) => "six axes with three parallel ones (closed form)",
+            Self::OffsetWrist(arm) if arm.is_reversed() => "six axes, offset shoulder (scan of joint 1)",
+            Self::OffsetWrist(_) => "six axes, offset wrist (scan of joint 6)",
+        }
+    }
+
+    /// Returns a phrase that names the family of an arm with one more joint: its first joint if
+    /// `first_is_free`, otherwise its last joint.
+    pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
+        match (self, first_is_free) {
+            (Self::SphericalWrist(_), true) => "spherical wrist, first joint free (closed form)",
+            (Self::SphericalWrist(_), false) => "spherical shoulder, last joint free (closed form)",
+            (Self::ThreeParallel(_), true) => "three parallel axes, first joint free (closed form)",
+            (Self::ThreeParallel(_), false) => "three parallel axes, last joint free (closed form)",
+            (Self::Scara(_), _) => "SCARA, one joint free (closed form)",
+            (Self::OffsetWrist(_), _) => "offset wrist, one joint free (scan)",
+        }
+    }
+
+    /// Returns a variant of the solver that computes only a lower bound of the distance by which a target is
+    /// out of reach.
+    pub fn fast(&self) -> Self {
+        match self {
+            Self::SphericalWrist(arm) => Self::SphericalWrist(Box::new(arm.fast())),
+            Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => self.clone(),
+        }
+    }
+
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. Computing the bound is much
+    /// cheaper than a solution.
+    #[inline]
+    pub fn bound(&self, flange: &Pose) -> f64 {
+        match self {
+            Self::SphericalWrist(arm) => arm.bound(flange),
+            Self::Scara(_) | Self::ThreeParallel(_) | Self::OffsetWrist(_) => 0.0,
+        }
+    }
+
+    /// Calls `found` with every solution for the pose `flange` of the last D-H frame in frame 0.
+    ///
+    /// Returns the distance by which the target is out of reach, m. It is infinite for a SCARA that cannot
+    /// hold the orientation.
+    #[inline]
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
+        match self {
+            Self::Scara(arm) if arm.can_hold(flange) => arm.solve(flange, posture, found),
+            Self::Scara(_) => f64::INFINITY,
+            Self::SphericalWrist(arm) => arm.solve(flange, posture, found),
+            Self::ThreeParallel(arm) => arm.solve(flange, posture, found),
+            Self::OffsetWrist(arm) => arm.solve(flange, posture, found),
+        }
+    }
+
+    /// Returns whether the solver reproduces the poses of the last D-H frame at sampled postures. It may find no
+    /// solution of up to `misses` of them.
+    fn is_exact(&self, chain: &Chain, misses: usize) -> bool {
+        let mut scratch = chain.zero_posture();
+        let (mut missed, mut off): (usize, f64) = (0, 0.0);
+        for k in 0..TRIALS {
+            let posture = chain.posture(&chain.halton_sample(k));
+            let wanted = flange_of(chain, &posture);
+            let mut count = 0;
+            self.solve(&wanted, &mut scratch, &mut |_, found| {
+                let flange = flange_of(chain, found);
+                let apart = (flange.translation - wanted.translation).norm();
+                off = off.max(apart).max((flange.rotation - wanted.rotation).norm());
+                count += 1;
+            });
+            missed += usize::from(count == 0);
+        }
+        missed <= misses && off < MAX_ERROR
+    }
+}
+
+/// Returns the pose of the last D-H frame in frame 0.
+fn flange_of(chain: &Chain, posture: &Posture) -> Pose {
+    chain.mount.inverse() * chain.frames(posture).links[chain.axes()]
+}

@@ -1,0 +1,282 @@
+//! Inverse kinematics of chains that nearly belong to a family with a closed form, such as calibrated arms.
+//!
+//! A simplified copy of the chain has the closed form. Each of its solutions is the start of Newton's method
+//! on the chain itself. At the edge of the reach and near singular postures, the chain can have solutions
+//! where its copy has none. So the copy is also solved for poses that differ from the required one by a little
+//! more than the two chains do, in each direction and about each axis.
+
+use super::exact_solver::ExactSolver;
+use super::numeric::{dh_jacobian, rotation_vector};
+use super::simplified_chain::SimplifiedChain;
+use crate::cell::MAX_JOINTS;
+use crate::pose::{Displacement, Pose};
+use crate::robot::{Chain, Frames, Posture};
+use nalgebra::{Matrix6, Vector3, Vector6};
+
+/// Tolerances (rad and m) of the simplified copy. They are tried in turn until the copy has a closed form.
+const TOLERANCES: [f64; 9] = [1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02];
+
+/// Number of sampled postures that the solver must find again.
+const TRIALS: usize = 48;
+
+/// Number of sampled postures that the solver may miss, because they are nearly singular.
+const MAX_MISSED: usize = 2;
+
+/// Largest number of solutions of one pose.
+const MOST: usize = 16;
+
+/// Number of solutions after which no other pose is tried.
+const ENOUGH: usize = 8;
+
+/// Largest distance between the poses for which the copy is solved, as a multiple of the distance between the
+/// flanges of both chains.
+const MARGIN: f64 = 2.0;
+
+/// Largest error of a solution, m and rad.
+const REACHED: f64 = 1e-10;
+
+/// Error (m and rad) below which another step of Newton's method gains nothing.
+const EXACT: f64 = 1e-14;
+
+/// Largest number of steps from one start.
+const STEPS: usize = 24;
+
+/// Largest change of a joint in one step, rad or m.
+const LONGEST_STEP: f64 = 0.5;
+
+/// Difference of the sines and cosines of the joint angles below which two postures are the same solution.
+const SAME: f64 = 1e-6;
+
+/// Closed form of a simplified chain, refined by Newton's method.
+#[derive(Debug, Clone)]
+pub struct RefinedSolver {
+    /// Chain without mount and tool.
+    chain: Chain,
+    simplified: SimplifiedChain,
+    solver: ExactSolver,
+    template: Posture,
+}
+
+/// Distinct solutions of one pose.
+struct Solutions {
+    postures: [Posture; MOST],
+    count: usize,
+    /// Bit k is set if a solution has the branch index k.
+    numbers: u16,
+}
+
+impl RefinedSolver {
+    /// Returns the solver of a six-axis chain, if a simplified copy has a closed form from which sampled postures
+    /// of the chain are found again.
+    pub fn closed_form(chain: &Chain) -> Option<Self> {
+        Self::with(chain, ExactSolver::closed_form)
+    }
+
+    /// Returns the solver of a six-axis chain, if a simplified copy is solved by a scan of one joint, from
+    /// which sampled postures of the chain are found again.
+    pub fn scanning(chain: &Chain) -> Option<Self> {
+        Self::with(chain, ExactSolver::scanning)
+    }
+
+    fn with(chain: &Chain, family: fn(&Chain) -> Option<ExactSolver>) -> Option<Self> {
+        if chain.axes() != 6 {
+            return None;
+        }
+        let found = TOLERANCES.into_iter().find_map(|tolerance| {
+            let simplified = SimplifiedChain::new(chain, tolerance)?;
+            let solver = family(&simplified.chain)?;
+            Some((simplified, solver))
+        });
+        let (simplified, solver) = found?;
+        let mut chain = chain.clone();
+        (chain.mount, chain.tool) = (Pose::identity(), Pose::identity());
+        let template = simplified.chain.zero_posture();
+        let refined = Self { chain, simplified, solver, template };
+        refined.finds_samples().then_some(refined)
+    }
+
+    /// Returns whether the branch index of a posture is kept while the pose moves, except near singular
+    /// postures.
+    pub fn keeps_branches(&self) -> bool {
+        self.solver.keeps_branches()
+    }
+
+    /// Returns a phrase that names the family of the arm.
+    pub fn family(&self) -> &'static str {
+        match &self.solver {
+            ExactSolver::SphericalWrist(_) => {
+                "six axes with three that nearly meet in a point (closed form and Newton's method)"
+            }
+            ExactSolver::ThreeParallel(_) => {
+                "six axes with three nearly parallel ones (closed form and Newton's method)"
+            }
+            ExactSolver::OffsetWrist(_) => "six axes, nearly an offset wrist (scan and Newton's method)",
+            ExactSolver::Scara(_) => "nearly a SCARA (closed form and Newton's method)",
+        }
+    }
+
+    /// Returns a phrase that names the family of an arm with one more joint: its first joint if
+    /// `first_is_free`, otherwise its last joint.
+    pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
+        match (&self.solver, first_is_free) {
+            (ExactSolver::SphericalWrist(_), true) => {
+                "nearly a spherical wrist, first joint free (closed form and Newton's method)"
+            }
+            (ExactSolver::SphericalWrist(_), false) => {
+                "nearly a spherical shoulder, last joint free (closed form and Newton's method)"
+            }
+            (_, true) => "nearly a closed form, first joint free (closed form and Newton's method)",
+            (_, false) => "nearly a closed form, last joint free (closed form and Newton's method)",
+        }
+    }
+
+    /// Returns a variant of the solver that computes only a lower bound of the distance by which a target is
+    /// out of reach.
+    pub fn fast(&self) -> Self {
+        Self { solver: self.solver.fast(), ..self.clone() }
+    }
+
+    /// Returns a lower bound of the distance, m, by which a target is out of reach.
+    #[inline]
+    pub fn bound(&self, flange: &Pose) -> f64 {
+        (self.solver.bound(&self.simplified.flange(flange)) - self.slack()).max(0.0)
+    }
+
+    /// Calls `found` with every solution for the pose `flange` of the last D-H frame in frame 0.
+    ///
+    /// The branch index is that of the start, or a free one if another solution has it.
+    ///
+    /// Returns the distance by which the target is out of reach of the simplified chain, m; 0 if there is a
+    /// solution.
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
+        let goal = self.simplified.flange(flange);
+        let mut solutions = Solutions { postures: [self.template; MOST], count: 0, numbers: 0 };
+        let mut start = self.template;
+        let mut refine = |branch: u8, start: &Posture, solutions: &mut Solutions| {
+            *posture = self.simplified.original(start);
+            if self.refine(flange, posture)
+                && let Some(number) = solutions.take(branch, posture)
+            {
+                found(number, posture);
+            }
+        };
+        let by = self.solver.solve(&goal, &mut start, &mut |branch, start| {
+            refine(branch, start, &mut solutions);
+        });
+        let slack = self.slack();
+        if by > slack {
+            return by;
+        }
+        for beside in self.neighbours(&goal) {
+            if solutions.count >= ENOUGH {
+                break;
+            }
+            self.solver.solve(&beside, &mut start, &mut |branch, start| {
+                if solutions.numbers & 1 << branch == 0 {
+                    refine(branch, start, &mut solutions);
+                }
+            });
+        }
+        if solutions.count > 0 { 0.0 } else { by }
+    }
+
+    /// Returns the largest distance (m) of a pose beside a target from the target.
+    fn slack(&self) -> f64 {
+        MARGIN * self.simplified.distance
+    }
+
+    /// Returns the poses beside a pose for which the simplified chain is solved, too.
+    fn neighbours(&self, pose: &Pose) -> impl Iterator<Item = Pose> {
+        let (pose, shift, turn) = (*pose, self.slack(), MARGIN * self.simplified.angle);
+        (0..12).map(move |k| {
+            let sign = if k & 1 == 0 { 1.0 } else { -1.0 };
+            let unit = Vector3::ith(k / 2 % 3, sign);
+            match k < 6 {
+                true => Pose { translation: pose.translation + unit * shift, ..pose },
+                false => Pose::rotation_about(&pose.translation, &(unit * turn)) * pose,
+            }
+        })
+    }
+
+    /// Moves a posture by Newton's method until its last frame is at `flange`; returns whether it gets there.
+    fn refine(&self, flange: &Pose, posture: &mut Posture) -> bool {
+        let mut frames = Frames::default();
+        let mut before = f64::INFINITY;
+        for _ in 0..STEPS {
+            self.chain.place(posture, &mut frames);
+            let twist = twist_to(&frames.tcp, flange);
+            let size = twist.amax();
+            // Near the solution, rounding ends the progress.
+            if size < EXACT || size < REACHED && size >= before {
+                return true;
+            }
+            before = size;
+            let Some(step) = newton_step(&dh_jacobian(&self.chain, &frames), &twist) else { return false };
+            let mut by = [0.0; MAX_JOINTS];
+            by.iter_mut().zip(step.iter()).for_each(|(by, step)| *by = *step);
+            *posture = self.chain.displaced(posture, &by);
+        }
+        before < REACHED
+    }
+
+    /// Returns whether the sampled postures of the chain are among the solutions of their poses.
+    fn finds_samples(&self) -> bool {
+        let mut scratch = self.template;
+        let found = (0..TRIALS).filter(|&k| {
+            let wanted = self.chain.posture(&self.chain.halton_sample(k));
+            let flange = self.chain.frames(&wanted).tcp;
+            let mut is_found = false;
+            self.solve(&flange, &mut scratch, &mut |_, found| is_found |= is_same(found, &wanted));
+            is_found
+        });
+        found.count() + MAX_MISSED >= TRIALS
+    }
+}
+
+impl Solutions {
+    /// Adds a posture unless it is known; returns its branch index, which is `branch` if no other solution
+    /// has it.
+    fn take(&mut self, branch: u8, posture: &Posture) -> Option<u8> {
+        let known = &self.postures[..self.count];
+        if self.count == MOST || known.iter().any(|known| is_same(known, posture)) {
+            return None;
+        }
+        let free = (self.numbers.trailing_ones() as u8).min(15);
+        let number = if self.numbers & 1 << branch == 0 { branch } else { free };
+        self.numbers |= 1 << number;
+        self.postures[self.count] = *posture;
+        self.count += 1;
+        Some(number)
+    }
+}
+
+/// Returns whether two postures have the same joint coordinates, but for rounding.
+fn is_same(a: &Posture, b: &Posture) -> bool {
+    let near =
+        |a: &[f64; MAX_JOINTS], b: &[f64; MAX_JOINTS]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
+    near(&a.cos, &b.cos) && near(&a.sin, &b.sin) && near(&a.r, &b.r)
+}
+
+/// Returns the twist from a pose to another one: the translation (m) and the rotation vector (rad).
+fn twist_to(from: &Pose, to: &Pose) -> Vector6<f64> {
+    let (p, r) =
+        (to.translation - from.translation, rotation_vector(&(to.rotation * from.rotation.transpose())));
+    Vector6::new(p.x, p.y, p.z, r.x, r.y, r.z)
+}
+
+/// Returns the step of the joint coordinates (rad or m) that reduces a twist to 0 in the linear approximation.
+/// If this step is too long, the posture is nearly singular, and a damped step is returned (C. W. Wampler,
+/// 1986).
+fn newton_step(columns: &[Displacement; MAX_JOINTS], twist: &Vector6<f64>) -> Option<Vector6<f64>> {
+    let mut jacobian = Matrix6::zeros();
+    for (mut column, motion) in jacobian.column_iter_mut().zip(columns) {
+        column.fixed_rows_mut::<3>(0).copy_from(&motion.position);
+        column.fixed_rows_mut::<3>(3).copy_from(&motion.rotation);
+    }
+    if let Some(step) = jacobian.lu().solve(twist).filter(|step| step.amax() < LONGEST_STEP) {
+        return Some(step);
+    }
+    let damping = twist.norm_squared().max(1e-12);
+    let normal = jacobian.transpose() * jacobian + Matrix6::from_diagonal_element(damping);
+    normal.cholesky().map(|factor| factor.solve(&(jacobian.transpose() * twist)))
+}
