@@ -6,6 +6,7 @@
 //! | `solver`, `pose_solver`, `exact_solver` | the choice of the solver, tested on the chain before it is used |
 //! | `closed_form` | one file per family of arms, or per mathematical tool |
 //! | `refined_solver`, `simplified_chain` | closed forms of chains that nearly belong to a family |
+//! | `general_six_axes` | all solutions of any six revolute axes, by elimination |
 //! | `held_joint`, `redundancy` | redundancy resolution by a sweep of one joint |
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
@@ -23,6 +24,7 @@ mod closed_form;
 mod envelope;
 mod exact_solver;
 mod fixed_elevation;
+mod general_six_axes;
 mod held_joint;
 mod inverse;
 mod limit_cones;
@@ -46,6 +48,7 @@ pub use closed_form::offset_wrist::OffsetWrist;
 pub use closed_form::spherical_wrist::SphericalWrist;
 pub use closed_form::three_parallel::ThreeParallel;
 pub use envelope::{Envelope, EnvelopeExtent, EnvelopeSection, Fineness, Outline, Size};
+pub use general_six_axes::GeneralSixAxes;
 pub use inverse::Inverse;
 pub use limit_cones::LimitCone;
 pub use limits::LimitViolation;

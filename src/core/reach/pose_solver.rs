@@ -1,6 +1,8 @@
-//! Solvers for a pose of the last D-H frame: of a chain of a known family, or of one that is nearly so.
+//! Solvers for a pose of the last D-H frame: of a chain of a known family, of one that nearly belongs to a
+//! family, or of any six revolute axes.
 
 use super::exact_solver::ExactSolver;
+use super::general_six_axes::GeneralSixAxes;
 use super::refined_solver::RefinedSolver;
 use crate::pose::Pose;
 use crate::robot::{Chain, Posture};
@@ -12,6 +14,8 @@ pub(super) enum PoseSolver {
     Exact(ExactSolver),
     /// Solver of a family that the chain resembles, followed by Newton's method on the chain.
     Refined(Box<RefinedSolver>),
+    /// Solver of any six revolute axes.
+    General(Box<GeneralSixAxes>),
 }
 
 impl PoseSolver {
@@ -26,16 +30,15 @@ impl PoseSolver {
         ExactSolver::scanning(chain).map(Self::Exact)
     }
 
-    /// Returns the solver of a chain that nearly has a closed form, as a calibrated arm does. It takes about
-    /// fifty times as long as the closed form.
+    /// Returns the solver of a chain that nearly has a closed form, as a calibrated arm does. It takes about ten
+    /// times as long as the closed form.
     pub fn refined(chain: &Chain) -> Option<Self> {
-        let solver = Self::refined_closed_form(chain);
-        solver.or_else(|| Some(Self::Refined(Box::new(RefinedSolver::scanning(chain)?))))
+        RefinedSolver::new(chain).map(|solver| Self::Refined(Box::new(solver)))
     }
 
-    /// Returns what [`Self::refined`] returns, but no solver that scans a joint.
-    pub fn refined_closed_form(chain: &Chain) -> Option<Self> {
-        Some(Self::Refined(Box::new(RefinedSolver::closed_form(chain)?)))
+    /// Returns the solver of any six revolute axes. It takes about fifty times as long as a closed form.
+    pub fn general(chain: &Chain) -> Option<Self> {
+        GeneralSixAxes::new(chain).ok().map(|solver| Self::General(Box::new(solver)))
     }
 
     /// Returns whether the solver is that of a SCARA.
@@ -53,7 +56,8 @@ impl PoseSolver {
     pub fn keeps_branches(&self) -> bool {
         match self {
             Self::Exact(solver) => solver.keeps_branches(),
-            Self::Refined(solver) => solver.keeps_branches(),
+            Self::Refined(_) => true,
+            Self::General(_) => false,
         }
     }
 
@@ -62,6 +66,7 @@ impl PoseSolver {
         match self {
             Self::Exact(solver) => solver.family(),
             Self::Refined(solver) => solver.family(),
+            Self::General(_) => "six general axes (elimination)",
         }
     }
 
@@ -71,6 +76,7 @@ impl PoseSolver {
         match self {
             Self::Exact(solver) => solver.redundant_family(first_is_free),
             Self::Refined(solver) => solver.redundant_family(first_is_free),
+            Self::General(_) => "six general axes, one joint free (elimination)",
         }
     }
 
@@ -80,6 +86,7 @@ impl PoseSolver {
         match self {
             Self::Exact(solver) => Self::Exact(solver.fast()),
             Self::Refined(solver) => Self::Refined(Box::new(solver.fast())),
+            Self::General(_) => self.clone(),
         }
     }
 
@@ -90,6 +97,7 @@ impl PoseSolver {
         match self {
             Self::Exact(solver) => solver.bound(flange),
             Self::Refined(solver) => solver.bound(flange),
+            Self::General(_) => 0.0,
         }
     }
 
@@ -102,6 +110,7 @@ impl PoseSolver {
         match self {
             Self::Exact(solver) => solver.solve(flange, posture, found),
             Self::Refined(solver) => solver.solve(flange, posture, found),
+            Self::General(solver) => solver.solve(flange, posture, found),
         }
     }
 }

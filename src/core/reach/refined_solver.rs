@@ -3,7 +3,7 @@
 //! A simplified copy of the chain has the closed form. Each of its solutions is the start of Newton's method
 //! on the chain itself. At the edge of the reach and near singular postures, the chain can have solutions
 //! where its copy has none. So the copy is also solved for poses that differ from the required one by a little
-//! more than the two chains do, in each direction and about each axis.
+//! more than the two chains do, along and about each axis.
 
 use super::exact_solver::ExactSolver;
 use super::numeric::{dh_jacobian, rotation_vector};
@@ -11,7 +11,7 @@ use super::simplified_chain::SimplifiedChain;
 use crate::cell::MAX_JOINTS;
 use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames, Posture};
-use nalgebra::{Matrix6, Vector3, Vector6};
+use nalgebra::{LU, Matrix6, U6, Vector3, Vector6};
 
 /// Tolerances (rad and m) of the simplified copy. They are tried in turn until the copy has a closed form.
 const TOLERANCES: [f64; 9] = [1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02];
@@ -36,7 +36,10 @@ const MARGIN: f64 = 2.0;
 const REACHED: f64 = 1e-10;
 
 /// Error (m and rad) below which another step of Newton's method gains nothing.
-const EXACT: f64 = 1e-14;
+const EXACT: f64 = 1e-13;
+
+/// Share of the error before a step above which the next step needs a new Jacobian.
+const MUCH_LESS: f64 = 0.01;
 
 /// Largest number of steps from one start.
 const STEPS: usize = 24;
@@ -68,23 +71,13 @@ struct Solutions {
 impl RefinedSolver {
     /// Returns the solver of a six-axis chain, if a simplified copy has a closed form from which sampled postures
     /// of the chain are found again.
-    pub fn closed_form(chain: &Chain) -> Option<Self> {
-        Self::with(chain, ExactSolver::closed_form)
-    }
-
-    /// Returns the solver of a six-axis chain, if a simplified copy is solved by a scan of one joint, from
-    /// which sampled postures of the chain are found again.
-    pub fn scanning(chain: &Chain) -> Option<Self> {
-        Self::with(chain, ExactSolver::scanning)
-    }
-
-    fn with(chain: &Chain, family: fn(&Chain) -> Option<ExactSolver>) -> Option<Self> {
+    pub fn new(chain: &Chain) -> Option<Self> {
         if chain.axes() != 6 {
             return None;
         }
         let found = TOLERANCES.into_iter().find_map(|tolerance| {
             let simplified = SimplifiedChain::new(chain, tolerance)?;
-            let solver = family(&simplified.chain)?;
+            let solver = ExactSolver::closed_form(&simplified.chain)?;
             Some((simplified, solver))
         });
         let (simplified, solver) = found?;
@@ -95,23 +88,13 @@ impl RefinedSolver {
         refined.finds_samples().then_some(refined)
     }
 
-    /// Returns whether the branch index of a posture is kept while the pose moves, except near singular
-    /// postures.
-    pub fn keeps_branches(&self) -> bool {
-        self.solver.keeps_branches()
-    }
-
     /// Returns a phrase that names the family of the arm.
     pub fn family(&self) -> &'static str {
         match &self.solver {
-            ExactSolver::SphericalWrist(_) => {
-                "six axes with three that nearly meet in a point (closed form and Newton's method)"
-            }
             ExactSolver::ThreeParallel(_) => {
                 "six axes with three nearly parallel ones (closed form and Newton's method)"
             }
-            ExactSolver::OffsetWrist(_) => "six axes, nearly an offset wrist (scan and Newton's method)",
-            ExactSolver::Scara(_) => "nearly a SCARA (closed form and Newton's method)",
+            _ => "six axes with three that nearly meet in a point (closed form and Newton's method)",
         }
     }
 
@@ -119,14 +102,14 @@ impl RefinedSolver {
     /// `first_is_free`, otherwise its last joint.
     pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
         match (&self.solver, first_is_free) {
-            (ExactSolver::SphericalWrist(_), true) => {
-                "nearly a spherical wrist, first joint free (closed form and Newton's method)"
+            (ExactSolver::ThreeParallel(_), true) => {
+                "three nearly parallel axes, first joint free (closed form and Newton's method)"
             }
-            (ExactSolver::SphericalWrist(_), false) => {
-                "nearly a spherical shoulder, last joint free (closed form and Newton's method)"
+            (ExactSolver::ThreeParallel(_), false) => {
+                "three nearly parallel axes, last joint free (closed form and Newton's method)"
             }
-            (_, true) => "nearly a closed form, first joint free (closed form and Newton's method)",
-            (_, false) => "nearly a closed form, last joint free (closed form and Newton's method)",
+            (_, true) => "nearly a spherical wrist, first joint free (closed form and Newton's method)",
+            (_, false) => "nearly a spherical shoulder, last joint free (closed form and Newton's method)",
         }
     }
 
@@ -188,20 +171,21 @@ impl RefinedSolver {
     /// Returns the poses beside a pose for which the simplified chain is solved, too.
     fn neighbours(&self, pose: &Pose) -> impl Iterator<Item = Pose> {
         let (pose, shift, turn) = (*pose, self.slack(), MARGIN * self.simplified.angle);
-        (0..12).map(move |k| {
+        (0..6).map(move |k| {
             let sign = if k & 1 == 0 { 1.0 } else { -1.0 };
-            let unit = Vector3::ith(k / 2 % 3, sign);
-            match k < 6 {
-                true => Pose { translation: pose.translation + unit * shift, ..pose },
-                false => Pose::rotation_about(&pose.translation, &(unit * turn)) * pose,
-            }
+            let along = Vector3::ith(k / 2, sign);
+            let about = Vector3::ith((k / 2 + 1) % 3, sign);
+            let turned = Pose::rotation_about(&pose.translation, &(about * turn)) * pose;
+            Pose { translation: pose.translation + along * shift, ..turned }
         })
     }
 
     /// Moves a posture by Newton's method until its last frame is at `flange`; returns whether it gets there.
+    ///
+    /// While each step reduces the error much, the Jacobian of an earlier posture serves again.
     fn refine(&self, flange: &Pose, posture: &mut Posture) -> bool {
         let mut frames = Frames::default();
-        let mut before = f64::INFINITY;
+        let (mut before, mut factored) = (f64::INFINITY, None);
         for _ in 0..STEPS {
             self.chain.place(posture, &mut frames);
             let twist = twist_to(&frames.tcp, flange);
@@ -210,8 +194,15 @@ impl RefinedSolver {
             if size < EXACT || size < REACHED && size >= before {
                 return true;
             }
+            if size.is_nan() {
+                return false;
+            }
+            if size > MUCH_LESS * before {
+                factored = None;
+            }
             before = size;
-            let Some(step) = newton_step(&dh_jacobian(&self.chain, &frames), &twist) else { return false };
+            let factors = factored.get_or_insert_with(|| Factored::new(&dh_jacobian(&self.chain, &frames)));
+            let Some(step) = factors.step(&twist) else { return false };
             let mut by = [0.0; MAX_JOINTS];
             by.iter_mut().zip(step.iter()).for_each(|(by, step)| *by = *step);
             *posture = self.chain.displaced(posture, &by);
@@ -264,19 +255,32 @@ fn twist_to(from: &Pose, to: &Pose) -> Vector6<f64> {
     Vector6::new(p.x, p.y, p.z, r.x, r.y, r.z)
 }
 
-/// Returns the step of the joint coordinates (rad or m) that reduces a twist to 0 in the linear approximation.
-/// If this step is too long, the posture is nearly singular, and a damped step is returned (C. W. Wampler,
-/// 1986).
-fn newton_step(columns: &[Displacement; MAX_JOINTS], twist: &Vector6<f64>) -> Option<Vector6<f64>> {
-    let mut jacobian = Matrix6::zeros();
-    for (mut column, motion) in jacobian.column_iter_mut().zip(columns) {
-        column.fixed_rows_mut::<3>(0).copy_from(&motion.position);
-        column.fixed_rows_mut::<3>(3).copy_from(&motion.rotation);
+/// Geometric Jacobian of six joints, and its factors.
+struct Factored {
+    jacobian: Matrix6<f64>,
+    factors: LU<f64, U6, U6>,
+}
+
+impl Factored {
+    fn new(columns: &[Displacement; MAX_JOINTS]) -> Self {
+        let mut jacobian = Matrix6::zeros();
+        for (mut column, motion) in jacobian.column_iter_mut().zip(columns) {
+            column.fixed_rows_mut::<3>(0).copy_from(&motion.position);
+            column.fixed_rows_mut::<3>(3).copy_from(&motion.rotation);
+        }
+        Self { jacobian, factors: jacobian.lu() }
     }
-    if let Some(step) = jacobian.lu().solve(twist).filter(|step| step.amax() < LONGEST_STEP) {
-        return Some(step);
+
+    /// Returns the step of the joint coordinates (rad or m) that reduces a twist to 0 in the linear
+    /// approximation. If this step is too long, the posture is nearly singular, and a damped step is returned
+    /// (C. W. Wampler, 1986).
+    fn step(&self, twist: &Vector6<f64>) -> Option<Vector6<f64>> {
+        if let Some(step) = self.factors.solve(twist).filter(|step| step.amax() < LONGEST_STEP) {
+            return Some(step);
+        }
+        let transposed = self.jacobian.transpose();
+        let damping = Matrix6::from_diagonal_element(twist.norm_squared().max(1e-12));
+        let normal = transposed * self.jacobian + damping;
+        normal.cholesky().map(|factor| factor.solve(&(transposed * twist)))
     }
-    let damping = twist.norm_squared().max(1e-12);
-    let normal = jacobian.transpose() * jacobian + Matrix6::from_diagonal_element(damping);
-    normal.cholesky().map(|factor| factor.solve(&(jacobian.transpose() * twist)))
 }

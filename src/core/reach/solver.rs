@@ -1,5 +1,5 @@
-//! Choice of the inverse kinematics for a chain: a closed form, a scan of one joint with closed forms, or the
-//! numeric solver.
+//! Choice of the inverse kinematics for a chain: a closed form, a scan of one joint with closed forms, a closed
+//! form that Newton's method refines, an elimination for six general axes, or the numeric solver.
 
 use super::closed_form::planar::PlanarArm;
 use super::held_joint::HeldJoint;
@@ -39,7 +39,8 @@ impl ChainSolver {
                 .or_else(|| pose(PoseSolver::scanning))
                 .or_else(|| held(PoseSolver::closed_form))
                 .or_else(|| pose(PoseSolver::refined))
-                .or_else(|| held(PoseSolver::refined_closed_form));
+                .or_else(|| held(PoseSolver::refined))
+                .or_else(|| pose(PoseSolver::general));
             if let Some(found) = found {
                 return found;
             }

@@ -3,6 +3,7 @@
 
 mod derivatives;
 pub mod errors;
+mod general_six_axes;
 mod identification;
 mod inverse;
 mod modified;

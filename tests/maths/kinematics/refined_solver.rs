@@ -134,10 +134,10 @@ fn arms_far_from_every_family_are_not_refined() {
     robot.joints[3].l = 0.1;
     robot.joints[2].alpha = 1.0;
     robot.joints[1].alpha = 0.3;
-    assert!(RefinedSolver::closed_form(&Chain::new(&robot)).is_none());
+    assert!(RefinedSolver::new(&Chain::new(&robot)).is_none());
     let mut short = puma560().robot;
     short.joints.pop();
-    assert!(RefinedSolver::closed_form(&Chain::new(&short)).is_none());
+    assert!(RefinedSolver::new(&Chain::new(&short)).is_none());
 }
 
 /// A pose far out of reach is refused with its distance, and a hostile pose ends without a posture.

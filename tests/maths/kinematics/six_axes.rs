@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use sweetspot::cell::JointKind::{self, Prismatic, Revolute};
 use sweetspot::cell::{Joint, JointVector, Robot};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{OffsetWrist, RefinedSolver, SphericalWrist, ThreeParallel};
+use sweetspot::reach::{GeneralSixAxes, OffsetWrist, RefinedSolver, SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
 
 /// Row of an arm: kind, and theta (degrees), r, l (mm), alpha (degrees).
@@ -53,6 +53,7 @@ pub enum Arm {
     Parallel(Box<ThreeParallel>),
     Offset(Box<OffsetWrist>),
     Refined(Box<RefinedSolver>),
+    General(Box<GeneralSixAxes>),
 }
 
 /// InverseAnswer of the solver for one pose.
@@ -89,7 +90,14 @@ impl InverseBench {
     /// Returns a chain that nearly has a closed form.
     pub fn refined(robot: Robot) -> Self {
         let chain = Chain::new(&robot);
-        let arm = Arm::Refined(Box::new(RefinedSolver::closed_form(&chain).unwrap()));
+        let arm = Arm::Refined(Box::new(RefinedSolver::new(&chain).unwrap()));
+        Self { robot, chain, arm }
+    }
+
+    /// Returns any chain of six revolute axes.
+    pub fn general(robot: Robot) -> Self {
+        let chain = Chain::new(&robot);
+        let arm = Arm::General(Box::new(GeneralSixAxes::new(&chain).unwrap()));
         Self { robot, chain, arm }
     }
 
@@ -102,6 +110,7 @@ impl InverseBench {
             Arm::Parallel(arm) => arm.solve(flange, &mut scratch, &mut push),
             Arm::Offset(arm) => arm.solve(flange, &mut scratch, &mut push),
             Arm::Refined(arm) => arm.solve(flange, &mut scratch, &mut push),
+            Arm::General(arm) => arm.solve(flange, &mut scratch, &mut push),
         };
         InverseAnswer { missing, found }
     }

@@ -1,0 +1,208 @@
+//! Inverse kinematics of any arm with six revolute axes: all real solutions of a pose, at most 16.
+//!
+//! The method is that of M. Raghavan, B. Roth, "Inverse kinematics of the general 6R manipulator and related
+//! linkages", Journal of Mechanical Design 115, 1993. D. Manocha, J. F. Canny, "Efficient inverse kinematics
+//! for general 6R manipulators", IEEE Transactions on Robotics and Automation 10, 1994, compute its roots as
+//! eigenvalues in floating-point numbers. Here, a polynomial on the unit circle has the same roots.
+//!
+//! The arm and the inverse of the flange's pose form a closed loop. Let t_0 to t_5 be the joint angles and
+//! G_0 to G_5 constant rigid transformations, one of which contains the pose:
+//!
+//! ```text
+//! Rz(t_0) G_0 Rz(t_1) G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4 Rz(t_5) G_5 = 1
+//! ```
+//!
+//! The loop may begin at any joint and run in either direction (`loop_arrangement`).
+//!
+//! 1. The axis of t_5 is a line l through a point p, which a rotation by t_5 does not move. The loop shows it
+//!    in one frame in two ways: `G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4` and
+//!    `Rz(-t_1) G_0^-1 Rz(-t_0) G_5^-1` place the same line. A rigid transformation maps the 14 numbers l, p,
+//!    l x p, (p.p) l - 2 (l.p) p, p.p and l.p linearly (`line_coordinates`). This gives 14 equations.
+//! 2. The products of cosines and sines of t_0 and t_1 occur linearly. Their elimination leaves six equations
+//!    (`loop_equations`). They are linear in 1, cosine and sine of t_2, and in the nine products of `cc`,
+//!    `cs`, `ss` of t_3 with those of t_4. Here c and s are cosine and sine of half an angle.
+//! 3. These equations, alone and times the half tangent of t_3, are twelve linear equations for twelve
+//!    products. Their determinant is a trigonometric polynomial of degree 8 in t_2 (`half_angle_equations`).
+//!    Its coefficients come from 24 samples on the circle, which also show the rounding error
+//!    (`circle_polynomial`).
+//! 4. The real roots are isolated by bounds of the Taylor series (`polynomial_roots`).
+//! 5. At a root, the null space of the twelve equations gives t_3 and t_4 (`angle_pairs`). The eliminated
+//!    equations then give the other angles. Newton's method on the pose of the flange makes each solution
+//!    exact, and rejects what is none (`scaled_arm`, `pose_problem`).
+//!
+//! The determinant is 0 at every t_2 if the arm is degenerate in its arrangement, for example if axes are
+//! parallel or meet in a point. So an arm gets the arrangement that finds the most of some trial postures,
+//! and a pose that is degenerate in it is solved in another one. Where solutions are not isolated (the arm
+//! can move while the flange does not), some of them are returned.
+
+mod angle_pairs;
+mod circle_polynomial;
+mod elimination;
+mod half_angle_equations;
+mod line_coordinates;
+mod loop_arrangement;
+mod loop_equations;
+mod polynomial_roots;
+mod pose_problem;
+mod scaled_arm;
+
+use crate::cell::JointKind;
+use crate::pose::Pose;
+use crate::robot::{Chain, Link, Posture};
+use loop_arrangement::LoopArrangement;
+use loop_equations::InnerSide;
+use pose_problem::{JointSolutions, PoseProblem};
+use scaled_arm::ScaledArm;
+use std::f64::consts::{PI, TAU};
+
+/// Number of trial postures on which an arrangement is tried.
+const TRIALS: usize = 16;
+
+/// Least number of trial postures that the solver of an arm must find again. One may be nearly singular.
+const LEAST_FOUND: usize = TRIALS - 1;
+
+/// Inverse kinematics of an arm with six revolute axes in any position.
+#[derive(Debug, Clone)]
+pub struct GeneralSixAxes {
+    arm: ScaledArm,
+    arrangement: LoopArrangement,
+    /// Inner side of the loop, which does not depend on the pose in this arrangement.
+    inner: Box<InnerSide>,
+}
+
+impl GeneralSixAxes {
+    /// Returns the solver of an arm with six revolute axes. The preparation takes some milliseconds at most.
+    ///
+    /// # Errors
+    /// Returns the reason if the chain does not have six revolute joints, or if too few trial postures are
+    /// found again, because the arm is degenerate.
+    pub fn new(chain: &Chain) -> Result<Self, String> {
+        let rows: &[Link; 6] = chain.links.as_slice().try_into().map_err(|_| {
+            format!("the chain has {} joints, and the general method needs six", chain.links.len())
+        })?;
+        if let Some(k) = rows.iter().position(|row| row.kind != JointKind::Revolute) {
+            return Err(format!(
+                "joint {} is prismatic, and the general method needs revolute joints",
+                k + 1
+            ));
+        }
+        let arm = ScaledArm::new(rows);
+        let [first, others @ ..] = LoopArrangement::CONSTANT_INSIDE;
+        let mut best = Self::arranged(&arm, first);
+        let mut most = best.count_found(Self::solve_in_own_arrangement);
+        for arrangement in others {
+            if most == TRIALS {
+                break;
+            }
+            let other = Self::arranged(&arm, arrangement);
+            let found = other.count_found(Self::solve_in_own_arrangement);
+            if found > most {
+                (best, most) = (other, found);
+            }
+        }
+        if most < LEAST_FOUND {
+            most = best.count_found(Self::solve_in_any_arrangement);
+        }
+        if most < LEAST_FOUND {
+            return Err(format!(
+                "the general method finds {most} of {TRIALS} trial postures again: the arm is degenerate"
+            ));
+        }
+        Ok(best)
+    }
+
+    /// Returns the solver of an arm in one arrangement, whose inner side must not depend on the pose.
+    fn arranged(arm: &ScaledArm, arrangement: LoopArrangement) -> Self {
+        // The inner side depends on the links 1 to 4, and the pose is a part of the link 0 or 5.
+        let inner = InnerSide::new(&arrangement.links(&arm.links, &Pose::IDENTITY));
+        Self { arm: arm.clone(), arrangement, inner: Box::new(inner) }
+    }
+
+    /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
+    ///
+    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed
+    /// D-H values of the chain. The branch index numbers the solutions of this pose. It is not kept while the
+    /// pose moves, because solutions appear and vanish.
+    ///
+    /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
+    /// reach: the distance of the origin of frame 5 beyond its sphere of reach, or else the arm's length
+    /// times the least determinant of a coarse scan, as a share of the greatest one. The measure is
+    /// `f64::MAX` if the pose is not finite.
+    pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
+        let target = self.arm.scaled(flange);
+        let beyond = self.arm.beyond_reach(&target);
+        if beyond.is_nan() {
+            return f64::MAX;
+        }
+        if beyond > 0.0 {
+            return (beyond * self.arm.length).clamp(f64::MIN_POSITIVE, f64::MAX);
+        }
+        let mut solutions = JointSolutions::new();
+        let least_determinant = self.solve_in_any_arrangement(&target, &mut solutions);
+        for (number, joints) in solutions.all().iter().enumerate() {
+            for ((cos, sin), angle) in posture.cos.iter_mut().zip(&mut posture.sin).zip(joints) {
+                (*sin, *cos) = angle.sin_cos();
+            }
+            found(number as u8, posture);
+        }
+        match solutions.all().is_empty() {
+            true => (least_determinant * self.arm.length).max(f64::MIN_POSITIVE),
+            false => 0.0,
+        }
+    }
+
+    /// Adds the solutions of a pose in units of the arm's length, if it is regular in the arm's arrangement.
+    ///
+    /// Returns the least determinant of a coarse scan, as a share of the greatest one.
+    fn solve_in_own_arrangement(&self, target: &Pose, solutions: &mut JointSolutions) -> f64 {
+        let problem = self.problem(target);
+        if problem.is_regular() {
+            problem.solve(solutions);
+        }
+        problem.least_determinant()
+    }
+
+    /// Adds the solutions of a pose in units of the arm's length, in the first arrangement where it is
+    /// regular.
+    ///
+    /// Returns the least determinant of a coarse scan, as a share of the greatest one.
+    fn solve_in_any_arrangement(&self, target: &Pose, solutions: &mut JointSolutions) -> f64 {
+        let own = self.problem(target);
+        let problem = match own.is_regular() {
+            true => own,
+            false => LoopArrangement::all()
+                .filter(|other| *other != self.arrangement)
+                .map(|other| PoseProblem::new(&self.arm, other, None, target))
+                .find(PoseProblem::is_regular)
+                .unwrap_or(own),
+        };
+        problem.solve(solutions);
+        problem.least_determinant()
+    }
+
+    /// Returns the problem of a pose in units of the arm's length, in the arm's arrangement.
+    fn problem<'a>(&'a self, target: &'a Pose) -> PoseProblem<'a> {
+        PoseProblem::new(&self.arm, self.arrangement, Some(&self.inner), target)
+    }
+
+    /// Returns how many of the trial postures are among the solutions of their own poses.
+    fn count_found(&self, solve: impl Fn(&Self, &Pose, &mut JointSolutions) -> f64) -> usize {
+        let is_found = |joints: &[f64; 6]| {
+            let mut solutions = JointSolutions::new();
+            solve(self, &self.arm.flange(joints), &mut solutions);
+            solutions.contains(joints)
+        };
+        trial_postures().filter(is_found).count()
+    }
+}
+
+/// Returns joint angles (rad) that are spread over all turns, and are in no special relation to each other.
+fn trial_postures() -> impl Iterator<Item = [f64; 6]> {
+    // Steps of the golden section, bent so that they do not repeat.
+    let mut share = 0.37;
+    let mut next = move || {
+        share = (share + 0.618_033_988_749_894_8 + 0.1 * share * share) % 1.0;
+        TAU * share - PI
+    };
+    (0..TRIALS).map(move |_| std::array::from_fn(|_| next()))
+}

@@ -1,0 +1,181 @@
+//! Real roots of a trigonometric polynomial, with the accuracy to which rounding leaves them.
+//!
+//! The circle is divided into intervals. The Taylor series at the middle of an interval, with a bound of its
+//! remainder, shows that the interval has no root, that the value is monotonic in it, or that the value bends
+//! one way only and so has at most two roots. Otherwise the interval is halved.
+
+use super::circle_polynomial::CirclePolynomial;
+use std::f64::consts::PI;
+
+/// Multiple of the noise above which a value differs from zero.
+const CLEAR: f64 = 30.0;
+
+/// Half width of an interval, rad, below which it is not halved, and all its roots are taken as one.
+const NARROWEST: f64 = 2e-6;
+
+/// Half width of an interval, rad, below which it is taken as one root if all values in it may be noise.
+const NARROW: f64 = 0.01;
+
+/// Distance of two roots, rad, below which they belong to one multiple root.
+const SAME_ROOT: f64 = 1e-5;
+
+/// Number of intervals with which the search begins.
+const INTERVALS: usize = 32;
+
+/// Step, rad, below which the extremum is found.
+const EXTREMUM_ACCURACY: f64 = 1e-9;
+
+/// Step, rad, below which a root is found.
+const ROOT_ACCURACY: f64 = 1e-13;
+
+/// Multiple of the noise below which a value is zero.
+const ZERO: f64 = 0.1;
+
+/// Largest number of steps to an extremum.
+const STEPS_TO_EXTREMUM: usize = 10;
+
+/// Largest number of steps to a root.
+const STEPS_TO_ROOT: usize = 60;
+
+/// Taylor series of a polynomial at the middle of an interval.
+struct TaylorSeries {
+    /// Terms at the upper end of the interval.
+    terms: [f64; 6],
+    /// Upper bound of the absolute value of the remainder in the interval.
+    rest: f64,
+}
+
+impl TaylorSeries {
+    /// Returns the series in an interval, given by its middle and half its width (rad).
+    fn new(polynomial: &CirclePolynomial, middle: f64, half: f64) -> Self {
+        let mut terms: [f64; 6] = polynomial.derivatives(middle);
+        let mut factor = 1.0;
+        for (n, term) in terms.iter_mut().enumerate().skip(1) {
+            factor *= half / n as f64;
+            *term *= factor;
+        }
+        Self { terms, rest: polynomial.sixth_derivative() * factor * half / 6.0 }
+    }
+
+    /// Returns an upper bound of the absolute value of the terms from `from` on, each times its weight.
+    ///
+    /// The weight n of term n belongs to the first derivative, and n (n - 1) / 2 to half of the second one.
+    #[inline]
+    fn bound(&self, weight: fn(f64) -> f64, from: usize) -> f64 {
+        let terms = self.terms.iter().enumerate().skip(from);
+        terms.map(|(n, term)| weight(n as f64) * term.abs()).sum::<f64>() + weight(6.0) * self.rest
+    }
+}
+
+/// Calls `found` with every root (rad) and its uncertainty (rad), until `found` returns false.
+///
+/// Intervals in which the value is nearly zero count as roots, too. The uncertainty is then large.
+pub(super) fn polynomial_roots(polynomial: &CirclePolynomial, found: &mut impl FnMut(f64, f64) -> bool) {
+    if !polynomial.is_finite() {
+        return;
+    }
+    let half = PI / INTERVALS as f64;
+    let mut last = f64::NEG_INFINITY;
+    let mut once = |root: f64, uncertainty: f64| {
+        let is_new = (root - last).abs() > SAME_ROOT;
+        last = root;
+        !is_new || found(root, uncertainty)
+    };
+    for k in 0..INTERVALS {
+        if !search(polynomial, (2 * k + 1) as f64 * half - PI, half, &mut once) {
+            return;
+        }
+    }
+}
+
+/// Calls `found` with the roots of one interval, given by its middle and half its width (rad).
+///
+/// Returns whether the search goes on.
+fn search(
+    polynomial: &CirclePolynomial,
+    middle: f64,
+    half: f64,
+    found: &mut impl FnMut(f64, f64) -> bool,
+) -> bool {
+    let series = TaylorSeries::new(polynomial, middle, half);
+    let (terms, rest) = (&series.terms, series.rest);
+    let clear = CLEAR * polynomial.noise();
+    let varies = series.bound(|_| 1.0, 1);
+    if terms[0].abs() > clear + varies {
+        return true;
+    }
+    if half < NARROWEST || (half < NARROW && terms[0].abs() + varies <= clear) {
+        return found(middle, half);
+    }
+    let (even, odd) = (terms[0] + terms[2] + terms[4], terms[1] + terms[3] + terms[5]);
+    let (low, high) = ((middle - half, even - odd), (middle + half, even + odd));
+    let mut between = |start: f64, from: (f64, f64), to: (f64, f64)| {
+        // The values at the ends are known up to noise and remainder.
+        if from.1 * to.1 > 0.0 && from.1.abs().min(to.1.abs()) > clear + rest {
+            return true;
+        }
+        let root = root_between(polynomial, start, from.0, to.0, to.1 > from.1);
+        let [_, slope] = polynomial.derivatives(root);
+        found(root, clear / slope.abs())
+    };
+    let bends_one_way = terms[2].abs() > series.bound(|n| 0.5 * n * (n - 1.0), 3);
+    if bends_one_way && let Some(extremum) = extremum_near(polynomial, middle, half) {
+        let [value, _, bend] = polynomial.derivatives(extremum);
+        if value.abs() < clear {
+            return found(extremum, (2.0 * clear / bend.abs()).sqrt());
+        }
+        if value * bend > 0.0 {
+            return true;
+        }
+        let away = (-2.0 * value / bend).sqrt();
+        return between(extremum - away, low, (extremum, value))
+            && between(extremum + away, (extremum, value), high);
+    }
+    let is_monotonic = terms[1].abs() > series.bound(|n| n, 2);
+    if is_monotonic {
+        return between(middle, low, high);
+    }
+    let quarter = half / 2.0;
+    search(polynomial, middle - quarter, quarter, found)
+        && search(polynomial, middle + quarter, quarter, found)
+}
+
+/// Returns the extremum (rad) to which Newton's method leads, if it is in the interval.
+fn extremum_near(polynomial: &CirclePolynomial, middle: f64, half: f64) -> Option<f64> {
+    let mut angle = middle;
+    for _ in 0..STEPS_TO_EXTREMUM {
+        let [_, slope, bend] = polynomial.derivatives(angle);
+        let step = -slope / bend;
+        angle += step;
+        if (angle - middle).abs() > half || angle.is_nan() {
+            return None;
+        }
+        if step.abs() < EXTREMUM_ACCURACY {
+            break;
+        }
+    }
+    Some(angle)
+}
+
+/// Returns the root (rad) in an interval in which the value rises or falls.
+///
+/// Steps of Newton's method that leave the interval are replaced by bisections.
+fn root_between(polynomial: &CirclePolynomial, start: f64, mut low: f64, mut high: f64, rises: bool) -> f64 {
+    let mut angle = start;
+    for _ in 0..STEPS_TO_ROOT {
+        let [value, slope] = polynomial.derivatives(angle);
+        if (value > 0.0) == rises {
+            high = angle;
+        } else {
+            low = angle;
+        }
+        let newton = angle - value / slope;
+        let next = if low <= newton && newton <= high { newton } else { 0.5 * (low + high) };
+        let is_done = (next - angle).abs() < ROOT_ACCURACY || value.abs() < ZERO * polynomial.noise();
+        angle = next;
+        if is_done {
+            break;
+        }
+    }
+    angle
+}
