@@ -1,4 +1,4 @@
-//! Closed-form inverse kinematics: all postures of six-axis arms at 1000 reachable poses (tests/data/b_*).
+//! Inverse kinematics of six-axis arms: all postures at 1000 poses (tests/data/b_*).
 //!
 //! One iteration solves all 1000 poses on one thread, so a time of 1 us per iteration is 1 ns per pose.
 //! For comparison, the crate rs-opw-kinematics solves the poses of the PUMA 560.
@@ -15,7 +15,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
 use sweetspot::cell::Robot;
 use sweetspot::pose::Pose;
-use sweetspot::reach::{SphericalWrist, ThreeParallel};
+use sweetspot::reach::{GeneralSixAxes, RefinedSolver, SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
 use sweetspot::{cell, files};
 
@@ -103,6 +103,49 @@ fn ur5(c: &mut Criterion) {
     });
 }
 
+/// Measures arms without a closed form: the rows of the named arms, disturbed by up to `size` (rad and m).
+///
+/// With small disturbances, Newton's method refines the closed form. With large ones, only the elimination for
+/// general arms is left. About half of the poses are then out of reach.
+fn disturbed(c: &mut Criterion) {
+    for (name, data) in [("puma560.toml", "b_puma560_T.bin"), ("ur5.toml", "b_ur5_T.bin")] {
+        let poses = poses(data);
+        for size in [1e-4, 1e-3, 0.3] {
+            let mut robot = robot(name);
+            for (k, joint) in (0..).zip(&mut robot.joints) {
+                for (m, entry) in (0..).zip([&mut joint.theta, &mut joint.r, &mut joint.l, &mut joint.alpha])
+                {
+                    *entry += size * f64::from(4 * k + m + 1).sin();
+                }
+            }
+            let chain = Chain::new(&robot);
+            let mut scratch = chain.zero_posture();
+            let refined = RefinedSolver::new(&chain);
+            let general = GeneralSixAxes::new(&chain).expect("six axes");
+            if let Some(arm) = refined {
+                c.bench_function(&format!("{name} disturbed by {size}, refined: 1000 poses"), |b| {
+                    b.iter(|| {
+                        let mut count = 0;
+                        poses.iter().for_each(|pose| {
+                            arm.solve(black_box(pose), &mut scratch, &mut |_, _| count += 1);
+                        });
+                        count
+                    })
+                });
+            }
+            c.bench_function(&format!("{name} disturbed by {size}, elimination: 1000 poses"), |b| {
+                b.iter(|| {
+                    let mut count = 0;
+                    poses.iter().for_each(|pose| {
+                        general.solve(black_box(pose), &mut scratch, &mut |_, _| count += 1);
+                    });
+                    count
+                })
+            });
+        }
+    }
+}
+
 /// Measures rs-opw-kinematics at the poses of the function `puma560`. The forward kinematics of the
 /// crate computes these poses from the same joint angles.
 fn peer(c: &mut Criterion) {
@@ -132,6 +175,6 @@ fn peer(c: &mut Criterion) {
 criterion_group! {
     name = inverse;
     config = Criterion::default().sample_size(50);
-    targets = puma560, peer, ur5
+    targets = puma560, peer, ur5, disturbed
 }
 criterion_main!(inverse);

@@ -192,7 +192,7 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
         [0, 1700, 1700, 800, 2600],
     ),
     bench("kawasaki_rs007n", "six axes (Kawasaki RS007N), bench and feeder", [500, 500, 700, 500, 900, 800]),
-    slow(bench("kinova_gen3", "seven axes (Kinova Gen3), bench and feeder", [700, 500, 750, 600, 900, 800])),
+    slow(bench("kinova_gen3", "seven axes (Kinova Gen3), bench and feeder", [700, 600, 750, 600, 900, 800])),
     bench(
         "kuka_kr10_r1100",
         "six axes (KUKA KR 10 R1100), bench and feeder",

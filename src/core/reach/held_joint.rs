@@ -4,6 +4,7 @@ use super::pose_solver::PoseSolver;
 use crate::cell::{JointKind, JointVector};
 use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
+use std::f64::consts::{PI, TAU};
 
 /// Redundancy resolution of one arm: one joint is held at sampled values, and a closed form solves the other
 /// joints.
@@ -67,7 +68,7 @@ impl HeldJoint {
         let (solver, template) = (solver(&rest)?, rest.zero_posture());
         let lead = rest.links.last().map_or(0.0, |last| last.l.hypot(last.r));
         let fast = solver.fast();
-        Some(Self { solver, fast, template, link, lead, first, axes: n, range: link.limits })
+        Some(Self { solver, fast, template, link, lead, first, axes: n, range: within_one_turn(&link) })
     }
 
     /// Returns a phrase that names the family of the arm.
@@ -159,5 +160,16 @@ impl HeldJoint {
             JointKind::Prismatic => step,
             JointKind::Revolute => step * self.link.l.hypot(self.link.r).max(0.1),
         }
+    }
+}
+
+/// Returns the range of a joint (rad or m). A range of more than one turn is replaced by the turn in its middle,
+/// because the other coordinates repeat the same postures.
+fn within_one_turn(link: &Link) -> (f64, f64) {
+    let (least, greatest) = link.limits;
+    let middle = (least + greatest) / 2.0;
+    match link.kind {
+        JointKind::Revolute if greatest - least > TAU => (middle - PI, middle + PI),
+        _ => link.limits,
     }
 }

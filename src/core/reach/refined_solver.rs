@@ -6,12 +6,13 @@
 //! more than the two chains do, along and about each axis.
 
 use super::exact_solver::ExactSolver;
+use super::general_six_axes::solve_six;
 use super::numeric::{dh_jacobian, rotation_vector};
 use super::simplified_chain::SimplifiedChain;
-use crate::cell::MAX_JOINTS;
+use crate::cell::{JointKind, MAX_JOINTS};
 use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames, Posture};
-use nalgebra::{LU, Matrix6, U6, Vector3, Vector6};
+use nalgebra::{Matrix6, Vector3, Vector6};
 
 /// Tolerances (rad and m) of the simplified copy. They are tried in turn until the copy has a closed form.
 const TOLERANCES: [f64; 9] = [1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02];
@@ -37,9 +38,6 @@ const REACHED: f64 = 1e-10;
 
 /// Error (m and rad) below which another step of Newton's method gains nothing.
 const EXACT: f64 = 1e-13;
-
-/// Share of the error before a step above which the next step needs a new Jacobian.
-const MUCH_LESS: f64 = 0.01;
 
 /// Largest number of steps from one start.
 const STEPS: usize = 24;
@@ -181,11 +179,8 @@ impl RefinedSolver {
     }
 
     /// Moves a posture by Newton's method until its last frame is at `flange`; returns whether it gets there.
-    ///
-    /// While each step reduces the error much, the Jacobian of an earlier posture serves again.
     fn refine(&self, flange: &Pose, posture: &mut Posture) -> bool {
-        let mut frames = Frames::default();
-        let (mut before, mut factored) = (f64::INFINITY, None);
+        let (mut frames, mut before) = (Frames::default(), f64::INFINITY);
         for _ in 0..STEPS {
             self.chain.place(posture, &mut frames);
             let twist = twist_to(&frames.tcp, flange);
@@ -194,18 +189,20 @@ impl RefinedSolver {
             if size < EXACT || size < REACHED && size >= before {
                 return true;
             }
-            if size.is_nan() {
-                return false;
-            }
-            if size > MUCH_LESS * before {
-                factored = None;
-            }
             before = size;
-            let factors = factored.get_or_insert_with(|| Factored::new(&dh_jacobian(&self.chain, &frames)));
-            let Some(step) = factors.step(&twist) else { return false };
-            let mut by = [0.0; MAX_JOINTS];
-            by.iter_mut().zip(step.iter()).for_each(|(by, step)| *by = *step);
-            *posture = self.chain.displaced(posture, &by);
+            let Some(step) = newton_step(&dh_jacobian(&self.chain, &frames), &twist) else { return false };
+            for (k, (by, link)) in step.iter().zip(&self.chain.links).enumerate() {
+                match link.kind {
+                    JointKind::Revolute => {
+                        let (sin, cos) = small_sin_cos(*by);
+                        (posture.cos[k], posture.sin[k]) = (
+                            posture.cos[k] * cos - posture.sin[k] * sin,
+                            posture.sin[k] * cos + posture.cos[k] * sin,
+                        );
+                    }
+                    JointKind::Prismatic => posture.r[k] += by,
+                }
+            }
         }
         before < REACHED
     }
@@ -255,32 +252,32 @@ fn twist_to(from: &Pose, to: &Pose) -> Vector6<f64> {
     Vector6::new(p.x, p.y, p.z, r.x, r.y, r.z)
 }
 
-/// Geometric Jacobian of six joints, and its factors.
-struct Factored {
-    jacobian: Matrix6<f64>,
-    factors: LU<f64, U6, U6>,
+/// Returns the step of the joint coordinates (rad or m) that reduces a twist to 0 in the linear approximation.
+/// If this step is too long, the posture is nearly singular, and a damped step is returned (C. W. Wampler,
+/// 1986). The result is None if the twist is not finite.
+fn newton_step(columns: &[Displacement; MAX_JOINTS], twist: &Vector6<f64>) -> Option<[f64; 6]> {
+    let mut jacobian = Matrix6::zeros();
+    for (mut column, motion) in jacobian.column_iter_mut().zip(columns) {
+        column.fixed_rows_mut::<3>(0).copy_from(&motion.position);
+        column.fixed_rows_mut::<3>(3).copy_from(&motion.rotation);
+    }
+    let rows =
+        std::array::from_fn(|i| std::array::from_fn(|k| if k < 6 { jacobian[(i, k)] } else { twist[i] }));
+    let is_short = |step: &[f64; 6]| step.iter().all(|by| by.abs() < LONGEST_STEP);
+    solve_six(rows).filter(is_short).or_else(|| {
+        let transposed = jacobian.transpose();
+        let damping = Matrix6::from_diagonal_element(twist.norm_squared().max(1e-12));
+        let factors = (transposed * jacobian + damping).cholesky()?;
+        Some(factors.solve(&(transposed * twist)).into())
+    })
 }
 
-impl Factored {
-    fn new(columns: &[Displacement; MAX_JOINTS]) -> Self {
-        let mut jacobian = Matrix6::zeros();
-        for (mut column, motion) in jacobian.column_iter_mut().zip(columns) {
-            column.fixed_rows_mut::<3>(0).copy_from(&motion.position);
-            column.fixed_rows_mut::<3>(3).copy_from(&motion.rotation);
-        }
-        Self { jacobian, factors: jacobian.lu() }
+/// Returns sine and cosine of an angle (rad), by a series if the angle is small.
+fn small_sin_cos(angle: f64) -> (f64, f64) {
+    let square = angle * angle;
+    if square > 1e-4 {
+        return angle.sin_cos();
     }
-
-    /// Returns the step of the joint coordinates (rad or m) that reduces a twist to 0 in the linear
-    /// approximation. If this step is too long, the posture is nearly singular, and a damped step is returned
-    /// (C. W. Wampler, 1986).
-    fn step(&self, twist: &Vector6<f64>) -> Option<Vector6<f64>> {
-        if let Some(step) = self.factors.solve(twist).filter(|step| step.amax() < LONGEST_STEP) {
-            return Some(step);
-        }
-        let transposed = self.jacobian.transpose();
-        let damping = Matrix6::from_diagonal_element(twist.norm_squared().max(1e-12));
-        let normal = transposed * self.jacobian + damping;
-        normal.cholesky().map(|factor| factor.solve(&(transposed * twist)))
-    }
+    let sin = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+    (sin, 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0)))
 }

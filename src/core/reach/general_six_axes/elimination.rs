@@ -127,7 +127,7 @@ pub(super) fn determinant_of_six(mut rows: [[f64; 6]; 6]) -> f64 {
 
 /// Returns the solution of six equations whose last column is the right side, or `None` if they are singular.
 #[inline]
-pub(super) fn solve_six(mut rows: [[f64; 7]; 6]) -> Option<[f64; 6]> {
+pub(in crate::reach) fn solve_six(mut rows: [[f64; 7]; 6]) -> Option<[f64; 6]> {
     for k in 0..6 {
         if eliminate_column(&mut rows, k) == 0.0 {
             return None;

@@ -23,7 +23,7 @@
 //!    `cs`, `ss` of t_3 with those of t_4. Here c and s are cosine and sine of half an angle.
 //! 3. These equations, alone and times the half tangent of t_3, are twelve linear equations for twelve
 //!    products. Their determinant is a trigonometric polynomial of degree 8 in t_2 (`half_angle_equations`).
-//!    Its coefficients come from 24 samples on the circle, which also show the rounding error
+//!    The coefficients come from 24 samples on the circle, which also show the rounding error
 //!    (`circle_polynomial`).
 //! 4. The real roots are isolated by bounds of the Taylor series (`polynomial_roots`).
 //! 5. At a root, the null space of the twelve equations gives t_3 and t_4 (`angle_pairs`). The eliminated
@@ -49,6 +49,7 @@ mod scaled_arm;
 use crate::cell::JointKind;
 use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
+pub(super) use elimination::solve_six;
 use loop_arrangement::LoopArrangement;
 use loop_equations::InnerSide;
 use pose_problem::{JointSolutions, PoseProblem};
