@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{AttitudeGoal, GeneralSixAxes, Numeric, TcpGoal};
+use sweetspot::reach::GeneralSixAxes;
 use sweetspot::robot::{Chain, Posture};
 
 /// Returns the rows of an arm of random lengths and twists: theta (degrees), r, l (mm), alpha (degrees).
@@ -137,14 +137,7 @@ fn the_solutions_of_the_numeric_solver_are_found() {
         .map(|seed| {
             let mut rng = ChaCha8Rng::seed_from_u64(700 + seed);
             let bench = InverseBench::general(turning(random_rows(&mut rng)));
-            let flange = bench.pose(&bench.random(&mut rng));
-            let goal =
-                TcpGoal { position: flange.translation, attitude: AttitudeGoal::Rotation(flange.rotation) };
-            let mut expected = Vec::new();
-            Numeric::new(&bench.chain).all(&goal, &mut expected);
-            let answer = bench.solve(&flange);
-            let found = expected.iter().filter(|e| bench.nearest(&e.joints, &answer) < 1e-5).count();
-            [expected.len(), found, answer.found.len()]
+            bench.beside_numeric(&mut rng)
         })
         .collect();
     let [expected, both, found] = [0, 1, 2].map(|k| counts.iter().map(|c| c[k]).sum::<usize>());

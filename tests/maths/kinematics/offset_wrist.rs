@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use sweetspot::reach::{AttitudeGoal, Inverse, Numeric, OffsetWrist, SphericalWrist, TcpGoal};
+use sweetspot::reach::{Inverse, OffsetWrist, SphericalWrist};
 use sweetspot::robot::Chain;
 
 /// Returns the rows of the FANUC CRX-10iA: theta (degrees), r, l (mm), alpha (degrees).
@@ -113,16 +113,7 @@ fn the_scan_finds_the_solutions_of_the_numeric_solver() {
             let mut rng = ChaCha8Rng::seed_from_u64(500 + seed);
             let rows = if seed.is_multiple_of(2) { crx() } else { random_rows(&mut rng, seed % 4 == 1) };
             let bench = InverseBench::offset(turning(rows));
-            let numeric = Numeric::new(&bench.chain);
-            let q = bench.random(&mut rng);
-            let flange = bench.pose(&q);
-            let goal =
-                TcpGoal { position: flange.translation, attitude: AttitudeGoal::Rotation(flange.rotation) };
-            let mut expected = Vec::new();
-            numeric.all(&goal, &mut expected);
-            let answer = bench.solve(&flange);
-            let found = expected.iter().filter(|e| bench.nearest(&e.joints, &answer) < 1e-5).count();
-            [expected.len(), found, answer.found.len()]
+            bench.beside_numeric(&mut rng)
         })
         .collect();
     let [expected, both, found] = [0, 1, 2].map(|k| counts.iter().map(|c| c[k]).sum::<usize>());

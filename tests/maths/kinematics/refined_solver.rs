@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sweetspot::cell::Robot;
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{AttitudeGoal, Inverse, Numeric, RefinedSolver, TcpGoal};
+use sweetspot::reach::{Inverse, RefinedSolver};
 use sweetspot::robot::Chain;
 
 /// Adds a random error of up to `size` (rad and m) to every entry of every row.
@@ -65,21 +65,14 @@ fn the_original_postures_of_disturbed_arms_are_found() {
 
 #[test]
 fn the_solutions_of_the_numeric_solver_are_found() {
-    let counts: Vec<[usize; 2]> = (0..60u64)
+    let counts: Vec<[usize; 3]> = (0..60u64)
         .into_par_iter()
         .map(|seed| {
             let mut rng = ChaCha8Rng::seed_from_u64(900 + seed);
             let mut robot = if seed.is_multiple_of(2) { puma560() } else { ur5() }.robot;
             disturb(&mut robot, 5e-4, &mut rng);
             let bench = InverseBench::refined(robot);
-            let q = bench.random(&mut rng);
-            let flange = bench.pose(&q);
-            let goal =
-                TcpGoal { position: flange.translation, attitude: AttitudeGoal::Rotation(flange.rotation) };
-            let mut expected = Vec::new();
-            Numeric::new(&bench.chain).all(&goal, &mut expected);
-            let answer = bench.solve(&flange);
-            [expected.len(), expected.iter().filter(|e| bench.nearest(&e.joints, &answer) < 1e-5).count()]
+            bench.beside_numeric(&mut rng)
         })
         .collect();
     let [expected, found] = [0, 1].map(|k| counts.iter().map(|c| c[k]).sum::<usize>());

@@ -10,7 +10,9 @@ use std::f64::consts::PI;
 use sweetspot::cell::JointKind::{self, Prismatic, Revolute};
 use sweetspot::cell::{Joint, JointVector, Robot};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{GeneralSixAxes, OffsetWrist, RefinedSolver, SphericalWrist, ThreeParallel};
+use sweetspot::reach::{
+    AttitudeGoal, GeneralSixAxes, Numeric, OffsetWrist, RefinedSolver, SphericalWrist, TcpGoal, ThreeParallel,
+};
 use sweetspot::robot::{Chain, Posture};
 
 /// Row of an arm: kind, and theta (degrees), r, l (mm), alpha (degrees).
@@ -156,6 +158,18 @@ impl InverseBench {
             (0..6).map(each).fold(0.0, f64::max)
         };
         answer.found.iter().map(|(_, p)| apart(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Solves a random pose, also by the numeric solver. Returns the number of its solutions, how many of them are
+    /// among the answers, and the number of answers.
+    pub fn beside_numeric(&self, rng: &mut ChaCha8Rng) -> [usize; 3] {
+        let flange = self.pose(&self.random(rng));
+        let attitude = AttitudeGoal::Rotation(flange.rotation);
+        let mut expected = Vec::new();
+        Numeric::new(&self.chain).all(&TcpGoal { position: flange.translation, attitude }, &mut expected);
+        let answer = self.solve(&flange);
+        let found = expected.iter().filter(|e| self.nearest(&e.joints, &answer) < 1e-5).count();
+        [expected.len(), found, answer.found.len()]
     }
 
     /// Checks random poses: all are found, all answers are right, and the original is among them. At a
