@@ -9,7 +9,9 @@ use common::shipped;
 use sweetspot::cell::*;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
-use sweetspot::reach::{AttitudeGoal, Inverse, Numeric, SphericalWrist, TcpGoal, ThreeParallel};
+use sweetspot::reach::{
+    AttitudeGoal, GeneralSixAxes, Inverse, Numeric, RefinedSolver, SphericalWrist, TcpGoal, ThreeParallel,
+};
 use sweetspot::reading::{BestFit, ErrorEvaluator, ErrorSources, Taught, WorkContext, WorkFrame};
 use sweetspot::robot::{Chain, Frames};
 
@@ -154,20 +156,27 @@ fn inverse_kinematics_of_six_axes_does_not_allocate() {
     let (wrist, oblique) = (Chain::new(&puma), Chain::new(&general));
     let solvers = [&wrist, &oblique].map(|chain| SphericalWrist::new(chain).unwrap());
     let parallel = (Chain::new(&ur5), ThreeParallel::new(&Chain::new(&ur5)).unwrap());
+    let mut nearly = puma.clone();
+    nearly.joints[4].l = 1e-4;
+    let nearly = Chain::new(&nearly);
+    let (refined, elimination) =
+        (RefinedSolver::new(&nearly).unwrap(), GeneralSixAxes::new(&nearly).unwrap());
     let q = [0.3, 0.4, -0.5, 0.6, 0.7, -0.8, 0.0, 0.0];
-    for (far, chain, solver) in [(0.0, &wrist, 0), (9.0, &wrist, 0), (0.0, &oblique, 1), (9.0, &oblique, 1)]
-        .into_iter()
-        .chain([(0.0, &parallel.0, 2), (9.0, &parallel.0, 2)])
-    {
-        let mut flange = chain.forward(&chain.posture(&q));
-        flange.translation.x += far;
-        let (mut scratch, mut found, mut missing) = (chain.posture(&q), 0, 0.0);
-        let used = measure(|| {
-            missing = match solver {
-                2 => parallel.1.solve(&flange, &mut scratch, &mut |_, _| found += 1),
-                k => solvers[k].solve(&flange, &mut scratch, &mut |_, _| found += 1),
-            };
-        });
-        assert_eq!((used.count_total, found > 0, missing > 0.0), (0, far == 0.0, far > 0.0), "{solver}");
+    let chains = [&wrist, &oblique, &parallel.0, &nearly, &nearly];
+    for (solver, chain) in chains.into_iter().enumerate() {
+        for far in [0.0, 9.0] {
+            let mut flange = chain.forward(&chain.posture(&q));
+            flange.translation.x += far;
+            let (mut scratch, mut found, mut missing) = (chain.posture(&q), 0, 0.0);
+            let used = measure(|| {
+                missing = match solver {
+                    2 => parallel.1.solve(&flange, &mut scratch, &mut |_, _| found += 1),
+                    3 => refined.solve(&flange, &mut scratch, &mut |_, _| found += 1),
+                    4 => elimination.solve(&flange, &mut scratch, &mut |_, _| found += 1),
+                    k => solvers[k].solve(&flange, &mut scratch, &mut |_, _| found += 1),
+                };
+            });
+            assert_eq!((used.count_total, found > 0, missing > 0.0), (0, far == 0.0, far > 0.0), "{solver}");
+        }
     }
 }
