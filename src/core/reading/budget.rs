@@ -17,18 +17,18 @@ pub struct Share {
     pub plus_minus: f64,
     /// Linear position error of the TCP that this source causes, in world axes, m.
     ///
-    /// In the signed reading, the source has its value in the signed sample. In the other readings, the
-    /// source is at the upper limit of its tolerance.
+    /// In the signed reading, the parameter has the value `signed`. In the other readings, the parameter
+    /// deviates from its mean by `plus_minus`.
     pub term: Vector3<f64>,
     /// Size of the linear error in the operation's sense that this source alone causes at its tolerance, m or
     /// rad.
     pub alone: f64,
-    /// Share of this source in the linear worst case; the shares of all sources add up to 1.
+    /// Share of this source in the linear worst case. The shares of all sources add up to 1.
     ///
     /// This share and [`Self::of_variance`] are 0 if the errors are not tolerances
     /// ([`ErrorEvaluator::has_tolerances`]).
     pub of_worst: f64,
-    /// Share of this source in the variance of the linear error; the shares of all sources add up to 1.
+    /// Share of this source in the variance of the linear error. The shares of all sources add up to 1.
     pub of_variance: f64,
 }
 

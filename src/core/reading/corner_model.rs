@@ -10,7 +10,7 @@ use crate::pose::Displacement;
 use crate::robot::Frames;
 use nalgebra::{Vector3, Vector6};
 
-/// Bound of the rounding error of a computed size, relative to the size.
+/// Upper bound of the relative rounding error of a computed error size.
 const ROUNDING: f64 = 1e-12;
 /// Largest number of sources whose signs are tried in every combination.
 pub const MAX_FREE: usize = 8;
@@ -24,7 +24,7 @@ pub struct CornerError {
     pub components: Vector6<f64>,
 }
 
-/// Error by the model of an evaluator at corners of the tolerance box, with bounds for neighbouring corners.
+/// Nonlinear model of the error at corners of the tolerance box, with bounds for neighbouring corners.
 pub struct CornerModel<'a> {
     evaluator: &'a ErrorEvaluator,
     context: &'a WorkContext,
@@ -82,7 +82,7 @@ impl<'a> CornerModel<'a> {
     /// Returns whether the sign flips `flips`, made together at the corner of [`Self::stand_at`], may
     /// increase the error.
     ///
-    /// The error at that corner is `error`. The answer is true if the flips cannot be predicted.
+    /// `error` must be the error at that corner. The function returns true if the flips cannot be predicted.
     pub fn may_exceed(&self, error: &CornerError, mut flips: impl Iterator<Item = usize>) -> bool {
         let Some(prediction) = &self.prediction else { return true };
         let (mut components, mut margin) = (error.components, ROUNDING * error.size);
@@ -101,8 +101,8 @@ impl<'a> CornerModel<'a> {
     /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order
     /// of [`gray_code`]. All other signs are those at the corner of [`Self::stand_at`].
     ///
-    /// The error at that corner is `error`, and its signs are `signs`. Returns an upper bound of the
-    /// prediction error of these sizes; None if there is no prediction.
+    /// `signs` and `error` must be the signs and the error at that corner. Returns an upper bound of the
+    /// prediction error of the sizes, m or rad; None if there is no prediction.
     pub fn predict_combinations(
         &self,
         signs: &[f64; MAX_SOURCES],

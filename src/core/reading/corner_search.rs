@@ -22,24 +22,26 @@ type Signs = [f64; MAX_SOURCES];
 /// Returns the worst case by a model.
 ///
 /// A local search starts from two corners: `corner`, the worst by the linear model, and the opposite corner.
-/// The sizes of the errors at these two corners differ only by terms of even order. The search flips signs:
-/// one alone, or those of all parallel columns together. A flip is tried only if it changes the linear error
-/// by no more than a threshold. The threshold is the largest of three values:
+/// The sizes of the errors at these two corners differ only by terms of even order. The search flips one sign
+/// alone, or the signs of all parallel columns together. A column is the linear effect of one source. A flip
+/// is tried only if it changes the linear error by no more than a threshold. The threshold is the largest of
+/// three values:
 ///
 /// - `quadratic`, the size of the second-order terms;
 /// - the share `NEAR_SHARE` of the linear worst case;
 /// - twice the largest difference between the linear worst case and the error by the model at the two
 ///   corners.
 ///
-/// Flips of all parallel columns together are needed, for example, on a planar arm, whose lateral effects are
-/// perpendicular to all other effects. So the worst linear corners come in pairs, and no single flip leads
-/// from one corner of a pair to the other.
+/// A planar arm, for example, needs flips of all parallel columns together. The lateral effects of such an
+/// arm are perpendicular to all other effects. So the worst linear corners come in pairs, and no single flip
+/// leads from one corner of a pair to the other.
 ///
 /// `largest` returns two corners: those with the largest displacement and the largest rotation of the TCP. A
 /// source is weak if a flip of its sign can change the linear error by at most the threshold. If more than
-/// `MAX_FREE` sources are weak, the search also starts from mixed corners. A mixed corner takes the
-/// signs of the weak sources from a corner of `largest`, and all other signs from `corner`. All signs of the
-/// weak sources, or all signs of the other sources, or both may be reversed.
+/// `MAX_FREE` sources are weak, the search also starts from mixed corners. A mixed corner combines the signs
+/// of the weak sources from a corner of `largest` with all other signs from `corner`. The search also tries
+/// the mixed corners in which the signs of the weak sources, of the other sources, or of all sources are
+/// reversed.
 ///
 /// The error is computed only at corners where it may exceed the largest error so far. The function
 /// [`CornerModel::may_exceed`] predicts whether this is possible. The result is the same as if the error were
@@ -126,10 +128,10 @@ impl SearchCorner {
 struct CornerSearch<'a, 'm> {
     /// Linear effects of the sources at their tolerances.
     columns: &'a [Vector6<f64>],
-    /// For each column, a bit set of the later columns that are parallel to it, as the function `groups`
-    /// returns it.
+    /// Bit set for each column, as returned by the function `groups`: the later columns that are parallel to
+    /// this column.
     groups: [u128; MAX_SOURCES],
-    /// Threshold of the change of the linear error, m or rad; only flips up to this change are tried.
+    /// Largest change of the linear error, m or rad, up to which a flip is tried.
     gap: f64,
     model: &'a mut CornerModel<'m>,
     /// Largest error found, and its corner.
@@ -137,7 +139,8 @@ struct CornerSearch<'a, 'm> {
 }
 
 impl CornerSearch<'_, '_> {
-    /// Searches from the best of all combinations of the signs of the `weak` sources at `start`.
+    /// Tries all combinations of the signs of the `weak` sources at `start`, and searches from the best
+    /// combination.
     fn polish_best_combination(&mut self, mut start: SearchCorner, weak: &[usize]) {
         self.model.stand_at(&start.signs);
         let mut sizes = [0.0; 1 << MAX_FREE];
@@ -184,8 +187,8 @@ impl CornerSearch<'_, '_> {
         }
     }
 
-    /// Flips the first pair of signs that increases the error and changes the linear error by at most the
-    /// gap.
+    /// Flips the first pair of signs that increases the error and changes the linear error by at most
+    /// `self.gap`.
     ///
     /// Pairs matter because products of errors may dominate if the linear effects are small. Returns false if
     /// there is no such pair.
@@ -195,7 +198,7 @@ impl CornerSearch<'_, '_> {
     }
 
     /// Reverses the signs in the bit set `flipped` if that increases the error and changes the linear error
-    /// by at most the gap. Returns whether the signs were reversed.
+    /// by at most `self.gap`. Returns whether the signs were reversed.
     #[inline]
     fn flip(&mut self, at: &mut SearchCorner, flipped: u128) -> bool {
         if !self.model.may_exceed(&at.error, members(flipped)) {

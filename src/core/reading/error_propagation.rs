@@ -119,11 +119,11 @@ impl ErrorPropagation<'_> {
 #[derive(Debug, Clone)]
 pub struct PreparedSample {
     errors: Perturbation,
-    /// Rigid motion that the best fit of the base finds for the sample. The reference point is the centre of
-    /// the fit.
+    /// Rigid motion that the best fit of the base finds for the sample; None without a best fit. The
+    /// reference point is the centre of the fit.
     fitted: Option<Displacement>,
-    /// Indices and frame errors of two pieces of equipment: the one on which the robot works, and the one of
-    /// the pick. An entry is None if the equipment has no frame error.
+    /// Indices and frame errors of two pieces of equipment: first the work equipment, then the equipment from
+    /// which the part was picked. An entry is None if the equipment has no frame error.
     equipment: [Option<(usize, FrameError)>; 2],
 }
 

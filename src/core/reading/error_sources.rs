@@ -16,7 +16,7 @@ pub const MAX_SOURCES: usize = MAX_ERRORS + 2 * PER_FRAME;
 pub struct ErrorSource {
     pub parameter: Parameter,
     /// Value of the parameter in the signed sample, m or rad; 0 if the cell gives tolerances. For an elastic
-    /// parameter, this and all following values are in rad/m or rad/(N m).
+    /// parameter, this value and the next three are in rad/m or rad/(N m).
     pub signed: f64,
     /// Mean about which the parameter varies, m or rad.
     pub mean: f64,
@@ -48,16 +48,17 @@ pub struct ErrorSources {
     /// Each factor is a list of sources: the index of each source, and its value at one standard deviation of
     /// the factor.
     pub factors: Vec<Vec<(usize, f64)>>,
-    /// Number of robot parameters in a sample. The parameters of the joint frames and the elastic parameters
-    /// are left out if none of them has an error.
+    /// Number of robot parameters in a sample. Parameters at the end of the list are left out if none of them
+    /// has an error: the elastic parameters, or these and the parameters of the joint frames.
     parameters: usize,
-    /// Indices of two pieces of equipment: the one on which the robot works, and the one from which it picked
-    /// the part.
+    /// Indices of two pieces of equipment: first the work equipment, then the equipment from which the part
+    /// was picked.
     at: [Option<usize>; 2],
 }
 
 impl ErrorSources {
-    /// Returns the sources of an operation on `equipment` with a part picked from `other`.
+    /// Returns the sources of an operation on `equipment`; `other` is the equipment from which the part was
+    /// picked.
     pub fn new(cell: &Cell, equipment: usize, other: Option<usize>) -> Self {
         Self::beside(cell, [Some(equipment), other.filter(|o| *o != equipment)])
     }
@@ -202,7 +203,8 @@ impl ErrorSource {
     }
 }
 
-/// Returns independent factors `v_f` of the covariance `C = sum_f v_f v_f^T` that a tolerance gives.
+/// Returns independent factors `v_f` of a tolerance's covariance `C = sum_f v_f v_f^T`; empty without a
+/// covariance.
 ///
 /// Each factor is a sparse vector: source indices, and the values of these sources. `place` maps the index of
 /// a robot parameter to the index of its source.

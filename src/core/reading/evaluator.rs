@@ -32,19 +32,20 @@ pub struct ErrorEvaluator {
     /// Values of the signed sample, one per source.
     pub(super) signed_values: Vec<f64>,
     pub(super) signed: PreparedSample,
-    /// Means of the sources, and the sample with these values; None if all are 0.
+    /// Means of the sources, and the sample with these values; None if all means are 0.
     pub(super) mean: Option<(Vec<f64>, PreparedSample)>,
     /// Whether only the robot has errors, and neither a registration nor a pick removes a part of these
     /// errors.
     pub(super) alone: bool,
-    /// Equipment on which the robot works, if neither a registration nor a pick removes a part of the errors.
+    /// Equipment on which the robot works; None if a registration or a pick removes a part of the errors.
     untied: Option<usize>,
     /// Method that bounds the value over all rotations of the tool by the last joint; None if no bound is
     /// known.
     pub(super) spin_bound: Option<SpinBound>,
     /// Whether the value is bit for bit the same after a rotation of the tool by the last joint.
     ignores_spin: bool,
-    /// Whether the errors of the signed sample are not tolerances ([`Cell::errors_compensate`]).
+    /// Whether the errors of the signed sample compensate each other, so that they are not tolerances
+    /// ([`Cell::errors_compensate`]).
     pub(super) errors_compensate: bool,
 }
 
@@ -289,7 +290,7 @@ impl ErrorEvaluator {
         NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
     }
 
-    /// Returns three figures of the error's components along the rows of the operation's sense. They are the
+    /// Returns three properties of the error's components along the rows of the operation's sense: the
     /// covariance (m or rad, squared), the number of rows, and the size of the mean error (m or rad).
     pub fn covariance(
         &self,

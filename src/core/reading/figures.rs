@@ -6,7 +6,7 @@ use crate::pose::Displacement;
 /// Error figures of one sense at one posture, m or rad; infinite if the errors are not tolerances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Error of the signed sample in the signed reading. In the other readings, it is the error at the corner
+    /// In the signed reading, the error of the signed sample. In the other readings, the error at the corner
     /// of the tolerance box that is worst in the operation's sense.
     pub error: f64,
     /// Worst case by the linear model, or an upper bound of it ([`super::WorstCase::linear`]).
@@ -54,8 +54,8 @@ impl Figures {
 pub struct PostureErrors {
     /// Figure that the search minimizes: an error (m or rad), or a share of failures.
     pub value: f64,
-    /// Error by the model of the cell, base frame. In the signed reading, it is the error of the signed
-    /// sample. In the other readings, it is the error at the worst corner of the tolerance box.
+    /// Error by the model of the cell, base frame. In the signed reading, this is the error of the signed
+    /// sample. In the other readings, this is the error at the worst corner of the tolerance box.
     pub error: Displacement,
     /// Error by the nonlinear model, base frame, for the sample or corner that `error` refers to.
     pub nonlinear: Displacement,

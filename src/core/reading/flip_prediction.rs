@@ -38,7 +38,7 @@ enum Owner {
     Equipment(usize),
 }
 
-/// Small motion at the latest posture and the latest corner.
+/// Small motion of the TCP or the equipment at the latest posture and the latest corner.
 #[derive(Debug, Clone, Copy)]
 struct CornerMotion {
     owner: Owner,
@@ -91,7 +91,7 @@ pub struct FlipPrediction {
     /// Motions of each source: index in `motions`, and size per unit of the source.
     sources: Vec<Vec<(usize, f64)>>,
     flips: [PredictedFlip; MAX_SOURCES],
-    /// Norms of the rows that measure positions and of those that measure rotations.
+    /// Norm of the rows that measure the position, and norm of the rows that measure the rotation.
     weights: [f64; 2],
     /// Largest sum of all rotations at any corner, rad.
     rotations: f64,
@@ -241,17 +241,17 @@ impl FlipPrediction {
         self.flips[..self.sources.len()].get(k)
     }
 
-    /// Returns an upper bound of the interaction of a flip with earlier flips: the joint change beyond the
-    /// sum of the single changes.
+    /// Returns an upper bound of the interaction of a flip with earlier flips.
     ///
-    /// The earlier flips have the given sums of rotations and of displacements.
+    /// The interaction is the change by all flips together, minus the sum of the changes by each flip alone.
+    /// `rotation` (rad) and `displacement` (m) are the sums over the earlier flips.
     pub fn product_bound(&self, (rotation, displacement): (f64, f64), flip: &PredictedFlip) -> f64 {
         let of_position = rotation * flip.displacement + displacement * flip.rotation;
         self.weights[0] * of_position + self.weights[1] * rotation * flip.rotation / 2.0
     }
 
-    /// Returns the interaction of flips of the sources `k` and `l`: the joint change beyond the sum of the
-    /// two single changes.
+    /// Returns the interaction of flips of the sources `k` and `l`: the change by both flips together, minus
+    /// the sum of the changes by each flip alone.
     pub fn product_of(
         &self,
         sources: &ErrorSources,

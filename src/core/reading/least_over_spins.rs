@@ -48,7 +48,7 @@ impl ErrorEvaluator {
         }
     }
 
-    /// Returns the method of bounding that suits this evaluator; None if no bound is known.
+    /// Returns the bounding method for this evaluator; None if no bound is known.
     pub(super) fn spin_bound_of(&self) -> Option<SpinBound> {
         // A rotation of the last joint may change an elastic deflection that acts before this joint.
         let changes = |p: Parameter| p.is_elastic() && is_behind(p, self.chain.axes());
@@ -64,8 +64,8 @@ impl ErrorEvaluator {
             Reading::Statistical => {
                 SpinBound::of_statistics(self.chain.axes(), &self.sources, &self.sense, self.quantity)
             }
-            // A mean error rotates with the tool. So do the rows of a sense in tool axes, and a measured
-            // point beside the TCP.
+            // The bound needs rows that do not rotate with the tool. Rows in tool axes and a measured point
+            // beside the TCP rotate with the tool, and a mean error may rotate with it.
             Reading::WorstCase => {
                 let turns = self.sense.frame == Frame::Tool || self.sense.point != Vector3::zeros();
                 (!turns && self.mean.is_none()).then_some(SpinBound::WorstCase)

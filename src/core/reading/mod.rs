@@ -5,17 +5,17 @@
 //! reading gives statistics of the error, for example the root sum square (RSS):
 //!
 //! ```text
-//! signed        |e|                        e = the model's error of the sample
+//! igned        |e|                        e = error of the sample by the model
 //! worst-case    max |m + sum_k s_k g_k|    over all signs s: the farthest vertex of a zonotope
 //! statistical   |mu + sum_k g_k x_k|       random x_k: its RMS, mean, percentiles, P(|e| <= limit)
 //! ```
 //!
 //! Here `g_k` is the effect of [`ErrorSource`] k along the rows of a sense ([`SenseRows`]). The source is at
 //! its tolerance in the worst-case reading, and at its standard deviation in the statistical reading. The
-//! mean error is `mu`. The linear error of the means of measured errors is `m`, which is 0 for other errors.
-//! The factors `x_k` have the distributions of the sources, scaled to unit variance. The effect excludes the
-//! error that a registration removes ([`BestFit`], [`Taught`]). For a picked part it also excludes the error
-//! of the pick ([`PickReference`]).
+//! mean error is `mu`. The vector `m` is the linear error that the means of measured errors cause; without
+//! measured errors, `m` is 0. The factors `x_k` have the distributions of the sources, scaled to unit
+//! variance. Each `g_k` excludes the error that a registration removes ([`BestFit`], [`Taught`]). For a
+//! picked part, `g_k` also excludes the error of the pick ([`PickReference`]).
 
 mod budget;
 mod corner_model;

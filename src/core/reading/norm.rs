@@ -3,7 +3,7 @@
 //! Here `mu` is the mean of `e`, and `g_k` is the effect of parameter k at one standard deviation.
 //!
 //! This is a generalized chi distribution. The Laplace transform of the density of `|e|^2` has a closed form,
-//! and its inverse transform gives the probability `P(|e| <= c)`; no moments are fitted. For normal
+//! and the inverse transform gives the probability `P(|e| <= c)`. No moments are fitted. For normal
 //! parameters the probability is accurate to 1e-10, whatever the ratios of the eigenvalues of the covariance.
 //! For other parameters, the fourth and sixth cumulants correct the transform to second order. In three
 //! dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five. If
@@ -44,9 +44,9 @@ impl NormDistribution {
     /// Returns the distribution of `|e|`, where `e` are the first `m` components of a random vector.
     ///
     /// `columns` are the effects of parameters of unit variance on `e`, and `mean` is the mean of `e`.
-    /// `kurtosis` is the excess kurtosis of each parameter; parameters beyond the end of the slice have 0. A
-    /// negative excess kurtosis must belong to a sum of equal uniform variables: -1.2 for one (uniform), -0.6
-    /// for two (triangular).
+    /// `kurtosis` is the excess kurtosis of each parameter; parameters beyond the end of the slice have an
+    /// excess kurtosis of 0. A negative excess kurtosis must belong to a sum of equal uniform variables: -1.2
+    /// for one (uniform), -0.6 for two (triangular).
     pub fn new(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> Self {
         match Spectrum::new(m, columns, kurtosis, mean) {
             None => Self { spectrum: None, unit: 0.0 },
@@ -65,7 +65,7 @@ impl NormDistribution {
     /// in `log z`, whose tails are geometric series.
     pub fn mean(&self) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
-        let step = 0.5; // accurate to 5e-12, however far from zero
+        et step = 0.5; // accurate to 5e-12, however far the mean of `e` is from zero
         let (first, last) = ((-11.0 / step) as i32, (26.0 / step) as i32);
         let mut sum = 0.0;
         for k in first..=last {

@@ -117,10 +117,10 @@ impl PositionMoments {
         self.error.product += by * self.mean.transpose();
     }
 
-    /// Adds to the error a small rotation by the angle `by` about the axis `axis` through the point
+    /// Adds a small rotation to the error: by the angle `by`, about the axis `axis` through the point
     /// `through`.
     ///
-    /// The rotation acts after all errors added before.
+    /// The rotation acts after all errors that were added before.
     pub fn add_turn(&mut self, model: Model, axis: &Vector3<f64>, through: &Vector3<f64>, by: &Turn) {
         if by.angle == 0.0 {
             return;
@@ -146,7 +146,7 @@ impl PositionMoments {
     /// Adds the frame error `error` to the position error; `frame` gives the axes and the origin of the
     /// frame.
     ///
-    /// The frame error acts after all errors added before.
+    /// The frame error acts after all errors that were added before.
     pub fn add_frame(&mut self, model: Model, frame: &Pose, error: &FrameError) {
         for (k, by) in error.turns.iter().enumerate() {
             self.add_turn(model, &frame.rotation.column(k).into_owned(), &frame.translation, by);

@@ -59,7 +59,7 @@ impl ErrorEvaluator {
 
     /// Returns all error figures of a posture, in every sense of [`ErrorEvaluator::reported`].
     ///
-    /// The worst case and the statistics are infinite unless [`Self::has_tolerances`].
+    /// The worst case and the statistics are infinite unless [`Self::has_tolerances`] returns true.
     pub fn judge(
         &self,
         context: &WorkContext,

@@ -3,9 +3,9 @@
 //!
 //! A registration is a rigid motion M fitted to the errors at several points: by least squares, or from three
 //! taught points. The controller works in the frame moved by M, so an error E at a node becomes `M^-1 E`. In
-//! the linear model this is a difference of twists. In the nonlinear and second-order models the fit is
-//! repeated on the remaining errors until these yield no further motion. This iteration converges
-//! quadratically and keeps the digits of small errors.
+//! the linear model this is a difference of twists. In the nonlinear and second-order models, the fit is
+//! repeated on the remaining errors until it finds no further motion. This iteration converges quadratically,
+//! and small errors lose no digits.
 
 use super::position_moments::ErrorMoments;
 use super::workspace_average::WorkspaceAverage;
@@ -37,8 +37,8 @@ pub struct BestFit {
     covariance: Matrix3<f64>,
     /// Inverse of the inertia matrix `E[|r|^2 I - r r^T]`, where r is the vector from the centre to the TCP.
     inverse: Matrix3<f64>,
-    /// Part of the effect of each source that the fit removes, as a twist. The reference point is the centre
-    /// of the fit.
+    /// Part of each source's effect that the fit removes, as a twist. The reference point is the centre of
+    /// the fit.
     pub effects: Effects,
 }
 
@@ -96,8 +96,8 @@ impl BestFit {
         Displacement { position: *mean, rotation: self.inverse * moment }
     }
 
-    /// Returns the part of the effect of each source that the fit removes, as a twist. The reference point is
-    /// the centre of the fit.
+    /// Returns the part of each source's effect that the fit removes, as a twist. The reference point is the
+    /// centre of the fit.
     fn of_sources(&self, chain: &Chain, sources: &ErrorSources, mean: bool) -> Effects {
         let count = sources.list.len();
         let moments =
@@ -127,8 +127,8 @@ impl BestFit {
 pub struct Taught {
     /// Postures that touch the points.
     pub postures: [Frames; 3],
-    /// Part of the effect of each source that the taught frame removes, as a twist. The reference point is
-    /// the origin of this frame.
+    /// Part of each source's effect that the taught frame removes, as a twist. The reference point is the
+    /// origin of this frame.
     pub effects: Effects,
 }
 

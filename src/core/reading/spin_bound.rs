@@ -23,18 +23,18 @@ use nalgebra::{Matrix3, Vector3};
 /// Method that bounds the value of an operation over all rotations of the tool by the last joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum SpinBound {
-    /// The values of the signed sample after any two rotations differ by at most this length, m.
+    /// Bound for a signed sample: the values after any two rotations differ by at most this length, m.
     Signed(f64),
-    /// All parameters are normal.
+    /// Bound for normal parameters.
     Normal(NormalBound),
-    /// The value is a worst case: sources behind the last joint only increase it.
+    /// Bound for a worst case, which sources behind the last joint can only increase.
     WorstCase,
 }
 
 /// Lower bound of a figure of the error if all parameters are normal.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NormalBound {
-    /// For each independent random factor, whether a rotation of the tool leaves its effect unchanged.
+    /// Whether a rotation of the tool leaves the effect of each independent random factor unchanged.
     stays: Vec<bool>,
     figure: CentredBound,
 }

@@ -88,8 +88,8 @@ impl ErrorEvaluator {
     }
 }
 
-/// Returns the greatest length of the sum of all columns, each with a sign, that a few steps of ascent find.
-/// The farthest vertex of the zonotope is at least this far from the origin.
+/// Returns the length of the longest signed sum of all columns that a few steps of ascent find. The farthest
+/// vertex of the zonotope is at least this far from the origin.
 fn bad_corner(columns: &[Vector6<f64>]) -> f64 {
     let mut longest = 0.0;
     let mut along = columns.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied();

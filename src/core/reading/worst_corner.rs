@@ -41,7 +41,8 @@ impl ErrorEvaluator {
         worst
     }
 
-    /// Returns the signs of the sources at a corner of the local search, in which the mean has a sign, too.
+    /// Converts a corner of the local search to signs of the sources. In the local search, the mean also has
+    /// a sign.
     pub fn signs_of_sources(&self, signs: &[f64; MAX_SOURCES]) -> [f64; MAX_SOURCES] {
         if self.is_reversed(signs) { signs.map(|sign| -sign) } else { *signs }
     }
@@ -57,8 +58,8 @@ impl ErrorEvaluator {
 
     /// Returns two corners of the tolerance box, each as one sign per source.
     ///
-    /// By the linear model, the TCP has the largest displacement at the first corner and the largest rotation
-    /// at the second.
+    /// By the linear model, the TCP has the largest displacement at the first corner, and the largest
+    /// rotation at the second corner.
     fn largest(&self, effects: &Effects, scratch: &mut ZonotopeScratch) -> [[f64; MAX_SOURCES]; 2] {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         [false, true].map(|turns| {

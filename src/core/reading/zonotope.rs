@@ -7,10 +7,11 @@
 //! planes perpendicular to the generators cut the sphere of directions into cells, one per vertex. So it
 //! suffices to visit every cell:
 //!
-//! - 2-D: rotate a direction by half a turn; the signs flip one after another, in the order of the angles;
-//! - 3-D: the planes cut the sphere in great circles, and every cell borders on a circle; walk along each
-//!   circle as in 2-D and visit the cells on both sides (`circle_walk`). If all joint axes are parallel,
-//!   every generator lies in one plane or along its normal; then a 2-D walk in this plane suffices;
+//! - 2-D: a direction rotates by half a turn, and the signs flip one after another in the order of the
+//!   angles.
+//! - 3-D: the planes cut the sphere in great circles, and every cell borders on a circle. A walk along each
+//!   circle, as in 2-D, visits the cells on both sides (`circle_walk`). If all joint axes are parallel, every
+//!   generator lies in one plane or along its normal. Then a 2-D walk in this plane suffices.
 //! - 4-D to 6-D: branch and bound (`branch_and_bound`).
 //!
 //! For a few generators all corners are tried (`sign_table`). Every candidate is a true corner, so ties and
@@ -44,7 +45,7 @@ const PERPENDICULAR: f64 = 1e-14;
 
 /// Working memory of the functions `farthest_2` to `farthest_6`; its content does not affect results.
 ///
-/// Each part takes tens of kilobytes on the heap, so a move of this memory moves only pointers.
+/// Each part is a box that holds tens of kilobytes on the heap. So moving this value copies only pointers.
 #[derive(Default)]
 pub struct ZonotopeScratch {
     walk: Box<CircleWalk>,

@@ -1,7 +1,7 @@
-//! Lower bounds of figures of the norm of a centred normal vector, from its variances alone.
+//! Lower bounds of the RMS, the mean and percentiles of the norm of a centred normal vector.
 //!
-//! The norm depends only on the eigenvalues of the covariance. With the largest eigenvalue as unit, a figure
-//! is a function of one ratio of eigenvalues in a plane, and of two ratios in space. The figure never
+//! The norm depends only on the eigenvalues of the covariance. If the largest eigenvalue is the unit, such a
+//! figure is a function of one ratio of eigenvalues in a plane, and of two ratios in space. The figure never
 //! decreases if a ratio increases (T. W. Anderson, Proc. Amer. Math. Soc. 6 (1955) 170-176). So the sample at
 //! the next smaller ratios is a lower bound. This bound is at most 0.2 % below the figure in a plane, and at
 //! most 3 % in space.

@@ -13,7 +13,7 @@ const MAX_EXCESS: f64 = 0.1;
 /// Factor by which [`excess`] multiplies [`excess_of_lone`].
 ///
 /// At this value, the probabilities of 600 random sets of parameters agree with Monte Carlo estimates within
-/// 0.005. The errors that these parameters cause have one to six components.
+/// 0.005. These sets of parameters cause errors of one to six components.
 const ALONE_WEIGHT: f64 = 2.1;
 
 /// Distribution of the norm `|e|` of an error `e`, by the method that suits the parameters.

@@ -14,7 +14,7 @@ use crate::cell::Distribution;
 use crate::reading::MAX_SOURCES;
 use nalgebra::Vector6;
 
-/// Largest number of parameters that have a term of their own; the dominating parameter does not count.
+/// Largest number of parameters with their own terms, without the dominating parameter.
 ///
 /// The other six coordinates of a point belong to the terms of the merged parameters.
 const MAX_OWN: usize = COORDINATES - 6;
@@ -27,7 +27,8 @@ const MAX_REST_EXCESS: f64 = 0.008;
 
 /// Factor in [`weight`] for a parameter that alone varies the error in its direction.
 ///
-/// It multiplies the ratio of the standard deviation of the parameter to that of the error.
+/// The factor multiplies the standard deviation of the parameter divided by the standard deviation of the
+/// error.
 const THIN_WEIGHT: f64 = 0.5;
 
 /// Random term of an error: `effect` times a function of a random variable z.
@@ -51,7 +52,8 @@ impl RandomTerm {
     /// error.
     ///
     /// `effects` holds the effects of independent parameters on the `m` components of the error, at one
-    /// standard deviation. The function sets an effect to zero if its parameter gets a term of its own.
+    /// standard deviation. If a parameter gets its own term, the function sets the effect of this parameter
+    /// to zero.
     pub fn of_parameters(
         m: usize,
         effects: &mut [Vector6<f64>],
@@ -101,7 +103,7 @@ fn take_dominating(
 ///
 /// The result is at least `share^2`. If `alone` is 1, only this parameter varies the error in its direction.
 /// Then the probabilities of small norms depend on this parameter in proportion to its standard deviation.
-/// `sqrt(share)` is the standard deviation of the parameter divided by that of the error.
+/// `sqrt(share)` is the standard deviation of the parameter divided by the standard deviation of the error.
 fn weight((share, alone): (f64, f64)) -> f64 {
     (share * share).max(THIN_WEIGHT * alone * alone * share.sqrt())
 }

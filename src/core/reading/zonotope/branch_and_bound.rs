@@ -66,7 +66,7 @@ impl Default for BranchAndBound {
 }
 
 impl BranchAndBound {
-    /// Writes to `corner` the signs with which the norm of the sum is largest among all sums found.
+    /// Writes the signs of the longest sum found to `corner`.
     ///
     /// Returns a proven upper bound of the norm over all signs; None if the signs found are proven to be the
     /// best.
