@@ -5,7 +5,7 @@
 //! reading gives statistics of the error, for example the root sum square (RSS):
 //!
 //! ```text
-//! igned        |e|                        e = error of the sample by the model
+//! signed        |e|                        e = error of the sample by the model
 //! worst-case    max |m + sum_k s_k g_k|    over all signs s: the farthest vertex of a zonotope
 //! statistical   |mu + sum_k g_k x_k|       random x_k: its RMS, mean, percentiles, P(|e| <= limit)
 //! ```

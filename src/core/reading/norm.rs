@@ -65,7 +65,7 @@ impl NormDistribution {
     /// in `log z`, whose tails are geometric series.
     pub fn mean(&self) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
-        et step = 0.5; // accurate to 5e-12, however far the mean of `e` is from zero
+        let step = 0.5; // accurate to 5e-12, however far the mean of `e` is from zero
         let (first, last) = ((-11.0 / step) as i32, (26.0 / step) as i32);
         let mut sum = 0.0;
         for k in first..=last {
