@@ -2,8 +2,8 @@
 
 use nalgebra::Vector6;
 
-/// Convex constraint on the tolerance scales `u`: an affine function or its norm is at most 1, the scaled
-/// limit.
+/// Convex constraint on the tolerance scales `u`: an affine function of `u`, or its norm, is at most 1 (the
+/// scaled limit).
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConeCut {
     /// One sign pattern in one axis: `constant + sum_k columns_k u_k <= 1`.
@@ -71,10 +71,10 @@ impl ConeCut {
 
     /// Adds the linear inequality that a dual vector of the constraint proves: `prices . u <= limit`.
     ///
-    /// Let `s` be the vector whose norm the cut limits. For any vector y, `|s| <= 1` implies `y . s <=
-    /// |y|`. The dual vector `z` of a second-order cone holds `-y` after its first component. The
-    /// inequality is therefore exact, whatever the accuracy of `z`. Returns `|y|`, the shadow price of the
-    /// limit.
+    /// Let `s` be the vector whose norm the cut limits. For any vector y, `|s| <= 1` implies
+    /// `y . s <= |y|`. The dual vector `z` of a second-order cone holds `-y` after its first component. The
+    /// inequality therefore holds exactly, whatever the accuracy of `z`. Returns `|y|`, the shadow price of
+    /// the limit.
     pub fn add_inequality(&self, z: &[f64], prices: &mut [f64], limit: &mut f64) -> f64 {
         match self {
             Self::Row { columns, constant } => {

@@ -1,4 +1,4 @@
-//! Cone program for the cheapest scales that satisfy a list of cuts. The library clarabel solves it.
+//! Cone program for the cheapest scales that satisfy a list of cuts. The crate `clarabel` solves the program.
 //!
 //! The variables are the scales `u_k`, an upper bound `e_k` of each continuous cost, and a share of each
 //! grade. The costs are expressed as cones:

@@ -1,4 +1,4 @@
-//! Cutting planes: the relaxed problem solved with the cuts that bind.
+//! Cutting planes: solves the relaxed problem with only the cuts that bind.
 
 use super::cone_cut::ConeCut;
 use super::cone_program::{COARSE, FINE, ScaleDomain, solve};
@@ -34,7 +34,8 @@ pub struct RelaxedSolution {
     pub scales: Vec<f64>,
     /// Lower bound of the cost of all scales in the domains that keep every requirement.
     pub bound: f64,
-    /// Price of every scale: the slope of the Lagrangian without the cost, at the solution.
+    /// Price of every scale: the derivative of the Lagrangian without its cost term with respect to this
+    /// scale, at the solution.
     pub prices: Vec<f64>,
     /// Shadow price of the limit of every requirement: the cost saved per relative increase of the limit.
     pub shadow: Vec<f64>,
@@ -75,8 +76,8 @@ impl CutPool {
             self.separate(figures, &shrunk, 0.9, scratch);
         }
         let mut best: Option<RelaxedSolution> = None;
-        // Dual ascent already gives the cuts that bind. Without it, coarse solutions find most of these cuts,
-        // and fine solutions find the others.
+        // Dual ascent already gives the cuts that bind. Without dual ascent, coarse solutions find most of
+        // these cuts, and fine solutions find the rest.
         let has_many_cuts = figures.iter().any(LinearFigure::has_many_cuts);
         let (mut tolerance, mut violation) = match has_many_cuts && !knows_cuts {
             true => (COARSE, COARSE_VIOLATION),
@@ -103,8 +104,8 @@ impl CutPool {
         best
     }
 
-    /// Adds cuts for the requirements whose figures exceed `threshold` most, at most `MAX_NEW_CUTS` of
-    /// them. Returns whether there is a new cut.
+    /// Adds cuts for the requirements whose figures exceed `threshold` most, at most `MAX_NEW_CUTS` of them.
+    /// Returns whether a cut was added.
     fn separate(
         &mut self,
         figures: &[LinearFigure],
@@ -168,8 +169,8 @@ impl ScaleDomain {
     }
 }
 
-/// Reduces all scales by the largest relative violation of a limit. The limited accuracy of the solver
-/// causes the violation.
+/// Divides all scales by the largest figure if this figure exceeds its limit of 1. The limited accuracy of
+/// the solver causes such a violation.
 pub fn keep_limits(
     costs: &[ToleranceCost],
     figures: &[LinearFigure],

@@ -49,7 +49,8 @@ pub struct PricedScales {
     pub lower_bound: f64,
     /// Shadow price of the limit of every figure: the cost saved per relative increase of the limit.
     pub shadow_prices: Vec<f64>,
-    /// Price of every scale: the slope of the Lagrangian without the cost, at the solution.
+    /// Price of every scale: the derivative of the Lagrangian without its cost term with respect to this
+    /// scale, at the solution.
     pub(super) prices: Vec<f64>,
     /// Constraints that bind, each with the index of its figure.
     pub(super) cuts: Vec<(usize, ConeCut)>,
@@ -163,7 +164,7 @@ fn ascend(costs: &[ToleranceCost], terms: &mut Vec<DualTerm>, tolerance: f64) ->
         let gain = gradient.dot(&step);
         let is_near = gain <= CONVERGED * point.value.abs();
         let next = match is_near {
-            // Rounding hides the gain, so the derivatives show whether the step is good.
+            // Rounding hides the gain, so the derivatives decide whether the step is accepted.
             true => polished(costs, terms, &step, largest),
             false => line_search(costs, terms, &step, (&point, gain)),
         };
@@ -173,7 +174,7 @@ fn ascend(costs: &[ToleranceCost], terms: &mut Vec<DualTerm>, tolerance: f64) ->
     Some(point)
 }
 
-/// Returns the dual and its terms after a whole step. Returns None unless the step keeps every term and at
+/// Returns the dual and its terms after a full step. Returns None unless the step keeps every term and at
 /// least halves the largest derivative.
 fn polished(
     costs: &[ToleranceCost],
@@ -208,10 +209,10 @@ fn newton_step(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector
     None
 }
 
-/// Returns the dual and its terms after the first step length that raises the dual enough; None if no
-/// length does.
+/// Returns the dual and its terms after the first step length that raises the dual enough. Returns None if no
+/// length raises the dual enough.
 ///
-/// The lengths are tried in descending order, from the whole step on. Next come the lengths at which a
+/// The lengths are tried in descending order, beginning with the full step. Next come the lengths at which a
 /// multiplier reaches 0; the term of this multiplier is then dropped. Halvings of the shortest of these
 /// lengths come last.
 fn line_search(

@@ -126,7 +126,7 @@ pub fn crossings(terms: &[DualTerm], step: &DVector<f64>) -> Vec<f64> {
         let size = term.y.norm_squared();
         at += term.count();
         if size + along < 0.0 {
-            // The length is slightly greater, so that rounding does not keep the term.
+            // This length is slightly greater than the exact length, so that rounding does not keep the term.
             found.push(-size / along * (1.0 + 1e-9));
         }
     }
@@ -134,7 +134,7 @@ pub fn crossings(terms: &[DualTerm], step: &DVector<f64>) -> Vec<f64> {
     found
 }
 
-/// Returns the terms with their multipliers moved by a step; terms whose multipliers would pass 0 are left
+/// Returns the terms with their multipliers moved by a step. Terms whose multipliers would pass 0 are left
 /// out.
 pub fn stepped(terms: &[DualTerm], step: &DVector<f64>, length: f64) -> Vec<DualTerm> {
     let mut at = 0;

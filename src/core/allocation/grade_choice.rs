@@ -3,7 +3,7 @@
 //! Each branch permits some of the grades of every parameter. The lower bound of a branch is the Lagrangian
 //! bound of its relaxation. A grade is discarded if the bound with this grade alone exceeds the best known
 //! cost (reduced-cost fixing). The scales of a relaxation, rounded to the next tighter grades, keep the
-//! requirements. They are then improved by loosening single grades.
+//! requirements. The rounded scales are then improved by loosening single grades.
 
 use super::cone_program::ScaleDomain;
 use super::cutting_planes::{CutPool, RelaxedSolution, keep_limits};
@@ -199,8 +199,7 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Reduces the continuous scales by the violation of a limit that the limited accuracy of the solver
-    /// causes.
+    /// Reduces the continuous scales to remove a violation that the limited accuracy of the solver causes.
     fn shrink_continuous(&mut self, scales: &mut [f64]) {
         let grades: Vec<(usize, f64)> = (0..scales.len())
             .filter(|&k| !self.costs[k].grades().is_empty())
@@ -212,7 +211,7 @@ impl GradeSearch<'_> {
         }
     }
 
-    /// Loosens the one grade that saves most and keeps the requirements; returns false if there is no such
+    /// Loosens the one grade that saves most and keeps the requirements. Returns false if there is no such
     /// grade.
     fn loosen(&mut self, scales: &mut [f64]) -> bool {
         let mut steps: Vec<(f64, usize, f64)> = Vec::new();

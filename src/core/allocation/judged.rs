@@ -3,10 +3,10 @@
 //!
 //! In each round, the linear figure of a requirement is multiplied by a factor. The scaled figure equals the
 //! judged figure at the scales of the previous round. The square of a judged figure may be a convex function
-//! of the squared scales, as for a high percentile. Then the linear figures bound the judged figure from
-//! below, and all of them are kept as cuts. Kelley's method then converges to the cheapest tolerances (J. E.
-//! Kelley, "The cutting-plane method for solving convex programs", J. SIAM 8, 1960). Otherwise each round
-//! replaces the linear figures of the previous round.
+//! of the squared scales, for example if the figure is a high percentile. In that case the linear figures
+//! bound the judged figure from below, and all of them are kept as cuts. Kelley's method then converges to
+//! the cheapest tolerances (J. E. Kelley, "The cutting-plane method for solving convex programs", J. SIAM 8,
+//! 1960). Otherwise each round replaces the linear figures of the previous round.
 
 use super::linear_figure::{FigureScratch, LinearFigure};
 use super::problem::{ToleranceProblem, ToleranceRequirement};
@@ -20,7 +20,7 @@ const MAX_ROUNDS: usize = 40;
 const MAX_REPLACING_ROUNDS: usize = 10;
 /// Largest number of reductions of all tolerances after the last round.
 const MAX_REDUCTIONS: usize = 8;
-/// Relative excess of a judged figure over its limit up to which the limit counts as kept.
+/// Largest relative excess of a judged figure over its limit at which the limit still counts as kept.
 pub const JUDGED_EXCESS: f64 = 1e-6;
 /// Share of the largest ratio of figure to limit. A requirement with a ratio above this share gets a cut
 /// before the first solution.
@@ -117,8 +117,10 @@ impl LinearModel<'_> {
 ///
 /// The limits are in the unit of the figures.
 ///
-/// # Errors Returns the excess over the limits if even the tightest tolerances exceed a limit. Returns a
-/// failure if the solver or the judge fails.
+/// # Errors
+///
+/// Returns the excess over the limits if even the tightest tolerances exceed a limit. Returns
+/// [`AllocationFailure::NotSolved`] if the solver or the judge fails.
 pub fn allocate_judged(
     costs: &[ToleranceCost],
     limits: &[f64],
@@ -151,7 +153,7 @@ pub fn allocate_judged(
         let is_free = allocation.shadow_prices.iter().all(|price| *price == 0.0);
         let is_settled =
             excess <= JUDGED_EXCESS && (keeps_cuts || is_same || is_free || excess >= -JUDGED_EXCESS);
-        // A later round replaces an earlier one unless it exceeds the limits more.
+        // A later round replaces the best earlier round unless the later one exceeds the limits by more.
         if before.is_none_or(|(least, _)| excess <= least.max(JUDGED_EXCESS)) {
             let judged = values.clone();
             best =

@@ -124,7 +124,7 @@ impl LimitRow {
         if self.excess(costs, p, q, 0.0).0 <= 0.0 {
             return 0.0;
         }
-        // For reciprocal costs without bounds, the multiplier is about the cost.
+        // For reciprocal costs without bounds, the multiplier is about equal to the cost.
         let mut x = costs.iter().map(|c| c.cost(1.0).abs()).sum::<f64>().max(1e-12).ln();
         let (mut low, mut high) = (x - WIDEST, x + WIDEST);
         for _ in 0..MAX_STEPS {

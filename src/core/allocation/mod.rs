@@ -11,11 +11,12 @@
 //! statistics  F_i(u) = sqrt(f^2 + sum_k w_ik u_k^2)                       (root sum square)
 //! ```
 //!
-//! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one second-order cone.
-//! A worst case is one second-order cone for each sign pattern; in one axis it is one linear row. In a plane, the
-//! patterns depend only on the directions of the generators, so n generators have at most n patterns. Cutting planes
-//! (`ConeCut`) add the patterns that bind: the exact worst case finds the pattern that a solution violates. Every
-//! requirement adds cuts only while it is violated, so many nodes cost little.
+//! The costs `c_k` decrease and are convex, so this is a convex program. A root sum square is one
+//! second-order cone. A worst case is one second-order cone for each sign pattern; in one axis it is one
+//! linear row. In a plane, the patterns depend only on the directions of the generators, so n generators have
+//! at most n patterns. Cutting planes (`ConeCut`) add the patterns that bind: the exact worst case finds the
+//! pattern that a solution violates. A requirement adds cuts only while a solution violates it, so many nodes
+//! cost little.
 //!
 //! Continuous costs are solved by Newton's method on the dual, which has a few variables ([`priced_scales`]).
 //! Two cases are solved as cone programs by the crate `clarabel`: discrete grades, and a gap that Newton's

@@ -25,9 +25,9 @@ pub struct NearbyPrice {
 }
 
 impl NearbyPrice {
-    /// Finds the cheapest tolerances that keep every limit, which is 1 for each figure.
+    /// Finds the cheapest tolerances with which no figure exceeds its limit of 1.
     ///
-    /// Returns None for discrete grades, or if the ascent does not find these tolerances.
+    /// Returns None if a cost has discrete grades, or if the ascent does not find these tolerances.
     pub fn new(
         costs: &[ToleranceCost],
         figures: &[LinearFigure],

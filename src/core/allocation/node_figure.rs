@@ -33,7 +33,7 @@ impl NodeFigure<'_> {
     /// Returns the figure of the reading, m or rad. Any reading except the statistical one counts as worst
     /// case.
     ///
-    /// For the yield, this is the percentile that must not exceed the limit.
+    /// If the quantity is the yield, the result is the percentile that must not exceed the limit.
     pub fn value(&self, memory: &mut EvaluatorScratch) -> f64 {
         self.value_of(self.evaluator, memory)
     }
@@ -74,8 +74,8 @@ impl NodeFigure<'_> {
     /// Returns whether the squared figure is a convex function of the squared scales, apart from nonlinear
     /// effects.
     ///
-    /// The square of a high percentile is convex. Up to a factor, it lies between the largest eigenvalue
-    /// and the trace of the covariance. The square of a mean or of a low percentile is not convex.
+    /// The square of a high percentile is convex. Up to a factor, this square lies between the largest
+    /// eigenvalue and the trace of the covariance. The square of a mean or of a low percentile is not convex.
     pub fn is_convex(&self) -> bool {
         match (self.evaluator.reading, self.evaluator.quantity) {
             (Reading::Statistical, Quantity::P95 | Quantity::P99) => true,
@@ -113,8 +113,8 @@ impl NodeFigure<'_> {
         LinearFigure::WorstCase { rows: measure.rows(), generators, fixed }
     }
 
-    /// Returns the root sum square whose square is the mean square of the error without its mean, times
-    /// `ratio`.
+    /// Returns a root sum square that leaves out the mean error. The square of the result is `ratio` times
+    /// the mean square of the deviation from the mean.
     pub fn mean_square(&self, free: &[Parameter], ratio: f64, memory: &mut EvaluatorScratch) -> LinearFigure {
         let (mut squares, of_mean, constant) = self.squares(free, memory);
         squares.iter_mut().for_each(|w| *w *= ratio);
@@ -163,8 +163,8 @@ impl NodeFigure<'_> {
     }
 
     /// Returns three results. The first is the mean square that each free parameter causes at its present
-    /// tolerance. The second is the square of the mean error. The third is the second plus the mean square of
-    /// all other errors.
+    /// tolerance. The second is the square of the mean error. The third is the second result plus the mean
+    /// square of all other errors.
     fn squares(&self, free: &[Parameter], memory: &mut EvaluatorScratch) -> (Vec<f64>, f64, f64) {
         let Self { evaluator, context, frames, .. } = self;
         evaluator.prepare(context, frames, memory);
@@ -286,7 +286,7 @@ fn percentile_slopes(
     let present = square(&variances);
     let mut slopes = Matrix6::zeros();
     // The squared percentile is homogeneous, so the slope with respect to the largest variance follows from
-    // the others.
+    // the other slopes.
     let mut of_largest = present / largest;
     for (k, variance) in variances.iter().enumerate().skip(1) {
         let step = STEP * variance.max(LEAST_VARIANCE * largest);

@@ -1,8 +1,8 @@
 //! Prices of nodes: the cost of the cheapest tolerances with which an operation keeps its limit at a node.
 //!
 //! A search compares thousands of nodes, so a price uses the linear error model. [`super::allocate_judged`]
-//! judges the resulting layout by the full model. Prices by the full model differ by a few per cent if the
-//! tolerances are wide.
+//! judges the resulting layout by the full model. Prices by the full model would differ by a few per cent if
+//! the tolerances are wide.
 
 use super::dual_ascent::priced_scales;
 use super::limit_row::LimitRow;
@@ -25,7 +25,7 @@ pub(super) const GAP: f64 = 1e-6;
 const ROUGH: (usize, usize) = (1, 2);
 /// Effort of a sharp bound, with the same two numbers as [`ROUGH`].
 const SHARP: (usize, usize) = (4, 8);
-/// Relative amount by which rounding may raise a bound.
+/// Largest relative amount by which rounding may raise a bound.
 pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Tolerances of a cell with their cost models.
@@ -55,7 +55,7 @@ pub struct OperationPricing {
 impl TolerancePricing {
     /// Collects the tolerances that act on the operations of a cell; None if there are no such tolerances.
     ///
-    /// Measured and correlated errors have no tolerance of their own.
+    /// Measured and correlated errors have no separate tolerance.
     pub fn new(cell: &Cell, evaluators: &[&ErrorEvaluator]) -> Option<Self> {
         let mut parameters: Vec<Parameter> = Vec::new();
         for source in evaluators.iter().flat_map(|evaluator| &evaluator.sources.list) {
@@ -80,7 +80,7 @@ impl TolerancePricing {
         self.most
     }
 
-    /// Returns the cost of the cheapest tolerances that keep every limit, which is 1 for each figure.
+    /// Returns the cost of the cheapest tolerances with which no figure exceeds its limit of 1.
     ///
     /// If even the tightest tolerances exceed a limit, the result is their cost multiplied by the largest
     /// figure.
@@ -111,7 +111,8 @@ impl TolerancePricing {
         priced.unwrap_or_else(|| self.solved(figures))
     }
 
-    /// Returns the cost that the cone programs find; the cost of the tightest tolerances if they fail.
+    /// Returns the cost that the cone programs find. If these programs fail, returns the cost of the tightest
+    /// tolerances.
     fn solved(&self, figures: &[LinearFigure]) -> f64 {
         let requirement = |figure: &LinearFigure| ToleranceRequirement { figure: figure.clone(), limit: 1.0 };
         let requirements = figures.iter().map(requirement).collect();
@@ -124,7 +125,7 @@ impl TolerancePricing {
     /// Returns a lower bound of the price of one figure, from at most `directions` directions of the error.
     ///
     /// The bound for one direction gives scales. The direction of the worst case at these scales is tried
-    /// next, because it is often the best.
+    /// next, because this direction is often the best.
     fn bound(
         &self,
         figure: &LinearFigure,

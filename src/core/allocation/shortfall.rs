@@ -7,7 +7,7 @@ use super::problem::ToleranceProblem;
 /// Relative excess up to which the tightest tolerances count as keeping a limit.
 const ROUNDING: f64 = 1e-12;
 
-/// Requirement that even the tightest tolerances exceed.
+/// Requirement that even the tightest tolerances do not keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToleranceShortfall {
     pub requirement: usize,
@@ -28,7 +28,7 @@ pub struct BoundInTheWay {
     pub without: f64,
 }
 
-/// Returns the requirements that the tightest tolerances exceed.
+/// Returns the requirements that the tightest tolerances do not keep.
 pub fn shortfalls(problem: &ToleranceProblem, scratch: &mut FigureScratch) -> Vec<ToleranceShortfall> {
     let mut tightest: Vec<f64> = problem.costs.iter().map(|cost| cost.range.0).collect();
     let mut found = Vec::new();

@@ -43,8 +43,10 @@ pub enum AllocationFailure {
 
 /// Finds the cheapest tolerances that keep all requirements.
 ///
-/// # Errors Returns the excess over the limits if even the tightest tolerances exceed a limit. Returns a
-/// failure if the solver fails.
+/// # Errors
+///
+/// Returns the excess over the limits if even the tightest tolerances exceed a limit. Returns
+/// [`AllocationFailure::NotSolved`] if the solver fails.
 pub fn allocate(problem: &ToleranceProblem) -> Result<ToleranceAllocation, AllocationFailure> {
     let mut scratch = FigureScratch::default();
     let ToleranceProblem { costs, requirements } = problem;

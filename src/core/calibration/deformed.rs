@@ -12,11 +12,12 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Debug, Clone)]
 pub struct Deformed {
     pub interface: Pose,
-    /// Frame before each row, where dq and dr act along z.
+    /// Frame before each Denavit-Hartenberg row. Here dq acts about z (along z for a prismatic joint), and dr
+    /// along z.
     before: Vec<Pose>,
-    /// Frame after the common normal of each row, where dl and dalpha act along x.
+    /// Frame after the common normal of each row. Here dl acts along x, and dalpha about x.
     normal: Vec<Pose>,
-    /// Frame after the twist of each row, in which dbeta is a rotation about y.
+    /// Frame after the twist of each row. Here dbeta acts about y.
     after: Vec<Pose>,
     /// Actuator coordinates, rad or m.
     q: JointVector,

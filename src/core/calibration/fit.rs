@@ -1,4 +1,4 @@
-//! The fit of all unknowns to the measured positions of all sessions.
+//! Fit of all unknowns to the measured positions of all sessions.
 
 use super::fit_state::{FitProblem, FitState, factor};
 use super::harmonics::improve_deviations;
@@ -11,19 +11,18 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Largest number of Newton steps.
 const STEPS: usize = 100;
-/// Largest step, in standard deviations before the measurement, at which the fit has converged.
+/// Largest step, in prior standard deviations, at which the fit has converged.
 const CONVERGED: f64 = 1e-6;
 /// Smallest share of a scoring step by which the variances change.
 const LEAST_SHARE: f64 = 0.1;
-/// Largest step, in standard deviations before the measurement, at which the variances may count as
-/// converged.
+/// Largest step, in prior standard deviations, at which the variances may count as converged.
 const ROUGHLY: f64 = 1e-3;
-/// Largest step, in standard deviations before the measurement, that need not lower the loss.
+/// Largest step, in prior standard deviations, that need not lower the loss.
 const SURE: f64 = 0.1;
 /// Factor by which the damping grows after a step that raised the loss. The damping shrinks by the same
 /// factor after any other step.
 const DAMPING: f64 = 4.0;
-/// Damping up to which a successful step ends the damping.
+/// Largest damping that a successful step sets to 0.
 const LEAST_DAMPING: f64 = 0.1;
 /// Largest relative change of a variance that counts as converged.
 const SETTLED: f64 = 1e-2;
@@ -67,7 +66,7 @@ impl<'a> Fit<'a> {
     /// Returns the fit to the sessions without some of their positions, with the same variances.
     ///
     /// A single Newton step is exact up to second-order terms of the change, because errors are small.
-    /// Returns None if the other positions do not determine the unknowns.
+    /// Returns None if the remaining positions do not determine the unknowns.
     pub fn without(&self, all: &NormalEquations, left_out: &[MeasuringSession]) -> Option<Self> {
         let left_out = NormalEquations::of_positions(&self.state, left_out, 1.0);
         let (step, covariance) = all.without(&left_out).with_expectations(&self.state, 0.0).solution()?;
@@ -112,8 +111,8 @@ impl<'a> Fit<'a> {
         Err(format!("the fit has not converged after {STEPS} steps"))
     }
 
-    /// Takes a Levenberg-Marquardt step, and returns the largest change of an unknown, in standard deviations
-    /// before the measurement.
+    /// Takes a Levenberg-Marquardt step, and returns the largest change of an unknown, in prior standard
+    /// deviations.
     ///
     /// A long step that raises the loss is undone, and the damping grows.
     fn take_step(&mut self, sessions: &[MeasuringSession], damping: &mut f64) -> Result<f64, String> {

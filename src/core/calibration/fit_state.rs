@@ -12,7 +12,7 @@ use nalgebra::{Cholesky, Const, Matrix3, Vector3};
 
 /// Normalised residual above which the loss grows linearly (Huber 1964).
 const HUBER: f64 = 4.0;
-/// Standard deviation of the coordinates of a reflector before the measurement, m.
+/// Prior standard deviation of each coordinate of a reflector, m.
 pub(super) const FARTHEST_REFLECTOR: f64 = 1.0;
 
 /// Arm and unknowns of a fit.
@@ -20,8 +20,7 @@ pub(super) const FARTHEST_REFLECTOR: f64 = 1.0;
 pub(super) struct FitProblem<'a> {
     pub chain: &'a Chain,
     pub unknowns: &'a [Unknown],
-    /// Standard deviations of the unknowns before the measurement; the fit improves the standard deviations
-    /// of harmonics.
+    /// Prior standard deviations of the unknowns. The fit adjusts the standard deviations of harmonics.
     pub priors: &'a [f64],
 }
 
@@ -39,7 +38,7 @@ impl FitProblem<'_> {
 pub(super) struct FitState<'a> {
     pub question: FitProblem<'a>,
     pub values: Vec<f64>,
-    /// Standard deviations of the unknowns before the measurement.
+    /// Prior standard deviations of the unknowns; the fit has adjusted the standard deviations of harmonics.
     pub priors: Vec<f64>,
     pub frames: Vec<SessionFrames>,
     pub misfit: ResidualVariances,
@@ -58,7 +57,7 @@ pub(super) struct PositionEquation {
 }
 
 impl<'a> FitState<'a> {
-    /// Returns the nominal arm with frames that align it to the measured positions.
+    /// Returns the state of the nominal arm, with the session frames aligned to the measured positions.
     ///
     /// Returns an error that names a session whose positions do not determine the base.
     pub fn nominal(question: FitProblem<'a>, sessions: &[MeasuringSession]) -> Result<Self, String> {
@@ -97,7 +96,7 @@ impl<'a> FitState<'a> {
     }
 
     /// Returns half the sum of the squares of all residuals and unknowns, each divided by its standard
-    /// deviation. Outliers count by Huber's loss.
+    /// deviation. Outliers count with Huber's loss.
     pub fn loss(&self, sessions: &[MeasuringSession]) -> f64 {
         let measured =
             sessions.iter().enumerate().flat_map(|(s, session)| session.measured.iter().map(move |m| (s, m)));
@@ -141,7 +140,7 @@ impl<'a> FitState<'a> {
     }
 }
 
-/// Returns the displacement of the point `at` (m, base frame) per unit of every actuator.
+/// Returns the displacement of the point `at` (m, base frame) per unit of every actuator coordinate.
 pub(super) fn drives(chain: &Chain, pose: &Deformed, at: &Vector3<f64>) -> Vec<Vector3<f64>> {
     let motion = |j: usize| pose.motion(chain, Unknown::Row(Parameter::Dq(j)), at).slope;
     (0..chain.axes()).map(motion).collect()

@@ -7,13 +7,13 @@
 //! e_j(q_j) = sum_k a_jk cos(k q_j) + b_jk sin(k q_j),   a_jk, b_jk ~ N(0, (f_j s_k)^2)
 //! ```
 //!
-//! Here `s_k` is the expected standard deviation of a coefficient of order k. So `e_j` is a Gaussian
-//! process, in which nearby postures share their error. Outside the measured range, the error is as
-//! uncertain as before the measurement. The factor `f_j^2` is the sum of the squared coefficients, in units
-//! of `s_k`, divided by the number of coefficients that the data determine. The fit estimates this factor
-//! together with the coefficients (D. J. C. MacKay, "Bayesian interpolation", Neural Computation 4, 1992).
-//! The expectation that `f_j` is 1 counts as much as twenty coefficients. This weight is high because the
-//! errors in the measured range say little about the rest of the revolution.
+//! Here `s_k` is the expected standard deviation of a coefficient of order k. So `e_j` is a Gaussian process,
+//! in which nearby postures have nearly the same error. Outside the measured range, the error is as uncertain
+//! as before the measurement. The factor `f_j^2` is the sum of the squared coefficients, in units of `s_k`,
+//! divided by the number of coefficients that the data determine. The fit estimates this factor together with
+//! the coefficients (D. J. C. MacKay, "Bayesian interpolation", Neural Computation 4, 1992). The expectation
+//! that `f_j` is 1 counts as much as twenty coefficients. This weight is high because the errors in the
+//! measured range say little about the rest of the revolution.
 
 use super::unknown::{Unknown, expected_harmonic};
 use crate::cell::{JointKind, MAX_JOINTS};
@@ -33,16 +33,16 @@ pub fn harmonics(chain: &Chain, orders: usize) -> Vec<Unknown> {
     turning.flat_map(of_joint).collect()
 }
 
-/// Returns the cosine or the sine of a multiple of an angle.
+/// Returns the sine of `order` times the angle `q` (rad) if `sine` is true, otherwise the cosine.
 pub(super) fn wave(q: f64, order: usize, sine: bool) -> f64 {
     let angle = order as f64 * q;
     if sine { angle.sin() } else { angle.cos() }
 }
 
-/// Updates the prior standard deviations of the harmonics (those before the measurement). Returns the
-/// largest relative change of a variance.
+/// Updates the prior standard deviations of the harmonics. Returns the largest relative change of a variance.
 ///
-/// `covariance` is the covariance of the unknowns with the values `values`; it may have further rows and columns.
+/// `covariance` is the covariance of the unknowns, whose estimates are `values`. The matrix may have further
+/// rows and columns.
 pub(super) fn improve_deviations(
     unknowns: &[Unknown],
     values: &[f64],

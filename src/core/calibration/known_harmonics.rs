@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 const COORDINATES: usize = 256;
 
 impl Calibration {
-    /// Returns the identified periodic errors; empty for an arm with joint coupling, whose joints have no
-    /// periodic errors of their own.
+    /// Returns the identified periodic errors. The list is empty for an arm with joint coupling, because an
+    /// actuator of such an arm moves more than one joint coordinate.
     pub fn periodic_errors(&self) -> Vec<PeriodicError> {
         if self.is_coupled() {
             return Vec::new();
@@ -49,9 +49,10 @@ impl Calibration {
 
     /// Returns the variance, rad^2, that the uncertainty of a periodic error adds to the error of its joint.
     ///
-    /// For an arm with joint coupling this is [`Self::periodic_variance`]. For any other arm, it is a difference. The
-    /// first term is the variance of zero error and periodic error together, averaged over the measured range. The
-    /// second term is the variance of the zero error in [`Self::covariance_beside_periodic_errors`].
+    /// For an arm with joint coupling this is [`Self::periodic_variance`]. For any other arm, it is a
+    /// difference. The first term is the variance of the sum of zero error and periodic error, averaged over
+    /// the measured range. The second term is the variance of the zero error in
+    /// [`Self::covariance_beside_periodic_errors`].
     pub fn variance_of_periodic_error(&self, joint: usize) -> f64 {
         if self.is_coupled() {
             return self.periodic_variance(joint);

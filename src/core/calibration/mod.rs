@@ -8,17 +8,17 @@
 //! p = B T(q) f
 //! ```
 //!
-//! Every session has a B and an f of its own; the errors in T are common to all sessions. These errors
-//! comprise errors of the Denavit-Hartenberg rows, elastic terms, and periodic errors of the joints. Between
-//! parallel axes, dbeta replaces dr (Hayati 1983). The fit minimises, with Huber's loss,
+//! Each session has its own B and f. The errors in T are common to all sessions. These errors comprise errors
+//! of the Denavit-Hartenberg rows, elastic terms, and periodic errors of the joints. Between parallel axes,
+//! dbeta replaces dr (Hayati 1983). The fit minimises, with Huber's loss,
 //!
 //! ```text
 //! sum_i r_i^T S_i^-1 r_i + sum_k (a_k / s_k)^2,   r_i = p_i - B T(q_i) f
 //! ```
 //!
-//! by Newton's method with exact derivatives. Here `s_k` is the standard deviation of parameter `a_k` before
-//! the measurement. `S_i` is the covariance of the error that the parameters do not explain (see
-//! `residual_variances`). On a real arm, most of the unexplained error comes from the joints.
+//! by Newton's method with exact derivatives. Here `s_k` is the prior standard deviation of parameter `a_k`.
+//! `S_i` is the covariance of the error that the parameters do not explain (see `residual_variances`). On a
+//! real arm, most of the unexplained error comes from the joints.
 
 mod accuracy;
 mod deformed;

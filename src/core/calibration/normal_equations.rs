@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 
 /// Hessian of half the sum of squares, and the negative gradient of this half sum.
 ///
-/// The unknowns of the arm come first, followed by those of the frames of every session.
+/// The unknowns of the arm come first, followed by the unknowns of the frames of every session.
 #[derive(Debug, Clone)]
 pub(super) struct NormalEquations {
     pub hessian: DMatrix<f64>,

@@ -7,10 +7,10 @@
 //! y_i = J_i a + m(q_i) + e_i
 //! ```
 //!
-//! The unknowns are normally distributed with their standard deviations before the measurement. No model is
-//! complete, so the misfit m, not the noise of the instrument, limits the accuracy. The misfit is a
-//! Gaussian process over the joint space. Two poses near each other have nearly the same misfit, so the
-//! second of them adds little information. The remaining errors e_i are independent.
+//! The unknowns are normally distributed with their prior standard deviations. No model is complete, so the
+//! misfit m, not the noise of the instrument, limits the accuracy. The misfit is a Gaussian process over the
+//! joint space. Two poses near each other have nearly the same misfit, so the second of them adds little
+//! information. The remaining errors e_i are independent.
 //!
 //! A plan minimises the expected squared error of the predicted tool position, averaged over the postures of
 //! the task (I-optimality). A plan that maximises a determinant (D-optimality) would determine all unknowns

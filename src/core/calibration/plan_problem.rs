@@ -40,7 +40,7 @@ impl Default for UnmodelledError {
 pub struct IntendedCalibration<'a> {
     pub chain: &'a Chain,
     pub unknowns: &'a [Unknown],
-    /// Standard deviations of the unknowns before the measurement.
+    /// Prior standard deviations of the unknowns.
     pub priors: &'a [f64],
     /// Position of the reflector in the frame of the mechanical interface, m.
     pub reflector: Vector3<f64>,
@@ -103,8 +103,7 @@ impl PlanProblem {
         self.slopes.len()
     }
 
-    /// Returns the covariance of the positions of two candidates before the measurement, without the independent
-    /// errors.
+    /// Returns the prior covariance of the positions of two candidates, without the independent errors.
     pub(super) fn prior(&self, i: usize, j: usize) -> Matrix3<f64> {
         let columns = self.slopes[i].column_iter().zip(self.slopes[j].column_iter());
         let modelled = columns.fold(Matrix3::zeros(), |sum, (a, b)| sum + a * b.transpose());
@@ -114,9 +113,9 @@ impl PlanProblem {
     }
 }
 
-/// Returns a point for a posture; postures a full revolution apart have the same point. The distance between
-/// two points is the root sum square of chords of the joint angle differences. The whole travel of a
-/// prismatic joint counts as half a revolution.
+/// Returns a point for a posture. Postures whose joint angles differ by full revolutions have the same point.
+/// The distance between two points is the root sum square of chords of the joint angle differences. The whole
+/// travel of a prismatic joint counts as half a revolution.
 fn place(chain: &Chain, q: &JointVector) -> SMatrix<f64, { 2 * MAX_JOINTS }, 1> {
     let mut place = SMatrix::zeros();
     for (i, link) in chain.links.iter().enumerate() {

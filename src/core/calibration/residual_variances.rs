@@ -8,9 +8,9 @@
 //! r ~ N(0, sum_j v_j g_j g_j^T + (v_0 + u^2) I)
 //! ```
 //!
-//! Here `g_j` is the displacement of the point per unit of actuator j, and u the stated standard deviation of
-//! the measurement. The variances `v_j` and `v_0` are found by restricted maximum likelihood with Fisher's
-//! scoring (Harville 1977).
+//! Here `g_j` is the displacement of the point per unit of actuator j, and `u` is the stated standard
+//! deviation of the measurement. The variances `v_j` and `v_0` are found by restricted maximum likelihood
+//! with Fisher's scoring (Harville 1977).
 
 use crate::cell::{JointKind, MAX_JOINTS};
 use crate::robot::Chain;
@@ -84,7 +84,7 @@ impl ResidualVariances {
         let count = self.joints.len() + 1;
         let mut information = DMatrix::from_fn(count, count, |i, j| scores.information[i][j]);
         let mut gradient = DVector::from_fn(count, |i, _| scores.gradient[i]);
-        // The expectation counts as much as two joint errors; it is decisive if the data contain no
+        // The expectation counts as much as two joint errors. It alone decides if the data contain no
         // information.
         for (k, (v, expected)) in self.joints.iter().zip(&self.expected).enumerate() {
             information[(k, k)] += expected.powi(-2);
@@ -121,7 +121,7 @@ pub struct Scores {
 }
 
 impl Scores {
-    /// Returns the derivatives before any position is added.
+    /// Returns derivatives that are all 0, to which positions can be added.
     pub fn none() -> Self {
         Self { gradient: [0.0; MAX_VARIANCES], information: [[0.0; MAX_VARIANCES]; MAX_VARIANCES] }
     }

@@ -40,14 +40,14 @@ pub struct Calibration {
     pub sessions: Vec<FittedSession>,
     /// Number of identified directions: the data reduce the standard deviation in such a direction to less
     /// than half. The directions are in the space of the unknowns without harmonics, each unknown divided by
-    /// its standard deviation before the measurement.
+    /// its prior standard deviation.
     pub rank: usize,
     /// Directions that the data do not identify, as unit vectors in the same space as for [`Self::rank`].
     pub unidentified: Vec<Vec<f64>>,
     /// Root mean square of the residuals per axis, m.
     pub residual: f64,
-    /// Statistics of the distances between measured positions and predictions of a fit without their block of
-    /// the joint space, m. None means that no block can be left out.
+    /// Result of the cross-validation: statistics of the distances (m) of measured positions from the
+    /// predictions of a fit without their block of the joint space. None means that no block can be left out.
     pub held_out: Option<Accuracy>,
     /// Variances of the errors that the parameters do not explain.
     pub misfit: ResidualVariances,
@@ -56,9 +56,9 @@ pub struct Calibration {
     chain: Chain,
 }
 
-/// Fits the unknowns to the sessions; `priors` holds their standard deviations before the measurement.
+/// Fits the unknowns to the sessions; `priors` holds the prior standard deviations of the unknowns.
 ///
-/// Harmonics come after all other unknowns; the fit improves their standard deviations.
+/// Harmonics must come after all other unknowns. The fit adjusts their prior standard deviations.
 ///
 /// Returns an error that states why the sessions cannot be fitted.
 pub fn calibrate(
@@ -119,7 +119,7 @@ fn range_of(sessions: &[MeasuringSession], joint: usize) -> (f64, f64) {
 
 /// Returns the directions in which the data do not reduce the standard deviation to less than half. These
 /// directions are eigenvectors of a scaled covariance. In this covariance, each parameter is divided by its
-/// standard deviation before the measurement.
+/// prior standard deviation.
 fn undetermined(covariance: &DMatrix<f64>, priors: &[f64], parameters: &[usize]) -> Vec<Vec<f64>> {
     let count = parameters.len();
     let scaled = DMatrix::from_fn(count, count, |i, j| {
@@ -156,8 +156,7 @@ impl Calibration {
         self.identified.iter().filter(is_own)
     }
 
-    /// Returns the variance of the periodic error of a joint before the measurement, averaged over a
-    /// revolution, rad^2.
+    /// Returns the prior variance of the periodic error of a joint, averaged over a revolution, rad^2.
     pub fn periodic_variance(&self, joint: usize) -> f64 {
         self.harmonics_of(joint).map(|i| i.prior.powi(2)).sum::<f64>() / 2.0
     }

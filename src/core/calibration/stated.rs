@@ -8,7 +8,7 @@ use nalgebra::Rotation3;
 /// Difference between the unit vectors of two axes above which the axes count as different.
 const OTHER_AXIS: f64 = 1e-9;
 
-/// Returns an error set without errors.
+/// Returns an error set in which every error is 0.
 pub fn no_errors(axes: usize) -> SignedErrors {
     let zeros = || vec![0.0; axes];
     SignedErrors {
@@ -55,7 +55,7 @@ pub fn nominal_frames(chain: &Chain) -> Vec<Pose> {
     chain.links.iter().map(frame).collect()
 }
 
-/// Returns the errors of joint frames and tool that transform one chain into another one.
+/// Returns the errors of joint frames and tool that transform one chain into another.
 ///
 /// Both chains are from URDF files: the frames of their joints are compared, each in the frame of the joint
 /// before it.

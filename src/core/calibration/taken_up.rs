@@ -1,4 +1,4 @@
-//! The part of random motions that a fit of base and reflectors absorbs.
+//! Part of random motions that a fit of base and reflectors absorbs.
 
 use nalgebra::{DMatrix, Vector3};
 
@@ -13,9 +13,10 @@ pub fn jacobian(slopes: impl Iterator<Item = Vector3<f64>>) -> DMatrix<f64> {
     DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i])
 }
 
-/// Returns the steps of the frames (one column per random motion) that fit these motions best, by least squares.
+/// Returns the steps of the frames that fit the random motions best by least squares, one column per random
+/// motion.
 ///
-/// Each entry of `columns` belongs to one position. Returns None without positions.
+/// Each entry of `columns` belongs to one position. Returns None if `columns` is empty.
 pub fn taken_up(columns: &[PositionJacobians]) -> Option<DMatrix<f64>> {
     let (of_chain, of_frames) = columns.first()?;
     let (unknowns, frames) = (of_chain.ncols(), of_frames.ncols());

@@ -1,4 +1,4 @@
-//! Parameters that a calibration identifies, and their standard deviations before the measurement.
+//! Parameters that a calibration identifies, and their prior standard deviations.
 
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};
 use crate::kinematic_error::{ParameterSet, identifiable};
@@ -26,9 +26,9 @@ pub enum Unknown {
 pub struct Identified {
     pub unknown: Unknown,
     pub value: f64,
-    /// Standard deviation before the measurement.
+    /// Prior standard deviation (before the measurement).
     pub prior: f64,
-    /// Standard deviation after the measurement.
+    /// Posterior standard deviation (after the measurement).
     pub sigma: f64,
 }
 
@@ -89,7 +89,7 @@ impl Unknown {
         matches!(self, Self::Harmonic { .. })
     }
 
-    /// Returns the default standard deviation before the measurement, m, rad or rad/m.
+    /// Returns the default prior standard deviation, m, rad or rad/m.
     ///
     /// The values are assumptions of this library: 0.5 mm for lengths, 0.5 degrees for joint zeros, 0.1
     /// degrees for twists, and 3 mrad/m for elastic terms. The value for a coefficient of a harmonic is 0.15
@@ -111,7 +111,7 @@ const SLOW: usize = 4;
 /// Expected standard deviation of a coefficient of a fast harmonic if there are no data, rad.
 const EXPECTED_HARMONIC: f64 = 7.5e-5;
 
-/// Returns the standard deviation of one coefficient of this order before the measurement, rad.
+/// Returns the prior standard deviation of one coefficient of this order, rad.
 ///
 /// The values come from a real arm (results/measured).
 pub(super) fn expected_harmonic(order: usize) -> f64 {

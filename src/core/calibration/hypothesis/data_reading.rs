@@ -22,7 +22,8 @@ pub struct DataReading {
     /// Root mean square distance of measured from nominal positions, m, without the worst tenth of the rows;
     /// base and reflector are fitted.
     pub rms: f64,
-    /// Root mean square distance of the plain reading, m: columns, signs and zeros as in the file.
+    /// Root mean square distance of the plain reading, m. The plain reading keeps columns, signs and zeros as
+    /// in the file.
     pub plain_rms: f64,
     /// Fitted pose of the robot base in the frame of the positions.
     pub base: Pose,
@@ -32,7 +33,7 @@ pub struct DataReading {
 pub const LENGTH_UNITS: [(&str, f64); 3] = [("mm", MILLIMETRE), ("m", 1.0), ("inch", INCH)];
 
 /// Largest plausible root mean square distance, as a share of the reach of the arm; a hypothesis with a
-/// larger distance is wrong.
+/// larger distance is rejected.
 const IMPLAUSIBLE: f64 = 0.02;
 
 impl DataReading {
@@ -57,7 +58,7 @@ impl DataReading {
         self.joints == JointMap::PLAIN && !self.mirrored
     }
 
-    /// Returns the complexity of a hypothesis: a weighted number of its assumptions.
+    /// Returns the complexity of a hypothesis: a weighted count of its assumptions.
     pub(super) fn complexity(&self) -> usize {
         self.joints.complexity() + 2 * usize::from(self.mirrored)
     }

@@ -10,7 +10,7 @@ const MAX_COUPLINGS: usize = 4;
 
 /// Map from the joint columns of a file to actuator coordinates.
 ///
-/// Joint i has the value `v_i = sign_i column_i + offset_i`. The coordinate of the joint is v_i plus the
+/// Joint i has the value `v_i = sign_i column_i + offset_i`. The coordinate of the joint is `v_i` plus the
 /// coupled values of earlier joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointMap {
@@ -61,7 +61,7 @@ impl JointMap {
         joints
     }
 
-    /// Returns the complexity of the map: a weighted number of its assumptions.
+    /// Returns the complexity of the map: a weighted count of its assumptions.
     pub fn complexity(&self) -> usize {
         let flips = self.signs.iter().filter(|s| **s < 0.0).count();
         let offsets = self.offsets.iter().filter(|o| **o != 0.0).count();

@@ -20,7 +20,7 @@ const SURELY_DEGREES: f64 = 20.0;
 /// Number of joint maps from which a search for combinations begins.
 const STARTS: usize = 12;
 
-/// Weight that keeps the fit solvable for positions in a plane.
+/// Ridge term that keeps the fit solvable if the positions lie in a plane.
 const RIDGE: f64 = 1e-9;
 
 /// Measurements of one reflector, prepared for many scores.
@@ -52,8 +52,8 @@ impl<'c> LinearScore<'c> {
         Self { chain, unit, joints, positions, degrees }
     }
 
-    /// Returns the joint maps with the least residuals. The flag of each map is true if angles are in
-    /// degrees.
+    /// Returns at most `count` joint maps, those with the least residuals. The flag of each map is true if
+    /// angles are in degrees.
     pub fn best(&self, count: usize) -> Vec<(bool, JointMap)> {
         let axes = self.chain.axes();
         let mut maps = vec![JointMap::PLAIN];
@@ -82,8 +82,8 @@ impl<'c> LinearScore<'c> {
 
     /// Returns the root mean square residual, m, of the equation `A p + b - R f = t` with free A, b and f.
     ///
-    /// Here R and t are the rotation and the translation of the mechanical interface, and p is the measured
-    /// position.
+    /// Here R and t are the rotation and the translation of the mechanical interface, and p is the scaled
+    /// measured position.
     fn residual(&self, map: &JointMap, degrees: bool) -> f64 {
         let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::identity() * RIDGE;
         let mut right = SVector::<f64, UNKNOWNS>::zeros();

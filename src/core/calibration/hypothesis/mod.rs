@@ -29,7 +29,8 @@ use linear_score::LinearScore;
 /// Largest number of rows with which the hypotheses are compared.
 const ROWS: usize = 80;
 
-/// Share of the reach of the arm up to which the plain reading is kept without trying other hypotheses.
+/// Root mean square distance, as a share of the reach of the arm, below which the plain reading is kept
+/// without trying other hypotheses.
 const GOOD: f64 = 1e-3;
 
 /// Factor by which another hypothesis must reduce the distance of the plain reading.

@@ -90,7 +90,7 @@ fn distance(nominal: &[Matrix3<f64>], measured: &[Matrix3<f64>]) -> Option<f64> 
     Some((squares / bases.len() as f64).sqrt()).filter(|rms| rms.is_finite())
 }
 
-/// Returns the angle of a rotation, rad; it is accurate even near 0.
+/// Returns the angle of a rotation, rad. The result is accurate even near 0.
 fn angle(r: &Matrix3<f64>) -> f64 {
     doubled_axis(r).norm().atan2(r.trace() - 1.0)
 }

@@ -1,6 +1,6 @@
 //! Choice of rows that are spread over a table.
 
-/// Returns at most `most` of the numbers below `count`, in order.
+/// Returns at most `most` of the numbers below `count`, in ascending order.
 ///
 /// The numbers are spread over all rows in unequal steps. With equal steps, a series that moves one joint
 /// after the other could show the same joint again and again.
