@@ -7,8 +7,9 @@
 //! controller assumes. This project grew from a 1990s journal paper on a *kinematic error mapping and layout
 //! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II). The author, title and year of the paper are not known
 //! to us. The documentation calls it the seed paper. In the equations of the paper, `A_i` is the
-//! Denavit-Hartenberg matrix of link i. Hayati's fifth parameter `beta_i` (section 2.3) is in brackets. `T`
-//! is the pose of the end effector at the joint coordinates `q`, and `dT` its error:
+//! Denavit-Hartenberg matrix of link i. The term with Hayati's fifth parameter `beta_i` (section 2.3 of the
+//! paper) is in brackets. `T` is the pose of the end effector at the joint coordinates `q`, and `dT` is the
+//! error of this pose:
 //!
 //! ```text
 //! A_i  = Rz(q_i) Tz(r_i) Tx(l_i) Rx(alpha_i) [Ry(beta_i)]             (1)
@@ -19,16 +20,16 @@
 //! Errors of the base, of the tool, of joint frames and of the fixture enter the product in the same way. The
 //! inverse kinematics `Q(x)` is the set of all postures within the joint limits that hold the tool at `x`
 //! with the required attitude. We choose a layout `L`, which places all movable equipment. For every
-//! operation `k` with weight `w_k` we choose a node `x` of the grid `G_k(L)` on its surface:
+//! operation `k` with weight `w_k`, we choose a node `x` of the grid `G_k(L)` on the work surface:
 //!
 //! ```text
 //! minimize over L:   sum_k w_k  min { R |dT(q, e)|_k :  x in G_k(L),  q in Q(x),  q hits nothing }
 //! such that          equipment, robot base, obstacles and keep-out boxes do not overlap in plan and height.
 //! ```
 //!
-//! The sense `|.|_k` is the component of the error that matters for operation `k`: x, y, z, xy (parts
-//! that mate in the plane), xyz, a direction, a plane or a rotation. The sense is in world, surface or
-//! tool axes, and is measured at the TCP or at another point of the tool. The reading `R` interprets the
+//! The sense `|.|_k` is the component of the error that matters for operation `k`: x, y, z, xy (parts that
+//! mate in the plane), xyz, a direction, a plane or a rotation. The component is expressed in world, surface
+//! or tool axes. It is measured at the TCP or at another point of the tool. The reading `R` interprets the
 //! errors: as one signed sample, as a tolerance box (worst case), or as random variables ([`reading`]).
 //!
 //! # The flow
@@ -67,11 +68,12 @@
 //! All these modules may also use [`units`] for conversions, `safe_text`, `geometry` for plane geometry and
 //! [`pose`] for rigid transforms.
 //!
-//! The modules from [`cell`] to [`raster`] do all computation. They form the package `sweetspot-core`, which the
-//! compiler optimises fully; this package re-exports them under the same names.
+//! The modules from [`cell`] to [`raster`] do all computation. They form the package `sweetspot-core`, which
+//! the compiler optimises fully. This package re-exports the modules under the same names.
 //!
-//! `evaluate` takes a [`layout::Workcell`]: a cell with its kinematic chain, inverse kinematics and parry3d
-//! shapes prepared. A search prepares the workcell once and evaluates hundreds of thousands of layouts.
+//! `evaluate` takes a [`layout::Workcell`]: a cell with a prepared kinematic chain, inverse kinematics and
+//! collision shapes (parry3d). A search prepares the workcell once and evaluates hundreds of thousands of
+//! layouts.
 //!
 //! # What holds everywhere
 //!
@@ -82,13 +84,13 @@
 //!   file, line and column, what is wrong and what to do.
 //! - [`layout::evaluate`] is pure and total: the same input gives the same bits. An infeasible layout gives a
 //!   cost and a reason, never a panic, an `Err`, NaN or infinity.
-//! - Out of reach, joint limit, orientation, not converged and collision are different results. A joint
-//!   limit names the joint, and a collision names the solids.
+//! - Out of reach, joint limit, unreachable orientation, not converged and collision are distinct results. A
+//!   joint limit names the joint, and a collision names the solids.
 //! - A signed sample of errors is not a tolerance: [`cell::SignedErrors`] and [`cell::Tolerance`] are two
 //!   types.
 //! - Errors are computed directly as small motions, never as the difference of two nearly equal numbers.
 //! - Results are deterministic: the seed is explicit, every restart has its own random stream, and results
-//!   keep their order. Any number of threads gives the same bytes.
+//!   are combined in a fixed order. Any number of threads gives the same bytes.
 //! - The optimizer only proposes layouts; `evaluate` alone decides which layout is better.
 //!
 //! CONTRIBUTING.md has our rules for texts, and docs/src/glossary.md explains our words. CONTRIBUTING.md

@@ -1,8 +1,8 @@
 //! Stable entry to the library: load a cell, set keys, evaluate and search.
 //!
-//! A [`Study`] is a cell file with everything that it refers to, and keys set as `--set` sets them. A
-//! study never changes: [`Study::set`] makes another study. Results are the documents that the commands
-//! print with `--json`.
+//! A [`Study`] consists of a cell file, all files that the cell file refers to, and settings that override
+//! keys as `--set` does. A study never changes: [`Study::set`] returns another study. Results are the
+//! documents that the commands print with `--json`.
 
 use crate::assess::{Assessment, Comparison};
 use crate::cell::{Cell, Layout, Unit};
@@ -38,7 +38,7 @@ struct StudyOrigin {
 pub enum StudyError {
     /// Faults of the files or settings, each with its place and a remedy.
     Faults(Vec<Fault>),
-    /// The robot cannot do what the cell asks, or a result cannot be computed; the text says why.
+    /// The robot does not suit the cell, or a result cannot be computed. The text is the reason.
     Unsolved(String),
 }
 
@@ -98,7 +98,7 @@ impl<T: Into<StudyValue>, const N: usize> From<[T; N]> for StudyValue {
     }
 }
 
-/// Evaluation of the layout as drawn: the objective, and every operation at its spot.
+/// Evaluation of the layout as drawn in the cell file: the objective, and every operation at its spot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluatedStudy {
     /// Objective in `unit`; None if the layout is not feasible.
@@ -106,14 +106,14 @@ pub struct EvaluatedStudy {
     pub unit: Unit,
     /// Reasons why the layout is not feasible; empty if the layout is feasible.
     pub reasons: Vec<String>,
-    /// Placement of every piece of equipment, mm and degrees.
+    /// Placement of every piece of equipment in the world frame, mm and degrees.
     pub layout: ByName<PlacementEntry>,
     pub operations: Vec<SpotEntry>,
 }
 
 /// Result of a search.
 pub struct SearchedStudy {
-    /// Document of `sweetspot search --json`: best layout, layout as drawn, lower bound.
+    /// Document that `sweetspot search --json` prints: best layout, layout as drawn, lower bound.
     pub result: SearchResult,
     /// Study at the best layout; None if no layout is feasible.
     pub best: Option<Study>,
@@ -129,7 +129,7 @@ impl Study {
         Self::load_with_packages(path, &[])
     }
 
-    /// Loads a cell as [`Self::load`] does; `packages` are the folders of ROS packages by name.
+    /// Loads a cell as [`Self::load`] does. `packages` contains the name and the folder of each ROS package.
     ///
     /// # Errors
     /// Fails with all faults of all files.
@@ -142,8 +142,8 @@ impl Study {
         Self::read(Arc::new(StudyOrigin { path, packages, files: FileSnapshot::default() }), Vec::new())
     }
 
-    /// Loads a cell from the text of a cell file. The text stands for a file at `path`, which need not
-    /// exist.
+    /// Loads a cell from the text of a cell file. The text is treated as the content of a file at `path`,
+    /// which need not exist.
     ///
     /// # Errors
     /// Fails with all faults of all files.
@@ -161,8 +161,8 @@ impl Study {
     }
 
     /// Returns a study that differs from this one in the value of a key. The key is a dotted path as in TOML.
-    /// The name `"*"` in it stands for every name of a table, as in `operation."*".limit_mm`. Lengths are in
-    /// mm, angles in degrees.
+    /// The name `"*"` in the path stands for every name of a table, as in `operation."*".limit_mm`. Lengths
+    /// are in mm, angles in degrees.
     ///
     /// # Errors
     /// Fails with the faults of the setting, such as an unknown key.
@@ -192,12 +192,12 @@ impl Study {
         Self::read(self.origin.clone(), settings)
     }
 
-    /// Returns the warnings of the files.
+    /// Returns the warnings about the cell file and the files that it refers to.
     pub fn warnings(&self) -> &[Fault] {
         &self.loaded.warnings
     }
 
-    /// Returns the cell as read: plain data in m and rad. Its fields may change with any version.
+    /// Returns the cell as read: plain data in m and rad. The fields of the cell may change with any version.
     pub fn cell(&self) -> &Cell {
         &self.loaded.cell
     }
@@ -210,11 +210,11 @@ impl Study {
         let made = Workcell::remembering(self.cell().clone(), &mut remember);
         made.map_err(|why| {
             let robot = shown(&self.cell().robot.name);
-            StudyError::Unsolved(format!("the robot `{robot}` cannot do this: {why}"))
+            StudyError::Unsolved(format!("the robot `{robot}` does not suit this task: {why}"))
         })
     }
 
-    /// Evaluates the layout as drawn.
+    /// Evaluates the layout as drawn in the cell file.
     ///
     /// # Errors
     /// Fails if the robot cannot do what the cell asks. A layout that is not feasible is not an error.
@@ -238,7 +238,8 @@ impl Study {
         self.search_until(&AtomicBool::new(false), &|_| ())
     }
 
-    /// Searches as [`Self::search`] does until `stop` becomes true, and reports the progress.
+    /// Searches as [`Self::search`] does, but ends early if `stop` becomes true. Calls `progress` repeatedly
+    /// with the progress of the search.
     ///
     /// # Errors
     /// Fails if the robot cannot do what the cell asks.
@@ -261,14 +262,13 @@ impl Study {
         Ok(SearchedStudy { result, best })
     }
 
-    /// Returns the text of a cell file that includes `from` and fixes the layout of this study.
+    /// Returns the text of a cell file that inherits from the file `from` and fixes the layout of this study.
     pub fn layout_file(&self, from: &str) -> String {
         report::toml::fixed(from, "Layout of a study", self.cell(), &self.cell().start())
     }
 
-    /// Returns a study whose layout as drawn is `layout`. The study reads this layout from a cell file such
-    /// as
-    /// `sweetspot search` writes.
+    /// Returns a study whose layout as drawn is `layout`. The study reads this layout from the text of a cell
+    /// file, as `sweetspot search` writes it.
     fn at(&self, layout: &Layout) -> Result<Self, StudyError> {
         let mut files: Vec<(String, Vec<u8>)> =
             self.loaded.sources.iter().map(|source| (source.path.clone(), source.bytes.clone())).collect();

@@ -9,7 +9,8 @@ use crate::cell::{Cell, ErrorSet, Interpretation, Quantity, Reading};
 use crate::files::{Loaded, Setting, shown, toml_string};
 use std::path::Path;
 
-/// Loads a cell with the settings from the flags. Prints notes on the chosen errors and limits.
+/// Loads a cell with the settings from the flags. Prints notes on the reading of the errors and on ignored
+/// flags.
 pub fn load(file: &Path, packages: &PackageFolders, flags: &QuestionFlags) -> Result<Loaded, Exit> {
     let settings = flags.settings();
     let loaded = loading::load_with(file, packages, &settings)?;
@@ -27,7 +28,7 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
         settings.push(Setting::of_flag(&flag, "quantity", p95));
     }
     let loaded = loading::load_with(file, packages, &settings)?;
-    // The table contains the worst-case reading, too, so its caveats are printed.
+    // The table also contains the worst-case reading, so the caveats of that reading are printed.
     let magnitudes = Interpretation { reading: Reading::WorstCase, ..loaded.cell.interpretation() };
     loaded.cell.with_interpretation_per_operation(&magnitudes).iter().for_each(say_caveats);
     Ok(loaded)
@@ -38,7 +39,7 @@ pub fn load_for_readings(file: &Path, packages: &PackageFolders, flags: &ErrorFl
 pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
     let Some(set) = settings.iter().find(|setting| setting.flag.is_none()) else { return Ok(()) };
     output::error(&format!(
-        "`{command}` does not take --set: the layout files that it writes cannot state the key"
+        "--set cannot be used with `{command}`: the layout files that it writes cannot state the key"
     ));
     output::talk(&format!(
         "  help: write a cell file with the lines from = \"CELL.toml\" and {}, or run sweetspot sweep",
@@ -48,7 +49,7 @@ pub fn refuse_sets(settings: &[Setting], command: &str) -> Result<(), Exit> {
 }
 
 /// Loads a cell for a search, and prints notes. Refuses `--set`. Refuses `--sense` if a limit in the cell
-/// file has another unit than that sense. That limit must then be replaced with `--limit`.
+/// file has a different unit from the sense. `--limit` must then replace that limit.
 pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setting]) -> Result<Loaded, Exit> {
     refuse_sets(settings, "search")?;
     let loaded = loading::load_with(file, packages, settings)?;
@@ -60,8 +61,7 @@ pub fn load_for_search(file: &Path, packages: &PackageFolders, settings: &[Setti
     Ok(loaded)
 }
 
-/// Refuses the sense of a flag if the limit of an operation in the cell file has another unit than that
-/// sense.
+/// Refuses the sense of a flag if the limit of an operation in the cell file has a different unit.
 ///
 /// `cell` has the sense of the flag; `drawn` is the cell file without flags. Without this refusal, the search
 /// would write an invalid best.toml: the file would state the new sense and inherit the limit.
@@ -73,7 +73,7 @@ fn refuse_lost_limits(cell: &Cell, drawn: &Cell) -> Result<(), Exit> {
     };
     let (name, word) = (shown(&lost.name), lost.sense.unit.word());
     output::error(&format!(
-        "the limit of `{name}` does not apply to the sense {}, which is in {word}",
+        "the limit of `{name}` does not apply to the sense {}, which is measured in {word}",
         lost.sense.name
     ));
     output::talk(&format!("  help: add --limit in {word}, or change sense and limit in the cell file"));

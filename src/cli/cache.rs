@@ -2,7 +2,7 @@
 //!
 //! The cache is the folder that the environment variable `SWEETSPOT_CACHE` names, otherwise the folder
 //! `sweetspot` in the user's cache folder. The value `off` disables the cache. If the folder cannot be
-//! written, the results are computed again.
+//! written, every run computes the results again.
 //!
 //! An entry is read only if it belongs to this user and nobody else may write to it. The hash stored in the
 //! entry must match the key and the content. Other users who may write to the cache folder therefore cannot
@@ -41,8 +41,8 @@ fn folder() -> Option<PathBuf> {
     }
 }
 
-/// Returns the content of a cached file of this user. Returns None if the content does not match the hash at
-/// the start of the file.
+/// Returns the content of a cached file of this user. Returns None if the file is missing, cannot be trusted,
+/// or does not match the hash at its start.
 fn read(folder: &Path, name: &str) -> Option<Vec<u8>> {
     let path = folder.join(name);
     // Opening a named pipe would block until another program writes to it.
@@ -78,7 +78,7 @@ fn seal(name: &str, content: &[u8]) -> String {
     sha256(&[name.as_bytes(), b"\n", content].concat())
 }
 
-/// Writes a cached file as a whole or not at all.
+/// Writes a cached file atomically.
 fn write(folder: &Path, name: &str, content: &[u8]) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let mut file = tempfile::NamedTempFile::new_in(folder)?;

@@ -1,7 +1,8 @@
-//! The checkpoint, from which a stopped search resumes.
+//! Checkpoint file from which a stopped search resumes.
 //!
 //! The file has two lines of JSON. Line 1 contains the schema, the version and the hash of line 2. Line 2
-//! contains the request, the hashes of the inputs and the state. A file whose hash does not match is refused.
+//! contains the request of the search, the hashes of the inputs and the state of the search. A file whose
+//! hash does not match is refused.
 
 use super::arguments::SearchArguments;
 use super::loading::CHECKPOINT;
@@ -28,7 +29,7 @@ struct CheckpointHeader {
     sha256: String,
 }
 
-/// Path of an input file, as the cell names it, and the hash of the file.
+/// Path of an input file, as the cell file states it, and the SHA-256 hash of the input file.
 pub type InputHash = (String, String);
 
 pub fn inputs(sources: &[Source]) -> Vec<InputHash> {
@@ -54,13 +55,13 @@ pub struct CheckpointWriter {
 
 impl CheckpointWriter {
     pub fn new(folder: &Path, request: &SearchRequest, inputs: Vec<InputHash>, seconds: f64) -> Self {
-        // With a period of 0, no checkpoint is due while the search runs.
+        // If the period is 0, no checkpoint is due while the search runs.
         let period = if seconds > 0.0 { Duration::from_secs_f64(seconds) } else { Duration::MAX };
         let last = Mutex::new(Ok(Instant::now()));
         Self { path: folder.join(CHECKPOINT), request: request.clone(), inputs, period, last }
     }
 
-    /// Writes the state if a checkpoint is due. Returns false if this or an earlier write failed.
+    /// Writes the state if a checkpoint is due. Returns false if this write or an earlier one failed.
     pub fn keep(&self, state: &search::Checkpoint, moment: Moment) -> bool {
         let mut last = self.last.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if last.is_ok_and(|at| moment != Moment::Going || at.elapsed() >= self.period) {
@@ -99,8 +100,8 @@ impl CheckpointWriter {
                 path_word(&self.path)
             ));
             output::talk(
-                "  help: resume the search with that build on that machine, or start again in another \
-                folder with --out",
+                "  help: resume with the build and on the machine that wrote the checkpoint, or start again in \
+                 another folder with --out",
             );
             return Err(Exit::BadInput);
         }
@@ -119,7 +120,7 @@ impl CheckpointWriter {
     }
 }
 
-/// Search that was stopped, with its checkpoint.
+/// Stopped search, as read from its checkpoint.
 pub struct StoppedSearch {
     pub folder: OutputFolder,
     /// Request of the search, with the stopping rules of the current command line.
@@ -133,7 +134,7 @@ impl StoppedSearch {
         let path = folder.join(CHECKPOINT);
         if !path.is_file() {
             let folder = path_word(folder);
-            output::error(&format!("{folder} holds no {CHECKPOINT}: there is nothing to resume"));
+            output::error(&format!("{folder} has no {CHECKPOINT}: there is nothing to resume"));
             output::talk(
                 "  help: a finished search has no checkpoint; start a new search with sweetspot search CELL",
             );
@@ -236,8 +237,8 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
         return Err((
             1,
             format!(
-                "it was written by sweetspot {theirs}, but this is {ours}: the steps of the search may \
-            differ"
+                "it was written by sweetspot {theirs}, but this program is sweetspot {ours}: \
+                 the steps of the search may differ"
             ),
         ));
     }
@@ -247,7 +248,7 @@ fn understood(bytes: &[u8]) -> Result<CheckpointContent<search::Checkpoint>, (us
     serde_json::from_slice(second).map_err(|e| (2, format!("the checkpoint cannot be read: {e}")))
 }
 
-/// Returns how the current inputs differ from those at the start of the search, one message per input.
+/// Returns one message for each input that has changed since the search began.
 fn changes(then: &[InputHash], now: &[InputHash]) -> Vec<String> {
     let mut said = Vec::new();
     for (path, hash) in then {

@@ -1,8 +1,8 @@
-//! Checkpoint of the search of one combination of a sweep, from which any worker continues it.
+//! Checkpoint of the search of one combination of a sweep. Any worker can continue the search from this file.
 //!
-//! The file counts as unfinished ([`UNFINISHED`]), so the routine that removes the files of killed
-//! programs removes it, too. It is sealed with a hash. A file that is damaged or does not fit the search
-//! is ignored, and the search begins again.
+//! The file name begins with [`UNFINISHED`], so the file is removed together with the unfinished files of
+//! killed programs. The text of the file ends with its own hash. A file that is damaged or does not fit the
+//! search is ignored, and the search begins again.
 
 use super::json_text::{DAMAGED, sealed, unsealed};
 use super::loading::{UNFINISHED, read_inside, replace};
@@ -17,11 +17,11 @@ use std::time::{Duration, Instant};
 /// Least time between two checkpoints, which limits the load on file servers.
 const LEAST_PERIOD: Duration = Duration::from_secs(2);
 
-/// Time between two checkpoints, as a multiple of the time that writing one takes. Checkpoints thus take at
-/// most 2 % of the time.
+/// Least time between two checkpoints, as a multiple of the time that it takes to write a checkpoint. Writing
+/// thus takes at most 2 % of the run time.
 const PERIOD_PER_WRITE: u32 = 50;
 
-/// State of a search, and the proven bound of its objective, so that the proof is not repeated.
+/// State of a search, and the proven lower bound of its objective. The stored bound saves a second proof.
 #[derive(Serialize, Deserialize)]
 pub struct StoredSearch<S = Checkpoint> {
     pub bound: Option<f64>,
@@ -50,7 +50,7 @@ impl<'f> CombinationCheckpoint<'f> {
         self.folder.join(self.name())
     }
 
-    /// Reads the state from which the search continues; returns None if no checkpoint fits.
+    /// Reads the state from which the search continues. Returns None if there is no checkpoint that fits.
     ///
     /// `bound` is None if the caller has made no proof, and Some(None) if its proof found no bound.
     pub fn read(&self, workcell: &Workcell, bound: Option<Option<f64>>) -> Option<StoredSearch> {
@@ -80,7 +80,8 @@ impl<'f> CombinationCheckpoint<'f> {
         Ok(stored)
     }
 
-    /// Reports that the search begins again.
+    /// Prints a note that the search begins again, because the checkpoint cannot be used. `why` is the
+    /// reason.
     pub fn tell_useless(&self, why: &str) {
         let (index, path) = (self.index, output::path_word(&self.path()));
         output::talk(&format!(
@@ -88,8 +89,8 @@ impl<'f> CombinationCheckpoint<'f> {
         ));
     }
 
-    /// Writes the state if a checkpoint is due. A checkpoint only saves time, so a failed write is
-    /// ignored here. The later writing of the results reports such a failure.
+    /// Writes the state if a checkpoint is due. A checkpoint only saves time, so a failed write is ignored
+    /// here. If the cause persists, the writing of the results reports it later.
     pub fn keep(&self, state: &StoredSearch<&Checkpoint>, moment: Moment) {
         let mut due = self.due.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let now = Instant::now();

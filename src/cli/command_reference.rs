@@ -23,12 +23,12 @@ pub fn markdown(program: &Command) -> String {
     text
 }
 
-/// Returns the example command that the help of a command begins with.
+/// Returns the example command at the start of the help of a command; None if there is no example.
 pub fn example(command: &Command) -> Option<String> {
     Some(command.get_before_help()?.to_string().strip_prefix("Example: ")?.to_string())
 }
 
-/// Adds the description of a command.
+/// Appends the section about a command to `text`.
 fn add(text: &mut String, command: &Command) {
     let _ = writeln!(text, "\n## sweetspot {}\n\n{}.\n", command.get_name(), about(command));
     let usage = command.clone().render_usage().to_string();
@@ -74,7 +74,7 @@ fn row(arg: &Arg) -> String {
     row.replace("<", "&lt;").replace(">", "&gt;")
 }
 
-/// Returns the flags of an option with its placeholder, or the placeholder of an argument.
+/// Returns the flags of an option with its placeholder, or the placeholder of a positional argument.
 fn name(arg: &Arg) -> String {
     let placeholders = arg.get_value_names().unwrap_or_default().join(" ");
     let more = if arg.get_num_args().is_some_and(|count| count.max_values() > 1) { "..." } else { "" };

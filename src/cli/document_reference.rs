@@ -25,7 +25,7 @@ pub fn markdown(name: &str, schema: &Value) -> String {
     text
 }
 
-/// Adds the table of the fields of an object.
+/// Appends the table of the fields of an object to `text`.
 fn add_fields(text: &mut String, schema: &Value) {
     let Some(fields) = schema["properties"].as_object() else { return };
     *text += "\n| Field | Value | Meaning |\n|---|---|---|\n";
@@ -38,7 +38,7 @@ fn add_fields(text: &mut String, schema: &Value) {
     }
 }
 
-/// Returns the kind of value that a schema describes, with links to its definitions.
+/// Returns the kind of value that a schema describes, with links to the definitions of named types.
 fn value(schema: &Value) -> String {
     if let Some(name) = schema["$ref"].as_str().and_then(|path| path.strip_prefix("#/definitions/")) {
         return format!("[{name}](#{})", name.to_lowercase());

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Largest number of bytes read from a lock file, which describes the program that holds the lock.
 const MAX_OWNER: u64 = 300;
 
-/// Whether one program or several may write to a folder.
+/// Sharing of a result folder: one program or several programs may write to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sharing {
     Alone,
@@ -99,17 +99,16 @@ fn in_use(folder: &Path, file: File) -> Exit {
     let owner = owner.split_whitespace().map(shown).collect::<Vec<_>>().join(" ");
     let owner = if owner.is_empty() { "another program" } else { &owner };
     output::error(&format!("the folder {} is in use by {owner}", path_word(folder)));
-    output::talk("  help: wait until it ends, or choose another folder with --out");
+    output::talk("  help: wait until that program ends, or choose another folder with --out");
     Exit::Io
 }
 
-/// Describes this program: its process and command.
+/// Returns the content of the lock file: the process and the command of this program.
 fn owner() -> String {
     format!("process {}: sweetspot {}", std::process::id(), arguments::typed().join(" "))
 }
 
-/// Returns whether the path still names this open file. The previous owner of the lock may have deleted the
-/// file.
+/// Returns whether the path still names this open file. The previous owner of the lock may have deleted it.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

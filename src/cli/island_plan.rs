@@ -1,4 +1,4 @@
-//! Plan of the islands of a search: their seeds and the flags of the search.
+//! Plan of the islands of a search: searches that differ only in their seeds.
 
 use super::arguments::SearchArguments;
 use super::loading::{FileSnapshot, UNFINISHED};
@@ -16,23 +16,23 @@ use std::path::{Path, PathBuf};
 /// Folder of the islands, inside the folder of the result.
 pub const ISLANDS: &str = "islands";
 
-/// Key of the cell that differs between islands.
+/// Key of the cell file whose value differs between islands.
 const SEED: &str = "search.seed";
 
-/// Plan of islands, with the cell whose layout all islands search for.
+/// Plan of islands, with the cell that all islands search.
 pub struct IslandPlan {
     pub plan: SweepPlan,
-    /// Files of the cell; a worker that joins others reads them from the folder of the islands.
+    /// Files of the cell. A worker that joins other workers reads these files from the folder of the islands.
     pub kept: FileSnapshot,
-    /// Cell with the flags of the search and the first seed.
+    /// Cell, read with the flags of the search and the first seed.
     pub loaded: Loaded,
 }
 
-/// Makes the plan that the command line states for the file `cell`.
+/// Makes the plan from the command line. `cell` is the cell file.
 pub fn planned(a: &SearchArguments, cell: &Path) -> Result<IslandPlan, Exit> {
     let Some(count) = a.islands.map(usize::from) else {
         output::error("the number of islands is missing");
-        output::talk("  help: add --islands N: N successive seeds, with one search for each");
+        output::talk("  help: add --islands N to run N searches with successive seeds");
         return Err(Exit::BadInput);
     };
     let settings = a.settings();
@@ -61,7 +61,7 @@ pub fn planned(a: &SearchArguments, cell: &Path) -> Result<IslandPlan, Exit> {
 }
 
 /// Reads the plan of the islands in the folder that the command line names. Refuses flags, because the plan
-/// states them.
+/// already states them.
 pub fn joined(a: &SearchArguments) -> Result<IslandPlan, Exit> {
     let parent = a.folder().unwrap_or(Path::new("."));
     let folder = parent.join(ISLANDS);
@@ -116,7 +116,8 @@ fn load(plan: &SweepPlan, kept: &FileSnapshot) -> Result<Loaded, Exit> {
     })
 }
 
-/// Returns the folder of the result, which is new, is empty, or contains islands.
+/// Makes the result folder if it does not exist, and returns its path. Refuses a folder that has files but no
+/// islands.
 pub fn parent_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<PathBuf, Exit> {
     let Some(folder) = asked else { return Ok(new_folder(None, stem, sharing)?.to_path_buf()) };
     let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());

@@ -7,7 +7,7 @@ use erased_serde::Serialize;
 use std::io::{BufWriter, Write};
 
 /// Description of a sealed file that [`unsealed`] refuses.
-pub const DAMAGED: &str = "it is damaged: its text does not match the hash in its last line";
+pub const DAMAGED: &str = "it is damaged: its text does not match the hash in its key sha256";
 
 /// End of the text of a JSON object.
 const END: &[u8] = b"\n}\n";
@@ -50,7 +50,7 @@ pub fn sealed(document: &dyn Serialize) -> Result<Vec<u8>, Exit> {
     Ok(bytes)
 }
 
-/// Returns the text of a sealed file without its hash; None if the hash does not match the text.
+/// Returns the text of a sealed file without the hash; None if the hash does not match the text.
 pub fn unsealed(bytes: &[u8]) -> Option<Vec<u8>> {
     let start = bytes.len().checked_sub(seal(b"").len())?;
     let (content, end) = bytes.split_at(start);

@@ -50,7 +50,7 @@ pub const ROBOTS: [(&str, &str); 42] = [
     ("ur5e", include_str!("../../cells/robots/ur5e.toml")),
 ];
 
-/// Name and text of the URDF files that the robots refer to.
+/// Name and text of the URDF files that the built-in robots refer to.
 const URDFS: [(&str, &str); 1] =
     [("hitachi_pw10.urdf", include_str!("../../cells/robots/hitachi_pw10.urdf"))];
 
@@ -63,7 +63,7 @@ const EQUIPMENT: [(&str, &str); 5] = [
     ("worktable", include_str!("../../cells/equipment/worktable.toml")),
 ];
 
-/// Returns the text of a file by its path in cells/.
+/// Returns the text of a built-in file by its path in cells/; None if the file is not built in.
 pub fn file(path: &str) -> Option<&'static str> {
     let (folder, name) = path.split_once('/')?;
     let stem = name.strip_suffix(".toml");
@@ -77,12 +77,12 @@ pub fn file(path: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns the text of a robot file by its name.
+/// Returns the text of the robot file of a built-in robot; None if no built-in robot has this name.
 pub fn text(name: &str) -> Option<&'static str> {
     ROBOTS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
-/// Reads a built-in robot by its name.
+/// Reads a built-in robot by its name. Returns None if no built-in robot has this name.
 pub fn robot(name: &str) -> Option<Result<LoadedRobot, Vec<files::Fault>>> {
     text(name)?;
     let read: &mut ReadFile<'_> = &mut |path: &str| {

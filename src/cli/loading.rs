@@ -39,13 +39,14 @@ pub fn load_with(path: &Path, packages: &PackageFolders, settings: &[Setting]) -
     Ok(loaded)
 }
 
-/// Returns the warnings without those of the import of a URDF. Only `check`, `robot` and `init` print the
-/// import warnings.
+/// Returns the warnings, except warnings about the import of a URDF. Only `check`, `robot` and `init` print
+/// the import warnings.
 pub fn without_import(warnings: &[Fault]) -> Vec<Fault> {
     warnings.iter().filter(|fault| fault.kind != FaultKind::Import).cloned().collect()
 }
 
-/// Returns the kind of a file whose content shows that it is not a TOML file.
+/// Returns the kind of a file whose content shows that it is not a TOML file. Returns None for any other
+/// file, and for a file that cannot be read.
 pub fn content(path: &Path) -> Option<FileContent> {
     let about = path.metadata().ok().filter(|about| about.is_file() && about.len() <= MAX_BYTES)?;
     let mut head = Vec::new();
@@ -53,7 +54,7 @@ pub fn content(path: &Path) -> Option<FileContent> {
     FileContent::of(&head)
 }
 
-/// Returns the exit code of faults: I/O error if a file cannot be read, otherwise bad input.
+/// Returns the exit code for a list of faults: I/O error if a file cannot be read, otherwise bad input.
 pub fn exit_of(faults: &[Fault]) -> Exit {
     let is_unreadable = faults.iter().any(|fault| fault.kind == FaultKind::Unreadable);
     if is_unreadable { Exit::Io } else { Exit::BadInput }
@@ -64,8 +65,7 @@ pub fn read_cell(path: &Path, packages: &PackageFolders) -> Result<Loaded, Vec<F
     read_cell_with(path, packages, &[], &FileSnapshot::default())
 }
 
-/// Snapshot of files. Each file is read from disk once; every combination of a sweep gets the bytes of that
-/// read.
+/// Snapshot of files. Each file is read from disk once, so every combination of a sweep gets the same bytes.
 #[derive(Default)]
 pub struct FileSnapshot {
     files: Mutex<HashMap<String, Result<Vec<u8>, String>>>,
@@ -182,7 +182,7 @@ pub fn read_inside(folder: &Path, inside: &str, whose: &str) -> Result<Vec<u8>, 
     file_bytes(&real)
 }
 
-/// Reads a file that is not larger than an input file may be.
+/// Reads a file of at most `MAX_BYTES`. Fails with the reason if the file is larger or cannot be read.
 pub fn file_bytes(real: &Path) -> Result<Vec<u8>, String> {
     let about = real.metadata().map_err(|e| reason(&e))?;
     if !about.is_file() {
@@ -196,7 +196,7 @@ pub fn file_bytes(real: &Path) -> Result<Vec<u8>, String> {
 
 /// Reads the bytes of a data file that the user names; a gzip file is decompressed.
 ///
-/// Prints a message if the file cannot be read, or is larger than an input file may be.
+/// Prints a message if the file cannot be read, or if its text is larger than `MAX_BYTES`.
 pub fn read_data(path: &Path) -> Result<Vec<u8>, Exit> {
     read_unpacked(path).map_err(|why| {
         output::error(&format!("cannot read {}: {why}", output::path_word(path)));
@@ -228,7 +228,7 @@ fn read_unpacked(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Returns in plain words why an operation on a file has failed.
+/// Returns the reason, in plain words, why an operation on a file has failed.
 pub fn reason(e: &std::io::Error) -> String {
     match e.kind() {
         std::io::ErrorKind::NotFound => "no such file".into(),
@@ -248,7 +248,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     replace(path, bytes).map_err(|e| cannot_write(path, &e))
 }
 
-/// Writes a file whole or not at all, and prints nothing.
+/// Writes a file atomically, and prints nothing.
 ///
 /// # Errors
 /// Fails if the file cannot be written.
@@ -257,8 +257,8 @@ pub fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     sync(folder_of(path))
 }
 
-/// Writes a file atomically unless it exists. Returns whether the file is new. If several programs do
-/// this at the same time, one of them writes the file.
+/// Writes a file atomically unless it exists. Returns whether the file is new. If several programs call this
+/// function at the same time, only one of them writes the file.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<bool, Exit> {
     let write = || match unfinished(path, bytes)?.persist_noclobber(path) {
         Ok(_) => sync(folder_of(path)).map(|()| true),
@@ -268,8 +268,8 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<bool, Exit> {
     write().map_err(|e| cannot_write(path, &e))
 }
 
-/// Writes a file atomically unless it has these bytes already. Replacing a file on NFS makes it unreadable
-/// for hosts that have it open.
+/// Writes a file atomically, unless it already contains exactly these bytes. Replacing a file on NFS makes it
+/// unreadable for hosts that have it open.
 pub fn write_changed(path: &Path, bytes: &[u8]) -> Result<(), Exit> {
     let is_same = std::fs::read(path).is_ok_and(|present| present == bytes);
     if is_same { Ok(()) } else { write_whole(path, bytes) }
@@ -317,7 +317,7 @@ pub fn sweep(folder: &Path) {
     }
 }
 
-/// Makes a temporary file readable for everyone who may read its folder. Temporary files are created with
+/// Makes a temporary file readable for all users who may read its folder. Temporary files are created with
 /// access for the owner alone.
 #[cfg(unix)]
 fn share(file: &tempfile::NamedTempFile) -> std::io::Result<()> {

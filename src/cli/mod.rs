@@ -71,7 +71,7 @@ impl Exit {
     const ALL: [Self; 6] =
         [Self::Done, Self::AnswerIsNo, Self::BadInput, Self::Io, Self::Limit, Self::Interrupted];
 
-    /// Returns what the exit code says about the run.
+    /// Returns the meaning of the exit code, in sentences.
     fn meaning(self) -> &'static str {
         match self {
             Self::Done => "The command succeeded.",
@@ -90,9 +90,9 @@ impl Exit {
     }
 }
 
-/// Returns the words of the command line, with `help COMMAND` as `COMMAND --help`.
+/// Returns the words of the command line, in which `COMMAND --help` replaces `help COMMAND`.
 ///
-/// A built-in command `help` would appear in the manual pages of all commands.
+/// The command `help` of clap is not used, because it would appear in the manual pages of all commands.
 fn with_help(words: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let mut words: Vec<_> = words.into_iter().collect();
     if words.get(1).is_some_and(|word| word == "help") {

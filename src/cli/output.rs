@@ -40,7 +40,8 @@ pub fn error(text: &str) {
     *LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(text.into());
 }
 
-/// Returns the text of the last error printed, which a worker states as the reason of its failure.
+/// Returns the text of the last printed error; None if there is none. A worker records this text as the
+/// reason for its failure.
 pub fn last_error() -> Option<String> {
     LAST_ERROR.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
 }
@@ -64,8 +65,8 @@ pub fn import_warnings(warnings: &[Fault]) {
     }
 }
 
-/// Groups the warnings of the import of a URDF by kind; warnings of one kind have the same help. Returns
-/// the first warning of each kind, with the number of the others.
+/// Groups the warnings of the import of a URDF by kind; warnings of one kind have the same help. Returns the
+/// first warning of each kind, with the number of further warnings of that kind.
 pub fn grouped_by_help(warnings: &[Fault]) -> Vec<Fault> {
     let mut kinds: IndexMap<&str, Vec<&Fault>> = IndexMap::new();
     for warning in warnings.iter().filter(|fault| fault.kind == FaultKind::Import) {
@@ -118,7 +119,7 @@ pub fn combinations_bar() -> ProgressBar {
     bar
 }
 
-/// Sets the length of a progress bar to `of` and advances the bar by `count`. Shows a hidden bar that is at
+/// Sets the length of a progress bar to `of`, and advances the bar by `count`. Shows a hidden bar that is at
 /// least one second old.
 pub fn advance(bar: &ProgressBar, count: u64, of: u64) {
     if bar.is_hidden() && bar.elapsed().as_secs() >= 1 {
@@ -144,7 +145,7 @@ pub fn word(text: &str) -> String {
     }
 }
 
-/// Returns a number with its noun, in the plural unless the number is 1.
+/// Returns a count and its noun, such as `3 layouts`. The noun is in the plural unless the count is 1.
 pub fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }

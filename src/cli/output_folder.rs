@@ -48,7 +48,7 @@ pub fn new_folder(asked: Option<&Path>, stem: &str, sharing: Sharing) -> Result<
         let mut entries = path.read_dir().map_err(|e| cannot(path, &e))?;
         if !entries.all(|e| e.is_ok_and(unfinished)) {
             if path.join(CHECKPOINT).is_file() {
-                output::error(&format!("{} holds a stopped search", output::path_word(path)));
+                output::error(&format!("{} contains a stopped search", output::path_word(path)));
                 output::talk(&format!(
                     "  help: resume it with sweetspot search --resume {}",
                     output::path_word(path)

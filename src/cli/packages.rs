@@ -13,7 +13,7 @@ pub struct PackageFolders {
 }
 
 impl PackageFolders {
-    /// Returns the options as arguments for another command, with a blank before each.
+    /// Returns the options as arguments for another command; a space precedes each option.
     pub fn words(&self) -> String {
         let option = |(name, folder): &(String, PathBuf)| {
             format!(" --package {}", word(&format!("{name}={}", folder.display())))
@@ -34,7 +34,7 @@ impl PackageFolders {
     }
 }
 
-/// Parses `NAME=DIR`.
+/// Parses the name and the folder of a package, written as `NAME=DIR`.
 fn package(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {
         Some((name, folder)) if !name.is_empty() && !folder.is_empty() => Ok((name.into(), folder.into())),

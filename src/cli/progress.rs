@@ -10,7 +10,7 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Time between two lines of progress.
+/// Least time between two lines of progress.
 const PERIOD: Duration = Duration::from_secs(1);
 
 /// Form of the progress report.
@@ -20,7 +20,7 @@ enum ProgressForm {
     Silent,
 }
 
-/// Reporter of the progress of a search on stderr.
+/// Reporter that prints the progress of a search on stderr.
 pub struct Reporter {
     manner: ProgressForm,
     unit: Unit,
@@ -68,7 +68,7 @@ impl Reporter {
         }
     }
 
-    /// Removes the bar, or prints the last progress if no line has reported it.
+    /// Removes the bar, or prints the last progress if no line has reported that progress.
     pub fn finish(self) {
         let last = self.last.lock().map_or(None, |last| last.1);
         if let ProgressForm::Bar(bar) = &self.manner {
@@ -79,7 +79,8 @@ impl Reporter {
         }
     }
 
-    /// Returns the relative gap between the best layout and the lower bound, as a share of the bound.
+    /// Returns the gap between the best objective and the lower bound, as a share of the bound. Returns None
+    /// without a positive bound or a feasible layout.
     fn gap(&self, p: Progress) -> Option<f64> {
         let bound = self.bound.filter(|b| *b > 0.0)?;
         Some(p.best? / bound - 1.0)

@@ -13,7 +13,7 @@ use crate::record::{SearchResult, SpotEntry};
 use crate::report::page::{Manifest, Subject};
 use std::path::{Path, PathBuf};
 
-/// Data for a report, as read from files; no layout is assessed yet.
+/// Data for a report, as read from files, before any layout is assessed.
 pub struct ReportSource {
     pub loaded: Loaded,
     /// The cell file.
@@ -21,7 +21,7 @@ pub struct ReportSource {
     best: Option<Layout>,
     found: Option<SearchResult>,
     manifest: Manifest,
-    /// Folder of the search, if there was one.
+    /// Result folder of the search; None for a cell file.
     folder: Option<PathBuf>,
 }
 
@@ -31,7 +31,7 @@ impl ReportSource {
         if of.is_dir() { of_folder(of, packages, question) } else { of_cell(of, packages, question) }
     }
 
-    /// Assesses the layouts in the workcell of the cell that was read.
+    /// Assesses the layouts. `workcell` is the prepared cell of this source.
     ///
     /// # Errors
     /// Refuses a result folder whose numbers this program does not reproduce.
@@ -86,7 +86,8 @@ fn warning(fault: &Fault) -> String {
     format!("{}:{}: {}", fault.file, fault.line, fault.message)
 }
 
-/// Refuses a search.json if its objectives or limits differ from those that this program computes.
+/// Refuses a search.json if its objectives differ from the values that this program computes, or if its
+/// limits differ from the inputs.
 fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit> {
     let Some(found) = &subject.found else { return Ok(()) };
     let best = subject.best.as_ref().and_then(Assessment::objective);

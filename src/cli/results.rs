@@ -175,7 +175,7 @@ pub fn keep_inputs(folder: &Path, sources: &[Source]) -> Result<String, Exit> {
     Ok(places.into_iter().next().unwrap_or_default())
 }
 
-/// Reads every written layout file back, and compares its evaluation with that of the search.
+/// Reads every written layout file back, and compares its evaluation with the evaluation in the search.
 fn check_layouts(folder: &Path, record: &SearchRecord, best: &Assessment<'_>) -> Result<(), Exit> {
     // Only the packages inside the result folder are used: its layouts must be readable without other files.
     let packages = PackageFolders::default().with_kept(&folder.join(INPUTS));
@@ -207,14 +207,15 @@ pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
 
 fn write_outputs<N: AsRef<str>>(folder: &Path, outputs: &[(N, Vec<u8>)]) -> Result<WrittenFolder, Exit> {
     for (name, bytes) in outputs {
-        // Several workers may write the same merged result of islands, so a file with these bytes is kept.
+        // Several workers may write the same merged result of islands, so a file that already has these bytes
+        // is not replaced.
         loading::write_changed(&folder.join(name.as_ref()), bytes)?;
     }
     let names = outputs.iter().map(|(name, _)| name.as_ref().to_string()).collect();
     Ok(WrittenFolder { folder: folder.to_path_buf(), names })
 }
 
-/// Returns the nodes of a map as CSV.
+/// Returns the table of the nodes of a map as CSV.
 pub fn csv(document: &MapDocument<'_>) -> Result<Vec<u8>, Exit> {
     report::csv::map(document).map_err(|why| {
         output::error(&format!("cannot write map.csv: {why}"));

@@ -1,4 +1,4 @@
-//! Reading of a search's result folder. Every file is checked against the hashes of the manifest.
+//! Reading of the result folder of a search. Every file is checked against its hash in the manifest.
 
 use super::json_text::{DAMAGED, unsealed};
 use super::output::path_word;
@@ -26,7 +26,7 @@ pub struct SearchFolder {
 /// Manifest of a result folder, and the settings of its run.
 struct FolderOrigin {
     manifest: Manifest,
-    /// Settings from the flags of the command line, which override the cell file.
+    /// Settings from the command-line flags. They override the cell file.
     settings: Vec<Setting>,
     /// All settings of the run, including defaults; None for a search that was stopped.
     resolved: Option<ResolvedSettings>,
@@ -47,7 +47,7 @@ pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Ex
     let found: SearchResult = serde_json::from_slice(&bytes(folder, "search.json")?)
         .map_err(|e| refused(folder, "search.json", &format!("it is not the result of a search: {e}")))?;
     if manifest.is_complete && found.seed != manifest.seed {
-        return Err(refused(folder, "search.json", "its seed differs from that in the manifest"));
+        return Err(refused(folder, "search.json", "its seed differs from the seed in the manifest"));
     }
     let best = match found.objective_value {
         Some(_) => Some(loading::load(&folder.join("best.toml"), &packages)?.cell.start()),
@@ -57,7 +57,7 @@ pub fn read(folder: &Path, packages: &PackageFolders) -> Result<SearchFolder, Ex
     Ok(SearchFolder { loaded, file, best, found, manifest })
 }
 
-/// Returns the path of best.toml; refuses a folder whose files have changed since the search.
+/// Returns the path of best.toml. Refuses a folder whose files have changed since the search.
 pub fn best_of(folder: &Path) -> Result<PathBuf, Exit> {
     untouched(folder, &origin(folder)?.manifest)?;
     let best = folder.join("best.toml");
@@ -137,7 +137,7 @@ fn check(folder: &Path, place: &str, hash: &str) -> Result<(), Exit> {
     Err(refused(
         folder,
         place,
-        "it has changed since the search wrote it: its hash differs from that in the manifest",
+        "it has changed since the search wrote it: its hash differs from the hash in the manifest",
     ))
 }
 

@@ -7,10 +7,11 @@ use crate::files::{Loaded, Setting};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Settings that may change when a search is resumed, because they only decide when it ends.
+/// Settings that may change when a search is resumed, because they only decide when the search ends.
 const STOPPING_RULES: [&str; 3] = ["search.budget", "search.gap", "search.stagnation"];
 
-/// Request of a search. The checkpoint stores it, so a resumed search does not need the old command line.
+/// Request of a search. The checkpoint stores the request, so a resumed search does not need the old command
+/// line.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SearchRequest {
@@ -38,7 +39,8 @@ impl SearchRequest {
         asked::load_for_search(&self.cell, &packages, &self.settings)
     }
 
-    /// Returns the request with the stopping rules of the resuming command line. Refuses any other change.
+    /// Returns the request with the stopping rules of the command line that resumes the search. Refuses any
+    /// other change.
     pub fn resumed(mut self, a: &SearchArguments) -> Result<Self, Exit> {
         let is_rule = |s: &Setting| STOPPING_RULES.contains(&s.path.as_str());
         let (rules, others): (Vec<_>, Vec<_>) = a.settings().into_iter().partition(is_rule);

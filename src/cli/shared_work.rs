@@ -1,4 +1,4 @@
-//! Distribution of the combinations of a sweep among workers: which one this worker takes next.
+//! Distribution of the combinations of a sweep among workers.
 
 use super::loading::make_folder;
 use super::sweep::{StoredRow, row};
@@ -10,14 +10,14 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-/// Number of owners that may die at one combination before the workers give it up.
+/// Number of owners that may die at one combination before the workers give up the combination.
 pub const MAX_LOSSES: u32 = 6;
 
-/// Time, in leases, for which other workers wait for the files of a combination that its owner has reported
-/// as done. A network share may show the files late.
+/// Number of leases for which other workers wait for the files of a combination that is reported as done. A
+/// network share may show these files late.
 const LATE_LEASES: u32 = 3;
 
-/// Number of heartbeats in one lease, so that some may be late.
+/// Number of heartbeats in one lease. With more than one, a late heartbeat does no harm.
 pub const BEATS_PER_LEASE: u32 = 6;
 
 /// Next step of a worker.
@@ -29,12 +29,12 @@ pub enum NextStep {
     Finish,
 }
 
-/// Combinations of a sweep, as this worker sees them.
+/// State of the combinations of a sweep, as far as this worker knows it.
 pub struct SharedWork<'f> {
     folder: &'f Path,
     lease: u16,
     queue: Mutex<WorkQueue>,
-    /// Claims of this worker. The heartbeat must not wait for the queue.
+    /// Claims of this worker. They have their own lock, so that a heartbeat does not wait for the queue.
     held: Mutex<Vec<HeldClaim>>,
 }
 
@@ -133,8 +133,8 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
-/// Newest claim of another worker to a combination, and the time for which our own worker has seen no change
-/// of this claim.
+/// Newest claim of another worker to a combination, and the time for which this worker has seen no change of
+/// that claim.
 struct WatchedClaim {
     index: usize,
     number: u32,
@@ -144,7 +144,7 @@ struct WatchedClaim {
     silent: Duration,
 }
 
-/// Meaning of another worker's claim for this worker.
+/// Decision of this worker about the claim of another worker.
 enum ClaimVerdict {
     Finished,
     Wait,

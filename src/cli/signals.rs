@@ -4,8 +4,8 @@ use super::Exit;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Returns a flag that Ctrl-C or SIGTERM sets. A second signal ends the program at once; the last checkpoint
-/// remains.
+/// Returns a flag that Ctrl-C or SIGTERM sets. A second signal ends the program at once, and the last
+/// checkpoint remains.
 pub fn stop_at_signals() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();

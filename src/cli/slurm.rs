@@ -22,8 +22,8 @@ pub struct ArrayOptions<'a> {
     pub time: Option<&'a str>,
 }
 
-/// Returns the script of all jobs of a sweep. The script takes the path of the list
-/// of an [`ArrayJob`] as its argument.
+/// Returns the script of all jobs of a sweep. The argument of the script is the path of the list of an
+/// [`ArrayJob`].
 fn script(folder: &Path, options: ArrayOptions<'_>) -> Result<String, Exit> {
     let ArrayOptions { flags, time } = options;
     let EngineFlags { cpus, lease, .. } = flags;
@@ -75,7 +75,7 @@ impl ArrayJob {
         Ok(Self { folder, round: round.unwrap_or(1) })
     }
 
-    /// Returns the number that Slurm gave to the job before this one.
+    /// Returns the number that Slurm gave to the previous job; None if no job has been submitted.
     pub fn id_of_previous(&self) -> Option<String> {
         Self { folder: self.folder.clone(), round: self.round.checked_sub(1)? }.id()
     }
@@ -95,7 +95,7 @@ impl ArrayJob {
         ])
     }
 
-    /// Submits the job, and keeps the number that Slurm gives to it.
+    /// Submits the job. Stores and returns the number that Slurm gives to the job.
     pub fn submit(&self, command: &[String]) -> Result<String, Exit> {
         let id = run(command).map_err(|why| {
             output::error(&format!("cannot submit a job: {why}"));
@@ -127,13 +127,13 @@ fn absolute(path: std::io::Result<PathBuf>) -> Result<PathBuf, Exit> {
     })
 }
 
-/// Whether tasks of a job are left in the queue of Slurm.
+/// State of the tasks of a job in the queue of Slurm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QueueState {
     /// A task waits or runs.
     Queued,
-    /// Slurm holds the tasks that are left, because a node failed to start them. These tasks never run by
-    /// themselves.
+    /// Slurm has put all remaining tasks on hold, because a node failed to start them. They do not run unless
+    /// a user releases them.
     Held,
     Gone,
 }
@@ -156,7 +156,7 @@ pub fn cancel(id: &str) -> Result<(), String> {
     run(&["scancel", id].map(String::from)).map(drop)
 }
 
-/// Runs a command and returns its output, or why it failed.
+/// Runs a command and returns its output. Fails with the reason if the command fails.
 fn run(words: &[String]) -> Result<String, String> {
     let Some((name, arguments)) = words.split_first() else { return Ok(String::new()) };
     let ran = Command::new(name).args(arguments).output();
@@ -167,7 +167,7 @@ fn run(words: &[String]) -> Result<String, String> {
     Err(format!("{name}: {}", shown(String::from_utf8_lossy(&ran.stderr).trim())))
 }
 
-/// Returns ascending indices as `--only` reads them: `0-9,17`.
+/// Returns ascending indices in the notation of `--only`, such as `0-9,17`.
 fn ranges(indices: &[usize]) -> String {
     let runs = indices.chunk_by(|a, b| a + 1 == *b);
     let words: Vec<String> = runs

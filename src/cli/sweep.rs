@@ -22,8 +22,8 @@ const MAX_COMBINATIONS: usize = 10_000;
 
 const PLAN: &str = "plan.json";
 
-/// Returns the plan of the command line or, without a cell file, the plan stored in the folder. Also returns
-/// the files of the cell: a worker that joins a sweep reads them from the folder of the sweep.
+/// Returns the plan that the command line states or, without a cell file, the plan stored in the folder. Also
+/// returns the files of the cell. A worker that joins a sweep reads these files from the folder of the sweep.
 pub fn asked_plan(a: &SweepArguments) -> Result<(SweepPlan, FileSnapshot), Exit> {
     let Some(cell) = &a.cell else {
         let folder = a.folder().unwrap_or(Path::new("."));
@@ -48,14 +48,14 @@ pub fn asked_plan(a: &SweepArguments) -> Result<(SweepPlan, FileSnapshot), Exit>
     Ok((plan, FileSnapshot::default()))
 }
 
-/// Reads the plan of a folder, and replaces its version by that of this program. [`open`] therefore refuses a
-/// stored plan of another version.
+/// Reads the plan of a folder, and replaces its version with the version of this program. [`open`] therefore
+/// refuses a stored plan of another version.
 pub fn joined_plan(folder: &Path) -> Result<SweepPlan, Exit> {
     let version = env!("CARGO_PKG_VERSION").to_string();
     Ok(SweepPlan { version, sha256: None, ..stored_plan(folder)? })
 }
 
-/// Returns the command that continues a sweep with the option `option`, which names its folder.
+/// Returns the command that continues a sweep. `option` is the option whose value is the folder.
 pub fn continuing(plan: &SweepPlan, folder: &Path, option: &str) -> String {
     let (command, folder) = match folder.parent() {
         Some(parent) if plan.is_of_islands() => ("search", parent),
@@ -86,7 +86,7 @@ pub fn stored_cell_name(plan: &SweepPlan) -> String {
     input_places(plan.inputs.iter().map(|input| input.path.as_str())).into_iter().next().unwrap_or_default()
 }
 
-/// Reads the inputs that the folder of a sweep holds, and refuses inputs that have changed.
+/// Reads the inputs in the folder of a sweep. Refuses inputs that have changed.
 pub fn stored_inputs(folder: &Path, plan: &SweepPlan) -> Result<FileSnapshot, Exit> {
     let places = input_places(plan.inputs.iter().map(|input| input.path.as_str()));
     let (mut files, mut is_whole) = (Vec::new(), true);
@@ -108,7 +108,7 @@ pub fn stored_inputs(folder: &Path, plan: &SweepPlan) -> Result<FileSnapshot, Ex
     }
     let option = if plan.is_of_islands() { "--islands" } else { "--set" };
     output::talk(&format!(
-        "  help: start a worker with CELL and {option} as well: it writes the inputs again"
+        "  help: start a worker with CELL and {option} as well: that worker writes the inputs again"
     ));
     Err(Exit::BadInput)
 }
@@ -133,7 +133,8 @@ pub fn add_inputs(plan: &mut SweepPlan, all: &mut Vec<Source>, sources: Vec<Sour
     }
 }
 
-/// Returns what differs between a plan and the earlier plan `old`; any difference prevents a resumption.
+/// Returns the differences between a plan and the earlier plan `old`, in words. Any difference prevents a
+/// resumption.
 fn changes(plan: &SweepPlan, old: &SweepPlan) -> Vec<String> {
     let mut changed = Vec::new();
     let mut note = |same: bool, what: &str| {
@@ -270,7 +271,7 @@ pub fn island_name(index: usize) -> String {
 /// State of one combination in the folder of a sweep.
 pub enum StoredRow {
     Missing,
-    /// A file of the combination is damaged or missing: its name and what is wrong.
+    /// A file of the combination is damaged or missing. The text names the file and the fault.
     Damaged(String),
     Whole(Box<SweepRow>),
 }
@@ -288,7 +289,7 @@ pub fn row(folder: &Path, index: usize) -> StoredRow {
     }
 }
 
-/// Reads a row; returns what is wrong if the row or a file that it names is damaged.
+/// Reads a row. Fails with the reason if the row, or a file that the row names, is damaged.
 fn whole_row(folder: &Path, name: &str) -> Result<SweepRow, String> {
     let read = |place: &str| {
         loading::read_inside(folder, place, "the sweep").map_err(|why| format!("{}: {why}", shown(place)))

@@ -4,10 +4,10 @@
 //! combination. Creation that fails if the file exists is atomic on local disks, on SMB, and on NFS since
 //! version 3. A rename cannot decide who came first, because it replaces the target.
 //!
-//! The owner rewrites its claim with a growing count: the heartbeat. Another worker takes the combination
-//! over if it sees no change for the time of the lease. That worker measures the time with its own clock, so
-//! that the clocks of hosts may differ. It then creates claim G + 1. No claim is ever removed, so at most one
-//! worker takes over.
+//! The owner rewrites its claim with a growing count: the heartbeat. Another worker takes over the
+//! combination if it sees no change for the time of the lease. That worker measures the time with its own
+//! clock, so the clocks of hosts may differ. It then creates claim G + 1. No claim is ever removed, so at
+//! most one worker takes over.
 
 use super::{Exit, loading};
 use serde::{Deserialize, Serialize};
@@ -33,8 +33,8 @@ pub enum ClaimState {
     Failed,
 }
 
-/// Content of a claim: one line of JSON. The owner rewrites it in place, because a full disk stops a new file
-/// but not a heartbeat. Text after the first line is left over from a longer line.
+/// Content of a claim: one line of JSON. The owner rewrites the file in place, because a full disk prevents a
+/// new file, but not a heartbeat. Any text after the first line is the rest of an earlier, longer line.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepClaim {
@@ -59,7 +59,7 @@ impl SweepClaim {
         serde_json::from_slice(bytes.split(|b| *b == b'\n').next()?).ok()
     }
 
-    /// Describes the owner: its process and host.
+    /// Returns the process and the host of the owner, in words.
     pub fn owner(&self) -> String {
         format!("process {} on {}", self.process, crate::files::shown(&self.host))
     }
@@ -122,8 +122,8 @@ pub fn path(folder: &Path, index: usize, number: u32) -> PathBuf {
     folder.join(CLAIMS).join(format!("{index:04}-{number}"))
 }
 
-/// Reads a claim; returns None if it does not exist or cannot be read now. Opening a file asks the server of
-/// a network share, so that a cached copy does not hide a heartbeat.
+/// Reads a claim. Returns None if the claim does not exist or cannot be read now. Opening a file asks the
+/// server of a network share, so that a cached copy does not hide a heartbeat.
 pub fn read(folder: &Path, index: usize, number: u32) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     let file = File::open(path(folder, index, number)).ok()?;
@@ -131,7 +131,8 @@ pub fn read(folder: &Path, index: usize, number: u32) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Returns the number of the newest claim to a combination, counted from `number`, and its bytes.
+/// Returns the number and the bytes of the newest claim to a combination. Ignores claims before claim
+/// `number`. The bytes are None if this claim cannot be read.
 pub fn newest(folder: &Path, index: usize, mut number: u32) -> (u32, Option<Vec<u8>>) {
     let mut bytes = read(folder, index, number);
     while let Some(next) = read(folder, index, number + 1) {
@@ -140,7 +141,7 @@ pub fn newest(folder: &Path, index: usize, mut number: u32) -> (u32, Option<Vec<
     (number, bytes)
 }
 
-/// Returns the name of this host, or the node name that Slurm gives to it.
+/// Returns the node name that Slurm gives to this host or, outside Slurm, the name of the host.
 fn host() -> String {
     std::env::var("SLURMD_NODENAME").unwrap_or_else(|_| system_name())
 }

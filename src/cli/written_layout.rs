@@ -1,5 +1,5 @@
-//! Check of the layout files that a search writes: each must describe exactly the layout and the cell of the
-//! search.
+//! Check of the layout files that a search writes. Each file must describe exactly the layout and the cell of
+//! the search.
 
 use super::output::path_word;
 use super::packages::PackageFolders;
@@ -21,7 +21,8 @@ pub fn check_best(file: &Path, packages: &PackageFolders, best: &Assessment<'_>)
     is_same.then_some(()).ok_or_else(|| refused(file, "it gives another error map"))
 }
 
-/// Refuses the file of an alternative layout unless its evaluation equals that of the search bit for bit.
+/// Refuses the file of an alternative layout unless its evaluation equals the evaluation in the search bit
+/// for bit.
 pub fn check_alternative(
     file: &Path,
     packages: &PackageFolders,
@@ -39,8 +40,8 @@ pub fn check_alternative(
 /// `cell`.
 ///
 /// A search with the goal `cost` does not compare the error at the present tolerances with the limits. The
-/// layout file does not state goals that a flag chose, so the penalty of a missed limit may differ. The field
-/// `cost` is therefore not compared for such a search.
+/// layout file does not state goals that a flag chose, so the penalty of a missed limit may differ. For a
+/// search with this goal, the field `cost` is therefore not compared.
 fn is_same_evaluation(cell: &Cell, again: &Evaluation, searched: &Evaluation) -> bool {
     let cost = if cell.search.prices_tolerances() { searched.cost } else { again.cost };
     Evaluation { cost, ..again.clone() } == *searched
