@@ -1,4 +1,4 @@
-//! Postures in the order in which they are tried as the spot.
+//! Candidate postures for the spot of an operation, in the order in which they are tried.
 
 use super::outcome::Spot;
 use nalgebra::Vector3;

@@ -14,7 +14,7 @@ use crate::reach::ToolTask;
 use crate::robot::{Frames, Posture};
 use nalgebra::Vector3;
 
-/// Largest distance between the TCP positions at two successive knots of a straight line, m.
+/// Largest distance between the TCP positions at two successive knots of a straight line of the TCP, m.
 ///
 /// If the distance is larger, the move between the knots does not belong to a straight line of the TCP.
 const LINE_STEP: f64 = 0.0201;
@@ -31,7 +31,7 @@ struct Nominal {
 
 impl OperationQuery<'_> {
     /// Certifies a posture of this operation. Returns an upper bound of the operation's value over all
-    /// misplacements, if `demand` asks for a bound and a bound is known.
+    /// misplacements; None if `demand` asks for no bound, or if no bound is known.
     ///
     /// # Errors
     /// Returns the reason if the posture is not certified. The error limit of the operation is not checked.
@@ -264,7 +264,7 @@ impl PlacedLayout<'_> {
         demand: &Demand<'_>,
     ) -> Result<(), Hindrance> {
         // The knots before the longest move follow the misplaced target of the first operation. The other
-        // knots follow that of the second operation.
+        // knots follow the target of the second operation.
         let step = |k: &usize| -> f64 {
             path[*k].iter().zip(&path[k + 1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };

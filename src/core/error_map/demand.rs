@@ -3,7 +3,7 @@
 use crate::cell::Cell;
 use crate::certificate::{Misplacements, NoValueBound, ValueBound};
 
-/// Data of a certificate that do not depend on the posture.
+/// Data for the certificate of a posture that do not depend on the posture.
 #[derive(Clone, Copy)]
 pub struct Demand<'a> {
     pub cell: &'a Cell,

@@ -1,5 +1,5 @@
-//! Operations that happen at every one of their nodes: all nodes must be usable, and their values combine
-//! into one.
+//! Operations that happen at every one of their nodes: all nodes must be usable, and their values are
+//! combined into one value.
 
 use super::candidate::PostureCandidate;
 use super::family_queue::FamilyQueue;
@@ -116,7 +116,7 @@ impl PlacedLayout<'_> {
         let has_families = self.mapper.lacks_families(operation, &query.attitudes).is_none();
         let (mut unreached, mut all, mut why) = (UnreachedNodes::default(), Vec::new(), None);
         query.setup.grid.targets(&query.at, |node, target| {
-            // Once a node has failed, the others matter only if they cannot be reached.
+            // Once a node has failed, the remaining nodes matter only if they cannot be reached.
             let is_judged = unreached.is_empty() && why.is_none() && query.context.is_ok();
             let judged = match is_judged {
                 true => query.judged_node(node, target, has_families, &mut memory),
@@ -179,7 +179,7 @@ impl OperationQuery<'_> {
             false => self.first_free_of_bounds(&mut heap, postures),
         };
         **candidates = heap.into_vec();
-        // Without a usable posture, the node may be out of reach. Families do not report this.
+        // Without a usable posture, the node may be out of reach. Spin families do not report this case.
         match found.outcome() {
             None => self.reached(&target, postures).map(|()| None),
             found => Ok(found),

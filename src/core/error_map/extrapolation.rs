@@ -4,7 +4,8 @@ use super::node_record::OperationMap;
 use crate::cell::{Cell, ErrorSet, JointKind, JointVector};
 use std::f64::consts::TAU;
 
-/// Tolerance of a measured range, rad or m, for the rounding of its numbers in the file.
+/// Amount by which each end of a measured range is widened, rad or m, because the numbers in the file are
+/// rounded.
 const ROUNDING: f64 = 1e-6;
 
 /// Usable nodes whose postures lie outside the measured joint ranges: their errors are extrapolated.

@@ -38,7 +38,7 @@ impl Ord for SpinFamily {
     }
 }
 
-/// Families and members with lower bounds, and judged postures with their values.
+/// Queue of spin families and single members with lower bounds, and queue of judged postures with values.
 pub struct FamilyQueue {
     pub families: BinaryHeap<SpinFamily>,
     pub judged: BinaryHeap<PostureCandidate>,

@@ -1,4 +1,4 @@
-//! Check of the candidates one after the other, best first, until one can be used.
+//! Check of the candidates one after the other, best first, until a candidate can be used.
 
 use super::candidate::{ArmContact, PostureCandidate};
 use super::node_record::Status;
@@ -24,7 +24,7 @@ fn most_uncertain(cost: Cost) -> usize {
     }
 }
 
-/// Result of checking candidates, best first, until one can be used.
+/// Result of checking candidates, best first, until a candidate can be used.
 #[derive(Default)]
 pub struct FirstFree {
     /// The first candidate that can be used.
@@ -50,12 +50,12 @@ impl FirstFree {
 }
 
 impl OperationQuery<'_> {
-    /// Checks the candidates that `next` returns, best first, until one can be used.
+    /// Checks the candidates that `next` returns, best first, until a candidate can be used.
     ///
     /// If the layout must withstand misplacements, a candidate must also be certified. The search gives up
     /// after [`most_uncertain`] candidates without a certificate.
     ///
-    /// The inverse kinematics of a candidate is solved again here. That costs less than storing the postures
+    /// The inverse kinematics of a candidate is solved again here. This costs less than storing the postures
     /// of all nodes, because few candidates are checked.
     pub fn first_free(
         &self,
@@ -111,7 +111,8 @@ impl OperationQuery<'_> {
         })
     }
 
-    /// Returns the reason why the motion rules refuse a collision-free posture; None if they allow it.
+    /// Returns the reason why the motion rules refuse a collision-free posture; None if they allow the
+    /// posture.
     fn refusal(&self, target: &Vector3<f64>, branch: u64) -> Option<PostureRefusal> {
         let PlacedLayout { mapper, solids, .. } = self.placed;
         let guard = mapper.guard.as_ref().filter(|guard| guard.asks_postures(self.operation))?;
@@ -134,8 +135,8 @@ impl OperationQuery<'_> {
         collision.or_else(|| self.refusal(target, branch).map(Status::Refused))
     }
 
-    /// Returns the reason why no candidate of one target can be used. The reason is that of the best
-    /// candidate.
+    /// Returns the reason why no candidate of one target can be used. If there are candidates, the reason
+    /// concerns the best candidate.
     pub fn why_none(&self, target: &Vector3<f64>, found: &FirstFree, memory: &mut PostureMemory) -> Status {
         let arm = &self.placed.mapper.arm;
         let refusal_status = found.nearest.and_then(|PostureCandidate { spot, .. }| {

@@ -33,17 +33,17 @@ impl OperationQuery<'_> {
     /// the equipment. The joint coordinates are computed anew by the rules of [`HeldPosture`].
     ///
     /// # Errors
-    /// Returns the status of the point if no posture within the joint limits continues the held one, or if
-    /// the errors cannot be computed.
+    /// Returns the status of the point if no posture within the joint limits continues the held posture, or
+    /// if the errors cannot be computed.
     pub fn held(&mut self, held: &HeldPosture, memory: &mut PostureMemory) -> Result<f64, Status> {
         let posture = self.held_posture(held)?;
         self.value(&posture, memory)
     }
 
-    /// Finds the posture that continues a held one.
+    /// Finds the posture that continues a held posture in this layout.
     ///
     /// # Errors
-    /// Returns the status of the point if no posture within the joint limits continues the held one.
+    /// Returns the status of the point if no posture within the joint limits continues the held posture.
     fn held_posture(&mut self, held: &HeldPosture) -> Result<Posture, Status> {
         self.kept = Some(*held);
         let target = self.target(held.at);
@@ -62,7 +62,7 @@ impl OperationQuery<'_> {
         })
     }
 
-    /// Checks that the posture that continues a held one is collision-free and allowed by the motion rules.
+    /// Checks that the continuation of a held posture is collision-free and allowed by the motion rules.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -105,7 +105,8 @@ impl OperationQuery<'_> {
 
     /// Computes the value of the operation in a posture, and places the frames of the posture in `memory`.
     ///
-    /// If the layout takes bounds ([`PlacedLayout::bounding`]), the result may be a lower bound of the value.
+    /// If the layout allows bounds ([`PlacedLayout::bounding`]), the result may be a lower bound of the
+    /// value.
     ///
     /// # Errors
     /// Returns the status of the point if errors cannot be computed in this layout.

@@ -43,7 +43,7 @@ impl HeldPosture {
     /// Continues this posture to a target in the base frame, m.
     ///
     /// # Errors
-    /// Returns how far the arm stays from the target if the arm cannot follow.
+    /// Returns the remaining position and angle errors if the arm cannot reach the target.
     pub(super) fn continued(
         &self,
         inverse: &Inverse,

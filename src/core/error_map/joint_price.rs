@@ -17,8 +17,8 @@ impl PlacedLayout<'_> {
         Some(self.mapper.tolerances.as_ref()?.price(&figures, &mut workspace.price))
     }
 
-    /// Returns the cheapest tolerances with which every operation keeps its limit. Returns None whenever
-    /// [`Self::joint_price`] does, for discrete grades, and if the dual ascent fails.
+    /// Returns the cheapest tolerances with which every operation keeps its limit. Returns None in the cases
+    /// of [`Self::joint_price`], for discrete grades, and if the dual ascent fails.
     pub fn nearby_price(
         &self,
         spots: &[Option<Spot>],
@@ -40,7 +40,8 @@ impl PlacedLayout<'_> {
         near.within(self.mapper.tolerances.as_ref()?, &figures, most, &mut workspace.price)
     }
 
-    /// Returns the figures of all operations, each divided by its limit.
+    /// Returns the error figures of all operations, each divided by the limit of the operation; None if a
+    /// figure is unknown.
     fn joint_figures(
         &self,
         spots: &[Option<Spot>],
@@ -63,7 +64,8 @@ impl PlacedLayout<'_> {
 }
 
 impl OperationQuery<'_> {
-    /// Returns the figure of the operation at a spot, divided by its limit.
+    /// Returns the error figure of the operation at a spot, divided by the limit; None if the figure is
+    /// unknown.
     fn priced_figure(&self, spot: &Spot, memory: &mut PostureMemory) -> Option<LinearFigure> {
         let target = self.setup.grid.target(&self.at, spot.node);
         let posture = self.branch_at(&target, spot.branch)?.posture;

@@ -1,4 +1,4 @@
-//! Search for the least-error spot of an operation. It runs once for every layout.
+//! Search for the least-error spot of an operation. The search runs once for every layout.
 //!
 //! Cheap tests come first: geometry, limits, error. Collisions are checked only for candidates that can still
 //! be the spot.
@@ -98,8 +98,8 @@ impl OperationQuery<'_> {
         found.outcome().unwrap_or(Outcome::Unjudged(Unjudged::OnlyTouched))
     }
 
-    /// Checks candidates, the least value or bound first, until one can be used. Bounds are sharpened when
-    /// their candidate comes first.
+    /// Checks candidates in ascending order of their values or bounds, until a candidate can be used. A bound
+    /// is sharpened when its candidate comes first.
     pub(super) fn first_free_of_bounds(
         &self,
         heap: &mut BinaryHeap<PostureCandidate>,
@@ -131,7 +131,7 @@ impl OperationQuery<'_> {
     /// Returns None if the nodes cannot be ranked, if no node can be reached, or if the errors cannot be
     /// computed.
     ///
-    /// The spot is bit-identical to the one that [`Self::judged`] finds.
+    /// The spot is bit-identical to the spot that [`Self::judged`] finds.
     fn ranked(&self, memory: &mut WalkMemory<'_>) -> Option<Outcome> {
         let ranker = self.placed.mapper.rankers[self.operation].as_ref()?;
         let context = self.context.as_ref().ok()?;

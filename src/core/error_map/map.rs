@@ -98,7 +98,7 @@ impl OperationQuery<'_> {
     /// Judges one node by its candidates, which must be sorted best first.
     ///
     /// Returns the status of the node, then the [`WorkContext`] for its errors and the candidate to record.
-    /// The last two are None if the node has no candidate.
+    /// Context and candidate are None if the node has no candidate.
     fn judge(
         &self,
         node: &VisitedNode,
@@ -151,7 +151,8 @@ impl OperationQuery<'_> {
     }
 }
 
-/// Returns the index of the node shown as the spot, and the value of the operation.
+/// Returns the index of the node shown as the spot, and the value of the operation. Both are None if there is
+/// no spot.
 ///
 /// `values` holds the index and the value of every usable node.
 fn chosen(over: NodeAggregation, values: &[(usize, f64)], all_usable: bool) -> (Option<usize>, Option<f64>) {
@@ -160,7 +161,7 @@ fn chosen(over: NodeAggregation, values: &[(usize, f64)], all_usable: bool) -> (
         let best = values.iter().min_by(by_value);
         return (best.map(|b| b.0), best.map(|b| b.1));
     }
-    // If several nodes are equally bad, the first one is taken.
+    // If several nodes are equally bad, the first of them is the spot.
     let worst = values.iter().rev().max_by(by_value).filter(|_| all_usable);
     let mut all: Vec<f64> = values.iter().map(|v| v.1).collect();
     (worst.map(|w| w.0), worst.map(|_| over.of(&mut all)))

@@ -28,8 +28,8 @@ pub struct Mapper {
     pub(super) ranks: bool,
     /// Spherical shell that bounds the reach of the arm in each operation; None if the shell saves no time.
     pub(super) shells: Vec<Option<Shell>>,
-    /// Tolerances with their cost models; None unless the search minimizes the cost of tolerances or has it
-    /// as a goal.
+    /// Tolerances with their cost models; None unless the cost of tolerances is the objective or a goal of
+    /// the search.
     pub(super) tolerances: Option<Arc<TolerancePricing>>,
 }
 
@@ -96,8 +96,8 @@ impl Mapper {
         self.arm.chain.frames(&self.arm.chain.posture(joints))
     }
 
-    /// Returns a branch at a target. The index [`CONTINUED`] denotes the posture `kept`, continued to the
-    /// target.
+    /// Returns a branch at a target; None if the branch does not exist there. The index [`CONTINUED`] denotes
+    /// the posture `kept`, continued to the target.
     pub(super) fn branch_at(
         &self,
         target: &Vector3<f64>,
@@ -155,11 +155,12 @@ fn tolerances(cell: &Cell, setups: &[OperationSetup]) -> Result<Option<Arc<Toler
     let evaluators: Vec<&ErrorEvaluator> = setups.iter().map(|setup| &setup.evaluator).collect();
     match TolerancePricing::new(cell, &evaluators) {
         Some(tolerances) => Ok(Some(Arc::new(tolerances))),
-        None => Err("no error has a tolerance of its own, so there is no cost of tolerances".into()),
+        None => Err("measured and correlated errors have no separate tolerances, so tolerances have no cost".into()),
     }
 }
 
-/// Bounds the reach of the arm in an operation by a spherical shell; None if the shell would save no time.
+/// Returns a spherical shell that bounds the reach of the arm in an operation; None if the shell would save
+/// no time.
 ///
 /// The shell saves no time if inverse kinematics is cheap, or if a search may change the attitude.
 fn shell(inverse: &Inverse, operation: &Operation) -> Option<Shell> {

@@ -143,7 +143,7 @@ impl NodeRecord {
 
 /// Posture reported for a node, with its errors in the world frame.
 ///
-/// In the signed reading, the errors are those of the signed sample. In the other readings, they are the
+/// In the signed reading, these are the errors of the signed sample. In the other readings, these are the
 /// errors at the corner of the tolerance box that is worst in the sense of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureRecord {
@@ -196,10 +196,10 @@ pub struct OperationMap {
     /// Senses in which every node is reported: x, y, z, xy, xyz and the operation's own sense.
     pub senses: Vec<Sense>,
     pub nodes: Vec<NodeRecord>,
-    /// Index of the node shown as the spot: the usable node with the least value.
+    /// Index of the node shown as the spot: the usable node with the least value. None if no node is usable.
     ///
-    /// For an operation at every node, the index is that of the node with the greatest value. It is None if
-    /// any node of such an operation is unusable.
+    /// For an operation at every node, this is the node with the greatest value, or None if any node is
+    /// unusable.
     pub best: Option<usize>,
     /// Value of the operation: the value of its spot, or the combined value of all nodes for an operation at
     /// every node. None if there is no spot.

@@ -78,7 +78,7 @@ impl NodeSign {
             Self::Singular => "nearly singular",
             Self::ApproachBlocked => "with a blocked approach",
             Self::RetractBlocked => "with a blocked retract",
-            Self::Unjudged => "of unknown error",
+            Self::Unjudged => "with an unknown error",
         }
     }
 

@@ -105,7 +105,7 @@ impl OperationSetup {
     }
 
     /// Returns a lower bound of [`Self::value`], or the value itself if no bound is known. `certainty`
-    /// selects the cheap bound or the sharper one.
+    /// selects the cheap bound or the sharper bound.
     pub fn bound(
         &self,
         certainty: Certainty,

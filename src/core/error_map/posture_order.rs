@@ -29,7 +29,7 @@ impl PostureOrder {
         }
     }
 
-    /// Describes the order in words, as a clause without a subject.
+    /// Describes the order in words, as a verb phrase such as "judges every posture".
     pub fn in_words(&self) -> String {
         match self {
             Self::RankedNodes => "skips nodes whose lower bound exceeds the best value found".into(),

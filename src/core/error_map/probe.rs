@@ -105,7 +105,8 @@ impl<'a> Probe<'a> {
     /// Computes the value of the operation ([`Spot::value`]) in a held posture, even if this posture
     /// collides.
     ///
-    /// The posture may also exceed a joint limit if the inverse kinematics is in closed form.
+    /// The posture may also exceed a joint limit if the inverse kinematics is in closed form. Returns None if
+    /// no branch continues the posture, or if the errors cannot be computed.
     pub fn beyond_limits(&mut self, held: &HeldPosture) -> Option<f64> {
         let branch = self.query.branch_beyond_limits(held)?;
         self.query.value(&branch.posture, self.memory.postures).ok()
@@ -130,7 +131,8 @@ impl<'a> Probe<'a> {
     }
 
     /// Certifies a held posture if the layout demands it. Returns an upper bound of the value over all
-    /// misplacements, if `value` asks for a bound and a bound is known.
+    /// misplacements; None if the layout demands no certificate, if `value` asks for no bound, or if no bound
+    /// is known.
     ///
     /// # Errors
     /// Returns the reason if the posture is not certified.
@@ -145,7 +147,8 @@ impl<'a> Probe<'a> {
         self.query.certify(&target, branch, &Demand { value, ..demand }, self.memory.postures)
     }
 
-    /// Computes the joint coordinates of a held posture in the layout of this probe, at the point of `held`.
+    /// Computes the joint coordinates of a held posture in the layout of this probe, at the point of `held`;
+    /// None if no branch continues the posture.
     pub fn joints(&mut self, held: &HeldPosture) -> Option<JointVector> {
         self.query.kept = Some(*held);
         let branch = held.branch_elsewhere(self.inverse());

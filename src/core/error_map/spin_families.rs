@@ -41,7 +41,8 @@ impl OperationQuery<'_> {
         found.outcome()
     }
 
-    /// Checks the members of families, the least value or bound first, until one can be used.
+    /// Checks the members of families in ascending order of their values or bounds, until a member can be
+    /// used.
     pub(super) fn first_free_of_families(
         &self,
         queue: &mut FamilyQueue,

@@ -8,7 +8,7 @@ use crate::reading::{ErrorEvaluator, Taught, WorkFrame};
 use crate::robot::Frames;
 use nalgebra::Vector3;
 
-/// Returns the frame of a work surface. It is a taught frame if the cell asks for teaching.
+/// Returns the frame of a work surface. The frame is taught if the cell asks for teaching.
 ///
 /// The errors of a taught frame are computed from the error sources of `evaluator`.
 ///
@@ -31,7 +31,7 @@ pub fn work_frame(
     Ok(WorkFrame { equipment: setup.equipment, work: surface.at.pose(), world: surface.world, taught })
 }
 
-/// Finds the postures in which the robot touches three points to teach the frame.
+/// Finds the postures in which the robot touches three points to teach the frame; None if there are none.
 ///
 /// If the points are nodes, the robot may be unable to touch them, or the points may lie nearly in one
 /// line. In both cases, the function chooses three touchable nodes that form a wide triangle.
@@ -75,7 +75,7 @@ fn height(p: &[Frames; 3]) -> f64 {
     (b - a).cross(&(c - a)).norm() / longest.max(f64::MIN_POSITIVE)
 }
 
-/// Picks three postures whose TCP positions form a wide triangle.
+/// Picks three postures whose TCP positions form a wide triangle; None if `all` is empty.
 ///
 /// The first posture is taken, then the posture farthest from it, then the posture farthest from the line
 /// through these two.

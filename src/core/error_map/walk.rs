@@ -1,11 +1,10 @@
 //! Walk over all nodes: every branch of every node is judged, and the best usable posture is found.
 //!
-//! An [`OperationQuery`] is one operation in one placed layout. The function [`OperationQuery::walk`]
-//! solves the inverse kinematics of each node. For each posture within the joint limits, it computes the
-//! value that the search minimizes. It passes posture and value to a [`PostureVisitor`].
-//! [`OperationQuery::first_free`] then takes candidates, best first, until one is collision-free and
-//! allowed by the motion rules. Search, map and probe all use these functions, so that all three apply the
-//! same rules.
+//! An [`OperationQuery`] is one operation in one placed layout. The function [`OperationQuery::walk`] solves
+//! the inverse kinematics of each node. For each posture within the joint limits, it computes the value that
+//! the search minimizes. It passes posture and value to a [`PostureVisitor`]. [`OperationQuery::first_free`]
+//! then checks candidates, best first, until a candidate is collision-free and allowed by the motion rules.
+//! Search, map and probe all use these functions, so that all three apply the same rules.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::held_posture::HeldPosture;
@@ -137,8 +136,8 @@ impl<'a> OperationQuery<'a> {
         visitor.end_of_node(self, &VisitedNode { node, target, missed }, memory);
     }
 
-    /// Replaces the rough bound of a candidate by a sharper bound or by the value, and a bound by the
-    /// value.
+    /// Replaces the rough bound of a candidate by a sharper bound or by the value, and replaces a sharper
+    /// bound by the value. Returns None if the branch does not exist, or if the errors cannot be computed.
     pub fn sharpened(
         &self,
         candidate: &PostureCandidate,

@@ -28,7 +28,7 @@ pub struct PostureMemory {
     pub scratch: ValueScratch,
     pub frames: Frames,
     pub contacts: ContactMemory,
-    /// Posture to which the inverse kinematics writes.
+    /// Buffer into which the inverse kinematics writes a posture.
     pub posture: Posture,
 }
 

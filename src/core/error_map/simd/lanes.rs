@@ -82,14 +82,14 @@ impl<S: Simd> Lanes<S> {
         Self { of: self.simd.mul_add_e_f64s(self.of, by.of, plus.of), ..self }
     }
 
-    /// Returns a mask that is true in the lanes whose number is greater than `other`. It is false if either
-    /// number is NaN.
+    /// Returns a mask that is true in the lanes whose number is greater than `other`. The mask is false if
+    /// either number is NaN.
     #[inline(always)]
     pub fn is_above(self, other: f64) -> Mask<S> {
         Mask { simd: self.simd, of: self.simd.greater_than_f64s(self.of, self.simd.splat_f64s(other)) }
     }
 
-    /// Returns a mask that is true in the lanes whose number is less than the number of `other`. It is
+    /// Returns a mask that is true in the lanes whose number is less than the number of `other`. The mask is
     /// false if either number is NaN.
     #[inline(always)]
     pub fn is_below(self, other: Self) -> Mask<S> {
@@ -98,7 +98,7 @@ impl<S: Simd> Lanes<S> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// Returns `yes` in the lanes where the mask is true, and `no` in the others.
+    /// Returns `yes` in the lanes where the mask is true, and `no` in the other lanes.
     #[inline(always)]
     pub fn choose(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         Lanes { simd: self.simd, of: self.simd.select_f64s(self.of, yes.of, no.of) }

@@ -1,9 +1,9 @@
 //! Inverse kinematics of the planar arm with four axes, in SIMD lanes: every branch, and whether the branch
 //! exceeds a joint limit.
 //!
-//! The formulas and their order equal those of `reach::closed_form::planar` wherever a rounding error could
-//! grow. Rounding errors could grow if the arm is nearly stretched, and for targets near the base axis. The
-//! joint limits are a little wider here. Therefore no branch that
+//! Where rounding errors could grow, the formulas and their order are the same as in
+//! `reach::closed_form::planar`. Rounding errors could grow if the arm is nearly stretched, and for targets
+//! near the base axis. The joint limits are a little wider here. Therefore no branch that
 //! [`Inverse::visit`](crate::reach::Inverse::visit) finds is missed.
 
 use super::lanes::{CosSin, Lanes, Mask};
@@ -36,7 +36,7 @@ pub struct TargetLanes<S: Simd> {
     along: Lanes<S>,
     /// Reciprocal of the squared distance of the target from the base axis, 1/m^2.
     inverse2: Lanes<S>,
-    /// Lanes whose target is nearer to the base axis than the tool can come.
+    /// Lanes whose target is so near to the base axis that the tool cannot reach it.
     beside: Mask<S>,
 }
 

@@ -114,7 +114,8 @@ impl Ranking {
         least(&self.groups)
     }
 
-    /// Removes and returns the node with the least bound, or the first of several with equal bounds.
+    /// Removes and returns the node with the least bound, or the first of several nodes with equal bounds.
+    /// Returns None if no reachable node is left.
     pub fn pop(&mut self) -> Option<usize> {
         let bound = self.bound();
         let group = self.groups.iter().position(|b| *b == bound && *b < f64::INFINITY)?;
