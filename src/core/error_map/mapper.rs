@@ -155,7 +155,7 @@ fn tolerances(cell: &Cell, setups: &[OperationSetup]) -> Result<Option<Arc<Toler
     let evaluators: Vec<&ErrorEvaluator> = setups.iter().map(|setup| &setup.evaluator).collect();
     match TolerancePricing::new(cell, &evaluators) {
         Some(tolerances) => Ok(Some(Arc::new(tolerances))),
-        None => Err("measured and correlated errors have no separate tolerances, so tolerances have no cost".into()),
+        None => Err("the cost of tolerances needs an error that is neither measured nor correlated".into()),
     }
 }
 
