@@ -1,4 +1,4 @@
-//! Attitudes that an arm cannot hold anywhere, whatever the layout.
+//! Tool attitudes that an arm cannot reach at any position, whatever the layout.
 
 use super::Inverse;
 use super::solver::ChainSolver;
@@ -7,11 +7,12 @@ use crate::units::{deg_from_rad, rounded};
 
 /// Largest difference, rad, of elevations that count as equal.
 ///
-/// It is larger than the rounding error of an angle that a file gives in degrees.
+/// The value exceeds the rounding error of an angle that a file states in degrees.
 const SAME_ELEVATION: f64 = 1e-6;
 
 impl Inverse {
-    /// Returns why the arm cannot hold its tool in this attitude anywhere; None if no reason is known.
+    /// Returns the reason why the arm cannot reach this tool attitude at any position; None if no reason is
+    /// known.
     pub fn refusal(&self, attitude: &Attitude) -> Option<String> {
         let degrees = |rad: f64| rounded(deg_from_rad(rad), 3);
         if let Some(fixed) = self.fixed_elevation
@@ -26,15 +27,15 @@ impl Inverse {
         let exact = attitude.tolerance == 0.0;
         if exact && !attitude.is_vertical() && matches!(attitude.azimuth, Azimuth::Surface(_)) {
             return Some(
-                "the base yaw of the arm decides the heading, so azimuth_deg cannot be an angle of the surface: \
-                 write azimuth_deg = \"radial\", or allow a tolerance_deg"
+                "the base yaw of the arm decides the heading of the tool, so azimuth_deg cannot be an angle: \
+                 write azimuth_deg = \"radial\", or set a tolerance_deg above 0"
                     .into(),
             );
         }
         if exact && !arm.rolls() && matches!(attitude.spin, Spin::At(_)) {
             return Some(
-                "the arm has no axis that rotates the tool about itself, so spin_deg cannot be chosen: \
-                 omit it, or allow a tolerance_deg"
+                "the arm has no axis that rotates the tool about the tool axis, so spin_deg cannot be chosen: \
+                 omit spin_deg, or set a tolerance_deg above 0"
                     .into(),
             );
         }

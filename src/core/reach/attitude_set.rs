@@ -15,14 +15,14 @@ const SAME_AXIS: f64 = 1e-12;
 /// Rotation of the tool about its axis, from the attitude `first` to another attitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SpinTurn {
-    /// Number of the attitude from which the rotation starts.
+    /// Index of the attitude from which the rotation starts.
     pub first: usize,
     /// Cosine and sine of the angle of rotation.
     pub cos: f64,
     pub sin: f64,
 }
 
-/// Allowed attitudes of the tool, in the base frame.
+/// Tool attitudes that an operation allows, for one arm and one yaw of the surface.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AttitudeSet {
     /// Elevations of the tool axis to try, rad; the nominal elevation comes first.
@@ -33,8 +33,8 @@ pub struct AttitudeSet {
     /// The vector d is the tool axis, and r is the reference axis of the tool.
     ///
     /// The function [`crate::cell::held`] defines both axes. If `radial` is false, the matrices are in the
-    /// base frame. If `radial` is true, they are in a frame whose x axis points from the base axis to the
-    /// target.
+    /// base frame. If `radial` is true, they are in a frame whose x axis points horizontally from the base
+    /// axis to the target.
     pub(super) columns: Vec<Matrix3<f64>>,
     pub(super) radial: bool,
     pub(super) spin_is_free: bool,
@@ -46,17 +46,17 @@ pub struct AttitudeSet {
     pub(super) spin_rotations: Vec<(f64, f64)>,
     /// Required azimuth, rad; None for a free or radial azimuth and for a vertical tool.
     heading: Option<f64>,
-    /// For each attitude, the rotation of the last joint that leads to it from a previously solved attitude.
+    /// One entry per attitude: the rotation of the last joint from a solved attitude to this attitude.
     pub(super) spin_turns: Vec<SpinTurn>,
     pub(super) tolerance: f64,
     tilts_sideways: bool,
 }
 
 impl AttitudeSet {
-    /// Sets the attitudes over a surface rotated by `yaw` (rad) in the base frame, without rotation matrices.
+    /// Sets all fields except the rotation matrices, for a surface rotated by `yaw` (rad) in the base frame.
     ///
-    /// [`Self::update_columns`] adds the matrices. `fixed_elevation` is the tool's elevation (rad) if the arm
-    /// cannot change this elevation; otherwise None.
+    /// [`Self::update_columns`] adds the matrices. `fixed_elevation` is the elevation of the tool (rad) if
+    /// the arm cannot change the elevation; otherwise None.
     pub fn update(&mut self, attitude: &Attitude, yaw: f64, fixed_elevation: Option<f64>) {
         self.vertical = attitude.is_vertical();
         self.radial = attitude.azimuth == Azimuth::Radial;
@@ -108,8 +108,8 @@ impl AttitudeSet {
         }
     }
 
-    /// Finds the attitudes that differ only by a rotation of the tool about its axis. `spins` says whether
-    /// the last joint alone can rotate the tool in this way.
+    /// Finds the attitudes that differ only by a rotation of the tool about its axis. `spins` is true if the
+    /// last joint alone can rotate the tool about its axis.
     ///
     /// [`Self::update_columns`] must be called first.
     pub fn update_spin_turns(&mut self, spins: bool) {
@@ -129,37 +129,38 @@ impl AttitudeSet {
         self.spin_turns.extend((0..self.columns.len()).map(turn));
     }
 
-    /// Returns the numbers of the attitudes that are solved. The other attitudes follow by a rotation of the
-    /// last joint.
+    /// Returns the indices of the attitudes that the solver must solve. The other attitudes follow from these
+    /// by a rotation of the last joint.
     pub(super) fn solved(&self) -> impl Iterator<Item = usize> + '_ {
         self.spin_turns.iter().enumerate().filter(|(k, turn)| turn.first == *k).map(|(k, _)| k)
     }
 
-    /// Returns the attitudes that follow from the solved attitude `first`, beginning with `first` itself.
+    /// Returns index and rotation of each attitude that follows from the solved attitude `first`, beginning
+    /// with `first`.
     pub(super) fn spun(&self, first: usize) -> impl Iterator<Item = (usize, SpinTurn)> + '_ {
         let of_same_tilt = (0..self.spins.len()).map(move |spin| first + spin * self.tilts());
         let turns = of_same_tilt.filter_map(|k| Some((k, *self.spin_turns.get(k)?)));
         turns.filter(move |(_, turn)| turn.first == first)
     }
 
-    /// Returns the number of tool axes that belong to one azimuth.
+    /// Returns the number of directions of the tool axis per azimuth.
     fn tilts(&self) -> usize {
         self.elevations.len() + if self.tilts_sideways { 2 } else { 0 }
     }
 
-    /// Returns the azimuth in the base frame, rad, from which the attitudes at a target are measured. If the
-    /// azimuth of the attitudes is radial, the result is the direction of the target.
+    /// Returns the azimuth in the base frame, rad, from which the attitudes at a target are measured. For a
+    /// radial azimuth, the result is the direction from the base axis to the target.
     pub(super) fn heading(&self, target: &Vector3<f64>) -> f64 {
         if self.radial { target.y.atan2(target.x) } else { self.zero }
     }
 
-    /// Returns the number of rotation matrices that belong to one azimuth.
+    /// Returns the number of rotation matrices per azimuth.
     pub(super) fn columns_per_azimuth(&self) -> usize {
         self.spins.len() * self.tilts()
     }
 
-    /// Returns the rotation matrix of the tool in attitude `k` at a target, base frame. See [`Self::columns`]
-    /// for the columns of the matrix.
+    /// Returns the rotation matrix of the tool in attitude `k` at a target, in the base frame. See
+    /// [`Self::columns`] for the columns of the matrix.
     #[inline]
     pub(super) fn columns_at(&self, k: usize, target: &Vector3<f64>) -> Matrix3<f64> {
         if !self.radial {
@@ -169,11 +170,11 @@ impl AttitudeSet {
         Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0) * self.columns[k]
     }
 
-    /// Returns the excess of the tool's attitude error over the tolerance, rad; 0 within the tolerance.
+    /// Returns how far the attitude error of the tool exceeds the tolerance, rad; 0 within the tolerance.
     ///
     /// `columns` is the rotation matrix of the tool in the base frame, with the columns that
     /// [`Self::columns`] describes. Only planar arms need this check: the target determines their heading,
-    /// and some of these arms cannot choose the spin. `rolls` says whether the arm can choose the spin.
+    /// and some of them cannot choose the spin. `rolls` is true if the arm can choose the spin.
     pub(super) fn off(&self, columns: &Matrix3<f64>, target: &Vector3<f64>, rolls: bool) -> f64 {
         let [r, d] = [0, 2].map(|k| columns.column(k).into_owned());
         let actual = d.y.atan2(d.x);
@@ -198,8 +199,8 @@ impl AttitudeSet {
 
     /// Returns whether every posture must be checked by [`Self::off`].
     ///
-    /// The check is needed if the attitude requires a heading. The check is also needed if the attitude
-    /// requires a spin and the arm cannot choose the spin.
+    /// The check is needed if the attitude requires a heading. It is also needed if the attitude requires a
+    /// spin that the arm cannot choose.
     pub(super) fn is_checked(&self, rolls: bool) -> bool {
         self.heading.is_some() || !self.spin_is_free && !rolls
     }
@@ -223,8 +224,8 @@ fn tilted(elevation: f64, tolerance: f64) -> impl Iterator<Item = f64> {
     std::iter::once(elevation).chain(around)
 }
 
-/// Returns the rotation matrix `columns` after a tilt by the angle `by` (rad) out of the vertical plane
-/// through the tool axis.
+/// Returns the rotation matrix `columns`, tilted by the angle `by` (rad) out of the vertical plane through
+/// the tool axis.
 fn sideways(columns: &Matrix3<f64>, by: f64) -> Matrix3<f64> {
     let d = columns.column(2).into_owned();
     let level = Vector3::new(-d.y, d.x, 0.0).try_normalize(1e-9);

@@ -1,33 +1,33 @@
 //! Search for usable postures between the sampled values of the redundant joint.
 //!
 //! The search has three steps. A scan finds intervals that may contain a usable posture. Lipschitz bounds
-//! decide whether the target is in reach somewhere in an interval. A golden-section search then reduces the
-//! violation of the joint limits.
+//! decide whether the target is within reach somewhere in an interval. A golden-section search then reduces
+//! the violation of the joint limits.
 
 use super::branch::Gap;
 use super::held_joint::{HeldJoint, HeldSample};
 use super::redundancy::HeldTarget;
 use crate::robot::Posture;
 
-/// Number of lattice steps between successive values of the held joint in the scan between the samples.
+/// Step of the scan between the samples, in lattice steps of the redundant joint.
 const SCAN_STEP: u32 = HeldJoint::SAMPLE_STEP / 7;
 
-/// Number of values of the held joint that the scan tries.
+/// Number of values of the redundant joint that the scan tries.
 const SCAN: usize = (HeldJoint::LATTICE / SCAN_STEP) as usize + 1;
 
-/// Violation of limits (rad, m or cosine) above which no usable posture is expected within one step of the
-/// scan.
+/// Violation of the joint limits (rad, m or cosine) above which no usable posture is expected within one step
+/// of the scan.
 const HOPELESS: f64 = 0.5;
 
-/// Largest number of bisections in the search for a joint value at which the target is in reach.
+/// Largest number of bisections in the search for a joint value at which the target is within reach.
 const MAX_PARTS: usize = 128;
 
-/// Share of an interval that the golden section cuts off: the smaller part.
+/// Smaller part of a golden section, as a share of the whole interval.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl HeldTarget<'_> {
-    /// Calls [`Self::gap`], and replaces a lower bound of the distance that is below `near` (m) by the
-    /// distance itself.
+    /// Calls [`Self::gap`]. If the lower bound of the distance is below `near` (m), computes the distance
+    /// itself.
     fn gap_near(
         &self,
         sample: &HeldSample<'_>,
@@ -42,11 +42,11 @@ impl HeldTarget<'_> {
         (Gap { reach, ..gap }, usable)
     }
 
-    /// Searches values between the samples of the held joint for usable postures.
+    /// Searches for usable postures at values between the samples of the redundant joint.
     ///
-    /// A finer scan covers the whole range of the held joint. A golden-section search narrows the interval
-    /// around every value whose [`Gap`] is not larger than the gaps of its neighbours. Returns the least gap
-    /// found, and whether a usable posture was found.
+    /// A finer scan covers the whole range of the redundant joint. If the scan finds no usable posture, a
+    /// golden-section search follows. It narrows the interval around each value whose [`Gap`] is not larger
+    /// than the gaps of its neighbours. Returns the least gap found, and whether a usable posture was found.
     pub fn search_between(&self, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let flange = self.inverse.flange(self.first, self.target, self.attitudes);
         let near = self.joint.most_travel(&flange) * f64::from(SCAN_STEP);
@@ -70,10 +70,11 @@ impl HeldTarget<'_> {
         (least, any)
     }
 
-    /// Searches the lattice values around the number `best` for one with a usable posture, towards the least
-    /// [`Gap`].
+    /// Searches for a usable posture at the lattice numbers around `best`, in the direction of decreasing
+    /// [`Gap`]. Returns the least gap, and whether a usable posture was found.
     ///
-    /// `least` is the gap at `best`. The gaps one step of the scan away must be larger.
+    /// `least` is the gap at `best`. The gaps at one step of the scan below and above `best` must not be
+    /// smaller.
     fn search_around(&self, best: u32, least: Gap, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let interval = (best.saturating_sub(SCAN_STEP), (best + SCAN_STEP).min(HeldJoint::LATTICE));
         let (best, least) = match least.reach > 0.0 {
@@ -87,11 +88,11 @@ impl HeldTarget<'_> {
         }
     }
 
-    /// Searches an interval of lattice numbers for one at which the target is in reach; returns the number
-    /// with the least gap, and this gap.
+    /// Searches an interval of lattice numbers for a number at which the target is within reach. Returns the
+    /// number with the least gap, and this gap.
     ///
-    /// The distance from the reach is a Lipschitz function of the held joint's value. Parts of the interval
-    /// whose ends are too far out of reach are left out (Piyavskii 1972).
+    /// The distance of the target from the reachable points is a Lipschitz function of the redundant joint's
+    /// value. Parts of the interval that cannot contain a zero of this function are skipped (Piyavskii 1972).
     fn nearest_reached(
         &self,
         (lo, hi): (u32, u32),
@@ -110,7 +111,7 @@ impl HeldTarget<'_> {
             if count == 0 || least.1.reach == 0.0 {
                 break;
             }
-            // The part that could come nearest is divided.
+            // Divide the part with the least lower bound of the distance.
             let bound = |p: &(u32, Gap, u32, Gap)| p.1.reach + p.3.reach - most * f64::from(p.2 - p.0);
             let Some(k) = (0..count).min_by(|&a, &b| bound(&parts[a]).total_cmp(&bound(&parts[b]))) else {
                 break;
@@ -133,10 +134,10 @@ impl HeldTarget<'_> {
         least
     }
 
-    /// Searches an interval of lattice numbers for one with a usable posture, by the golden section towards
-    /// the least [`Gap`].
+    /// Searches an interval of lattice numbers for a usable posture, by a golden-section search for the least
+    /// [`Gap`]. Returns the least gap, and whether a usable posture was found.
     ///
-    /// `best` lies inside the interval, and `least` is the gap there.
+    /// `best` is a number inside the interval, and `least` is the gap at `best`.
     fn golden_section(
         &self,
         (mut lo, mut hi): (u32, u32),
@@ -144,7 +145,7 @@ impl HeldTarget<'_> {
         found: &mut dyn FnMut(u64, &Posture),
     ) -> (Gap, bool) {
         while hi - lo > 2 {
-            // The larger part of the interval is divided.
+            // Divide the larger part of the interval.
             let up = hi - best >= best - lo;
             let by = ((f64::from(if up { hi - best } else { best - lo }) * GOLDEN) as u32).max(1);
             let number = if up { best + by } else { best - by };

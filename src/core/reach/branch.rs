@@ -1,44 +1,45 @@
-//! Results of the inverse kinematics: the branches of a target, or the reason why it has none.
+//! Results of the inverse kinematics: the branches of a target, or the reason why the target has none.
 
 use super::limits::LimitViolation;
 use crate::cell::JointVector;
 use crate::robot::Posture;
 
-/// Mask of the bits that number the attitude in a branch index of a closed form for a whole pose.
+/// Bits of a branch index that hold the attitude index for a redundant arm.
 const ATTITUDE_BITS: u64 = 0xfff0;
 
-/// Position of the lowest bit that numbers the value of the held joint of a redundant arm.
+/// Position of the lowest bit of a branch index that holds the lattice number of the redundant joint.
 const SAMPLE_SHIFT: u32 = 16;
 
-/// Returns the number of the attitude in a branch index.
+/// Returns the attitude index that a branch index of a redundant arm holds.
 pub(super) fn attitude_of(index: u64) -> usize {
     ((index & ATTITUDE_BITS) >> 4) as usize
 }
 
-/// Returns a branch index with another attitude.
+/// Returns the branch index with its attitude index replaced by `attitude`.
 pub(super) fn with_attitude(index: u64, attitude: usize) -> u64 {
     index & !ATTITUDE_BITS | (attitude as u64) << 4
 }
 
-/// Returns the number of the held joint's value in a branch index of a redundant arm.
+/// Returns the lattice number of the redundant joint that a branch index holds.
 pub(super) fn sample_of(index: u64) -> u32 {
     (index >> SAMPLE_SHIFT) as u32
 }
 
-/// Returns a branch index of a redundant arm with another value of the held joint.
+/// Returns the branch index with the lattice number of the redundant joint replaced by `number`.
 pub(super) fn with_sample(index: u64, number: u32) -> u64 {
     index & ((1 << SAMPLE_SHIFT) - 1) | u64::from(number) << SAMPLE_SHIFT
 }
 
-/// Class of the computing time that the inverse kinematics of one target takes.
+/// Class of computing time of the inverse kinematics, per target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cost {
     /// Tens of nanoseconds per target.
     Low,
     /// About a microsecond per attitude.
     Middle,
-    /// About a microsecond per attitude and sampled value of the redundant joint, or tens of microseconds per
-    /// attitude of a solver that scans one joint, refines a closed form or solves general six axes.
+    /// About a microsecond per attitude and sampled joint value for a redundant arm.
+    ///
+    /// Tens of microseconds per attitude for a scan of one joint, a refined closed form or six general axes.
     High,
     /// About a millisecond per target, because the solver is numeric.
     Numeric,
@@ -49,10 +50,9 @@ pub enum Cost {
 pub struct Gap {
     /// Distance to the nearest reachable point, m; 0 if a branch exists.
     pub reach: f64,
-    /// Least violation of joint limits and attitude by a branch, in mixed units (m, rad, cosine); 0 if a
-    /// branch violates neither.
+    /// Least violation of joint limits and attitude over all branches, in mixed units (m, rad, cosine).
     ///
-    /// The value is also 0 if the target is out of reach.
+    /// The value is 0 if a branch violates neither, or if the target is out of reach.
     pub limits: f64,
 }
 
@@ -60,7 +60,7 @@ impl Gap {
     /// Infinite gap: the initial value in a search for the least gap.
     pub const ALL: Self = Self { reach: f64::INFINITY, limits: f64::INFINITY };
 
-    /// Returns whether this gap is smaller: by `reach`, or by `limits` if `reach` is equal.
+    /// Returns whether this gap is smaller than `other`: compares `reach` first, then `limits`.
     pub fn is_less(&self, other: &Self) -> bool {
         (self.reach, self.limits) < (other.reach, other.limits)
     }
@@ -69,7 +69,7 @@ impl Gap {
 /// One posture that puts the TCP at the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Branch {
-    /// Number that encodes the solution, the attitude and the sample of a redundant joint.
+    /// Number that encodes the solution, the attitude and the value of a redundant joint.
     ///
     /// [`super::Inverse`] documents the bits of this number.
     pub index: u64,
@@ -98,8 +98,9 @@ pub enum Reach {
     ///
     /// `joint` is the joint whose limit prevents the attitude; None if the geometry prevents it.
     Attitude { by: f64, joint: Option<usize> },
-    /// The numeric solver came no nearer than `position` (m) and `angle` (rad), but a posture may exist.
+    /// The numeric solver did not converge: the errors `position` (m) and `angle` (rad) remain. A posture may
+    /// still exist.
     NotConverged { position: f64, angle: f64 },
-    /// Every branch found, within the joint limits or not.
+    /// All branches found, including branches that violate joint limits.
     Branches(Vec<Branch>),
 }

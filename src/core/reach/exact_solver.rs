@@ -1,5 +1,6 @@
-//! Closed forms and scans that solve a chain of one family for a pose of the last D-H frame, tested on the
-//! chain before they are used.
+//! Inverse kinematics of chains with a special geometry: closed forms, and scans of one joint.
+//!
+//! A solver is tested on sampled postures of the chain before it is used.
 
 use super::closed_form::offset_wrist::OffsetWrist;
 use super::closed_form::scara::Scara;
@@ -11,15 +12,17 @@ use crate::robot::{Chain, Posture};
 /// Number of sampled postures on which a solver is tested.
 const TRIALS: usize = 16;
 
-/// Number of sampled postures of which a scan may find no solution: it may miss two postures that nearly coincide.
+/// Largest number of sampled postures for which a scan may find no solution.
+///
+/// A scan can miss two solutions that nearly coincide.
 const MAX_MISSED_BY_SCAN: usize = 1;
 
-/// Largest error of a solver at a sampled posture: of the translation (m), and of the rotation matrix
+/// Largest error of a solution at a sampled posture: of the translation (m), and of the rotation matrix
 /// (Frobenius norm).
 const MAX_ERROR: f64 = 1e-9;
 
 /// Inverse kinematics for a given pose of the last D-H frame: a closed form, or a scan of one joint with
-/// closed forms for the others.
+/// closed forms for the other joints.
 #[derive(Debug, Clone)]
 pub(super) enum ExactSolver {
     Scara(Scara),
@@ -29,7 +32,8 @@ pub(super) enum ExactSolver {
 }
 
 impl ExactSolver {
-    /// Returns the closed form of a chain, if there is one that reproduces sampled poses of the chain.
+    /// Returns the closed-form solver of a chain; None if no closed form reproduces the sampled poses of the
+    /// chain.
     pub fn closed_form(chain: &Chain) -> Option<Self> {
         let scara = || Scara::new(chain).ok().map(Self::Scara);
         let wrist = || SphericalWrist::new(chain).ok().map(|arm| Self::SphericalWrist(Box::new(arm)));
@@ -38,15 +42,16 @@ impl ExactSolver {
         found.is_exact(chain, 0).then_some(found)
     }
 
-    /// Returns the solver of a chain that scans one joint, if there is one that reproduces sampled poses of
-    /// the chain. It takes about twenty times as long as a closed form.
+    /// Returns a solver that scans one joint of the chain; None if no scan reproduces the sampled poses of
+    /// the chain.
+    ///
+    /// The scan takes about twenty times as long as a closed form.
     pub fn scanning(chain: &Chain) -> Option<Self> {
         let found = Self::OffsetWrist(Box::new(OffsetWrist::new(chain).ok()?));
         found.is_exact(chain, MAX_MISSED_BY_SCAN).then_some(found)
     }
 
-    /// Returns whether the branch index of a posture is kept while the pose moves, except at singular
-    /// postures.
+    /// Returns whether a branch keeps its index while the pose moves, except at singular postures.
     pub fn keeps_branches(&self) -> bool {
         !matches!(self, Self::OffsetWrist(_))
     }
@@ -62,8 +67,10 @@ impl ExactSolver {
         }
     }
 
-    /// Returns a phrase that names the family of an arm with one more joint: its first joint if
-    /// `first_is_free`, otherwise its last joint.
+    /// Returns a phrase that names the family of a redundant arm, if this solver solves all joints except the
+    /// redundant joint.
+    ///
+    /// The redundant joint is the first joint if `first_is_free` is true, otherwise the last joint.
     pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
         match (self, first_is_free) {
             (Self::SphericalWrist(_), true) => "spherical wrist, first joint free (closed form)",
@@ -75,8 +82,8 @@ impl ExactSolver {
         }
     }
 
-    /// Returns a variant of the solver that computes only a lower bound of the distance by which a target is
-    /// out of reach.
+    /// Returns a faster variant of the solver. For a target out of reach, the variant computes only a lower
+    /// bound of the distance.
     pub fn fast(&self) -> Self {
         match self {
             Self::SphericalWrist(arm) => Self::SphericalWrist(Box::new(arm.fast())),
@@ -84,8 +91,8 @@ impl ExactSolver {
         }
     }
 
-    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. Computing the bound is much
-    /// cheaper than a solution.
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. The bound is much cheaper to
+    /// compute than a solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
         match self {
@@ -96,8 +103,8 @@ impl ExactSolver {
 
     /// Calls `found` with every solution for the pose `flange` of the last D-H frame in frame 0.
     ///
-    /// Returns the distance by which the target is out of reach, m. It is infinite for a SCARA that cannot
-    /// hold the orientation.
+    /// Returns the distance by which the target is out of reach, m; 0 if there is a solution. The distance is
+    /// infinite for a SCARA that cannot reach the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         match self {
@@ -109,8 +116,8 @@ impl ExactSolver {
         }
     }
 
-    /// Returns whether the solver reproduces the poses of the last D-H frame at sampled postures. It may find no
-    /// solution of up to `misses` of them.
+    /// Returns whether the solver reproduces the poses of the last D-H frame at sampled postures. The solver
+    /// may find no solution for up to `misses` of these postures.
     fn is_exact(&self, chain: &Chain, misses: usize) -> bool {
         let mut scratch = chain.zero_posture();
         let (mut missed, mut off): (usize, f64) = (0, 0.0);

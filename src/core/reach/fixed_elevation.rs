@@ -8,7 +8,8 @@ const POSTURES: usize = 32;
 /// Largest difference, rad, of elevations that count as equal.
 const SAME_ELEVATION: f64 = 1e-9;
 
-/// Returns the elevation of the tool axis (rad) if it is the same in all sampled postures of the chain.
+/// Returns the elevation of the tool axis (rad) if it is the same in all sampled postures of the chain;
+/// otherwise None.
 pub(super) fn fixed_elevation(chain: &Chain) -> Option<f64> {
     let elevation = |k: usize| {
         let tcp = chain.forward(&chain.posture(&chain.halton_sample(k)));

@@ -1,4 +1,4 @@
-//! Redundant arms whose first or last joint is held at a value: a closed form solves the other joints.
+//! Redundant arms whose first or last joint is held constant while a closed form solves the other joints.
 
 use super::pose_solver::PoseSolver;
 use crate::cell::{JointKind, JointVector};
@@ -6,50 +6,56 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 use std::f64::consts::{PI, TAU};
 
-/// Redundancy resolution of one arm: one joint is held at sampled values, and a closed form solves the other
-/// joints.
+/// Redundancy resolution of one arm: one redundant joint is held at sampled values, and a closed form solves
+/// the other joints.
 #[derive(Debug, Clone)]
 pub(super) struct HeldJoint {
-    /// Closed form that solves the joints that are not held.
+    /// Solver of the other joints.
     pub solver: PoseSolver,
-    /// Variant of `solver` that computes lower bounds of distances.
+    /// Variant of `solver` that computes only lower bounds of distances.
     pub fast: PoseSolver,
-    /// Posture of the joints that are not held, copied as scratch memory.
+    /// Posture of the other joints, which callers copy as scratch memory.
     pub template: Posture,
     link: Link,
-    /// Distance between the origins of the last two D-H frames of the chain without the held joint, m.
+    /// Distance between the origins of the last two D-H frames of the chain without the redundant joint, m.
     lead: f64,
-    /// Whether the held joint is the first joint of the arm; otherwise it is the last.
+    /// Whether the redundant joint is the first joint of the arm; otherwise it is the last joint.
     first: bool,
     axes: usize,
-    /// Least and greatest coordinate of the held joint, rad or m.
+    /// Least and greatest coordinate of the redundant joint, rad or m.
     range: (f64, f64),
 }
 
-/// One value of the held joint.
+/// One value of the redundant joint.
 #[derive(Clone, Copy)]
 pub(super) struct HeldSample<'a> {
     pub joint: &'a HeldJoint,
-    /// Number of the value in the lattice of [`HeldJoint::LATTICE`], which becomes part of the branch index.
+    /// Lattice number of the value, which becomes part of the branch index.
+    ///
+    /// [`HeldJoint::LATTICE`] describes the lattice.
     pub number: u32,
-    /// Coordinate of the held joint, rad or m.
+    /// Coordinate of the redundant joint, rad or m.
     pub value: f64,
 }
 
 impl HeldJoint {
-    /// Number of sampled values of the held joint.
+    /// Number of sampled values of the redundant joint.
     pub const SAMPLES: usize = 13;
 
     /// Number of lattice steps between neighbouring samples.
     pub const SAMPLE_STEP: u32 = 1 << 20;
 
-    /// Number of steps of the lattice that divides the range of the held joint.
+    /// Number of equal steps (the lattice) into which the range of the redundant joint is divided.
     ///
     /// A step is 0.00003 degrees for a joint with a range of 360 degrees, and 0.16 micrometres for a track of
     /// 2 m.
     pub const LATTICE: u32 = (Self::SAMPLES as u32 - 1) * Self::SAMPLE_STEP;
 
-    /// Prepares a chain with its first or last joint held; None if `solver` has no solver of the other joints.
+    /// Prepares the redundancy resolution of a chain with its first joint held constant, or its last if
+    /// `first` is false.
+    ///
+    /// Returns None if the chain has fewer than four joints, if the redundant joint is coupled to another
+    /// joint, or if `solver` returns no solver of the other joints.
     pub fn new(chain: &Chain, first: bool, solver: fn(&Chain) -> Option<PoseSolver>) -> Option<Self> {
         let n = chain.axes();
         let held = if first { 0 } else { n.checked_sub(1)? };
@@ -76,36 +82,36 @@ impl HeldJoint {
         self.solver.redundant_family(self.first)
     }
 
-    /// Returns whether the held joint is the first joint of the arm; otherwise it is the last.
+    /// Returns whether the redundant joint is the first joint of the arm; otherwise it is the last joint.
     pub fn is_first(&self) -> bool {
         self.first
     }
 
-    /// Returns the index of the held joint.
+    /// Returns the index of the redundant joint.
     pub fn index(&self) -> usize {
         if self.first { 0 } else { self.axes - 1 }
     }
 
-    /// Restricts the held joint to its coordinate in `q`.
+    /// Fixes the redundant joint at its coordinate in `q`.
     pub fn hold(&mut self, q: &JointVector) {
         self.range = (q[self.index()], q[self.index()]);
     }
 
-    /// Returns the value of the held joint with the lattice number `number`.
+    /// Returns the value of the redundant joint with the lattice number `number`.
     pub fn sample(&self, number: u32) -> HeldSample<'_> {
         let (lo, hi) = self.range;
         let value = lo + (hi - lo) * (f64::from(number) / f64::from(Self::LATTICE));
         HeldSample { joint: self, number, value }
     }
 
-    /// Returns the sampled values of the held joint.
+    /// Returns the sampled values of the redundant joint.
     pub fn samples(&self) -> impl Iterator<Item = HeldSample<'_>> {
         let count = if self.range.0 == self.range.1 { 1 } else { Self::SAMPLES as u32 };
         (0..count).map(|k| self.sample(k * Self::SAMPLE_STEP))
     }
 
-    /// Returns the D-H values (cos theta, sin theta, r) of the held joint, and the inverse transform of its
-    /// link.
+    /// Returns the D-H values (cos theta, sin theta, r) of the redundant joint, and the inverse transform of
+    /// its link.
     ///
     /// `value` is the coordinate of the joint, rad or m; r is in m.
     pub fn at(&self, value: f64) -> ((f64, f64, f64), Pose) {
@@ -120,13 +126,15 @@ impl HeldJoint {
 
     /// Returns the pose that the other joints must reach, so that the last D-H frame is at `flange`.
     ///
-    /// `inverse` is the inverse transform of the held link.
+    /// `inverse` is the inverse transform of the link of the redundant joint.
     pub fn rest_of(&self, flange: &Pose, inverse: &Pose) -> Pose {
         if self.first { *inverse * *flange } else { *flange * *inverse }
     }
 
-    /// Writes the posture of the whole arm into `whole`. `rest` holds the D-H values of the joints that are
-    /// not held. `held` holds the D-H values (cos theta, sin theta, r) of the held joint.
+    /// Writes the posture of the whole arm into `whole`.
+    ///
+    /// `held` contains the D-H values (cos theta, sin theta, r) of the redundant joint. `rest` contains the
+    /// D-H values of the other joints.
     pub fn join(&self, rest: &Posture, held: &(f64, f64, f64), whole: &mut Posture) {
         let (at, from) = if self.first { (0, 1) } else { (self.axes - 1, 0) };
         for k in 0..self.axes - 1 {
@@ -136,8 +144,8 @@ impl HeldJoint {
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
     }
 
-    /// Returns an upper bound of the distance (m) by which one lattice step of the held joint moves the point
-    /// that the other joints must reach.
+    /// Returns an upper bound of the distance (m) by which one lattice step of the redundant joint moves the
+    /// point that the other joints must reach.
     ///
     /// `flange` is the pose of the last D-H frame in frame 0.
     pub fn most_travel(&self, flange: &Pose) -> f64 {
@@ -163,8 +171,10 @@ impl HeldJoint {
     }
 }
 
-/// Returns the range of a joint (rad or m). A range of more than one turn is replaced by the turn in its middle,
-/// because the other coordinates repeat the same postures.
+/// Returns the range of a joint (rad or m).
+///
+/// A range of more than one turn is reduced to the turn in its middle, because the other coordinates repeat
+/// the same postures.
 fn within_one_turn(link: &Link) -> (f64, f64) {
     let (least, greatest) = link.limits;
     let middle = (least + greatest) / 2.0;

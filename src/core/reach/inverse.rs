@@ -1,7 +1,8 @@
 //! Inverse kinematics of any chain, with all attitudes of an operation, joint limits and redundancy
 //! resolution.
 //!
-//! If the family of the chain has a closed form, the closed form is used; otherwise the solver is numeric.
+//! The solver is a closed form if the chain has one. Otherwise the solver scans one joint, refines the closed
+//! form of a similar chain, eliminates variables, or iterates numerically.
 
 use super::branch::{Branch, Cost, Gap, Reach, attitude_of, sample_of};
 use super::fixed_elevation::fixed_elevation;
@@ -17,17 +18,17 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Inverse kinematics of one arm.
 ///
-/// The lowest bits of a branch index are the number of the solution; the bits above are the number of the
-/// attitude. For a redundant arm, the bits from 16 on are the number of the sample of the held joint.
+/// The lowest bits of a branch index hold the number of the solution, and the bits above hold the index of
+/// the attitude. For a redundant arm, the bits from 16 on hold the lattice number of the redundant joint.
 #[derive(Debug, Clone)]
 pub struct Inverse {
     pub(super) chain: Chain,
     pub(super) solver: ChainSolver,
     /// Joint limits; None if they cannot be checked on the sines and cosines of a posture.
     ///
-    /// In this case, the numeric solver solves the chain within the limits.
+    /// If they are None, the numeric solver solves the chain within the limits.
     pub(super) limits: Option<Limits>,
-    /// Pose of the base frame in D-H frame 0; None for the identity.
+    /// Pose of the base frame in D-H frame 0; None if the two frames coincide.
     pub(super) to_zero: Option<Pose>,
     /// Pose of the last D-H frame in the frame of the TCP.
     to_flange: Pose,
@@ -35,12 +36,12 @@ pub struct Inverse {
     ///
     /// The vector a is the tool axis, and r is the reference axis of the tool.
     pub(super) tool_rows: Matrix3<f64>,
-    /// Elevation of the tool axis, rad, if it is the same in every posture.
+    /// Elevation of the tool axis, rad, if it is the same in every posture; otherwise None.
     pub(super) fixed_elevation: Option<f64>,
     pub(super) template: Posture,
-    /// Rotation of the tool about its axis by the last joint; None if other joints must move, too.
+    /// Last joint, if it alone rotates the tool about the tool axis; None if other joints must move, too.
     pub(super) last_joint: Option<SpinJoint>,
-    /// Numeric solver that continues postures; None if their branch indices are kept.
+    /// Numeric solver that moves a posture to a neighbouring target; None if `solver` does so itself.
     pub(super) follower: Option<Box<Numeric>>,
 }
 
@@ -85,7 +86,7 @@ impl Inverse {
         &self.chain
     }
 
-    /// Returns the elevation of the tool axis (rad) if it is the same in every posture.
+    /// Returns the elevation of the tool axis (rad) if it is the same in every posture; otherwise None.
     pub fn fixed_elevation(&self) -> Option<f64> {
         self.fixed_elevation
     }
@@ -107,7 +108,7 @@ impl Inverse {
         attitudes
     }
 
-    /// Writes the result of [`Self::tool_attitudes`] into memory that is reused.
+    /// Writes the result of [`Self::tool_attitudes`] into `attitudes`, and reuses its memory.
     pub fn set_attitudes(&self, attitudes: &mut ToolAttitudes, attitude: &Attitude, yaw: f64) {
         let ToolAttitudes { set, planar } = attitudes;
         set.update(attitude, yaw, self.fixed_elevation);
@@ -125,12 +126,12 @@ impl Inverse {
         self.template
     }
 
-    /// Calls `found` with every branch that keeps joint limits and attitude.
+    /// Calls `found` with every branch that keeps the joint limits and the required attitude.
     ///
     /// Returns the [`Gap`] of the target: its distance from a usable posture.
     ///
-    /// `target` is the position of the TCP in the base frame, m. This function runs for every node, so closed
-    /// forms allocate no memory.
+    /// `target` is the position of the TCP in the base frame, m. Closed forms allocate no memory, because a
+    /// search calls this function for every node.
     #[inline]
     pub fn visit(
         &self,
@@ -157,11 +158,11 @@ impl Inverse {
         Gap { reach, limits: if reach > 0.0 { 0.0 } else { least } }
     }
 
-    /// Returns whether any branch keeps joint limits and attitude.
+    /// Returns whether any branch keeps the joint limits and the required attitude.
     ///
-    /// If a closed form solves for the full pose of the flange, the search stops at the first attitude with
-    /// such a branch. If a joint is redundant, the search stops at the first sample of this joint with such a
-    /// branch. A redundant joint is tried only at its sampled values.
+    /// If a closed form solves for the full pose of the flange, the search stops at the first attitude with a
+    /// usable branch. For a redundant arm, the search stops at the first sampled joint value with a usable
+    /// branch. It does not try values between the samples.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
         let usable = |posture: &Posture| self.excess(posture, target, attitudes) == 0.0;
         match &self.solver {
@@ -190,7 +191,8 @@ impl Inverse {
         }
     }
 
-    /// Returns the posture of a branch that [`Self::visit`] has found; `wanted` is the index of the branch.
+    /// Returns the posture of the branch with index `wanted`, which [`Self::visit`] has found; None if no
+    /// such branch exists.
     pub fn posture(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Posture> {
         let mut found = None;
         let mut keep = |index: u64, posture: &Posture| {
@@ -200,7 +202,7 @@ impl Inverse {
         };
         let mut scratch = self.scratch();
         match &self.solver {
-            // The index contains the attitude, so the other attitudes need not be solved again.
+            // The branch index contains the attitude, so the other attitudes need not be solved again.
             ChainSolver::Pose(_) => {
                 let turn = attitudes.set.spin_turns.get((wanted >> 4) as usize)?;
                 self.solve_spins(turn.first, target, attitudes, &mut scratch, &mut keep);
@@ -220,8 +222,8 @@ impl Inverse {
         found
     }
 
-    /// Returns a branch that [`Self::visit`] has found, with its joint coordinates; `wanted` is the index of
-    /// the branch.
+    /// Returns the branch with index `wanted`, which [`Self::visit`] has found; None if no such branch
+    /// exists.
     pub fn branch_at(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Branch> {
         if let ChainSolver::Numeric(_) = &self.solver {
             return self.numeric_branch_at(target, attitudes, wanted);
@@ -230,11 +232,11 @@ impl Inverse {
         Some(self.branch(wanted, &posture, target, attitudes))
     }
 
-    /// Returns a branch that a closed form finds, within the joint limits or not; `wanted` is its index.
+    /// Returns the branch with index `wanted` that a closed form finds, even if it violates joint limits.
     ///
     /// # Errors
     /// If the branch does not exist, returns the distance, m, by which the target is out of reach in the
-    /// attitude of the branch. The distance is 0 if other branches exist, and infinite for the numeric
+    /// attitude of the branch. The distance is 0 if other branches exist. It is infinite for the numeric
     /// solver.
     pub fn branch_beyond_limits(
         &self,
@@ -264,7 +266,8 @@ impl Inverse {
         found.ok_or(by)
     }
 
-    /// Returns the posture of the branch with index `wanted` if it keeps joint limits and attitude.
+    /// Returns the posture of the branch with index `wanted` if it keeps the joint limits and the required
+    /// attitude; otherwise None.
     pub fn usable(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, wanted: u64) -> Option<Posture> {
         self.posture(target, attitudes, wanted).filter(|p| self.excess(p, target, attitudes) == 0.0)
     }
@@ -295,7 +298,7 @@ impl Inverse {
             _ => self.solve(target, attitudes, &mut self.scratch(), &mut keep),
         };
         if self.last_joint.is_some() {
-            // All spins of one solution were found together; a stable sort orders the branches by attitude.
+            // All spins of one solution were found together. A stable sort orders the branches by attitude.
             all.sort_by_key(|branch| branch.index >> 4);
         }
         match &self.follower {
@@ -316,7 +319,8 @@ impl Inverse {
         let (joints, violation) = match &self.limits {
             Some(limits) => {
                 let (joints, violation) = limits.joints(posture);
-                // `excess` decides here and in `visit`, so that both agree on a posture near its limit.
+                // `excess` decides here as in `visit`, so that both functions agree on a posture near its
+                // limit.
                 (joints, if limits.excess(posture) == 0.0 { None } else { Some(violation) })
             }
             None => ([0.0; MAX_JOINTS], None),
@@ -324,7 +328,8 @@ impl Inverse {
         Branch { index, joints, posture: *posture, violation, off }
     }
 
-    /// Returns a measure of how far a posture violates joint limits and attitude; 0 if it keeps both.
+    /// Returns a measure of how far a posture violates the joint limits and the required attitude; 0 if it
+    /// violates neither.
     #[inline]
     pub(super) fn excess(&self, posture: &Posture, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         let limits = self.limits.as_ref().map_or(0.0, |limits| limits.excess(posture));
@@ -333,7 +338,7 @@ impl Inverse {
 
     /// Returns the part of the attitude error that exceeds the tolerance, rad.
     ///
-    /// It is 0 for an arm that can choose the attitude.
+    /// The result is 0 for an arm that can choose the attitude.
     #[inline]
     fn off(&self, posture: &Posture, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         let rolls = match &self.solver {
@@ -395,8 +400,8 @@ impl Inverse {
         })
     }
 
-    /// Calls `found` with the posture of the solved attitude `first`, and with the postures that follow from
-    /// it by a rotation of the last joint.
+    /// Calls `found` with the posture of the solved attitude `first`, and with every posture that follows
+    /// from this posture by a rotation of the last joint.
     #[inline]
     pub(super) fn spin(
         &self,

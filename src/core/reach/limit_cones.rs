@@ -17,7 +17,7 @@ pub struct LimitCone {
     ///
     /// The angle is the middle of the range, shifted by the D-H offsets of this joint and its driving joints.
     pub axis: (f64, f64),
-    /// Cosine of half the range; -2 if every angle is allowed.
+    /// Cosine of half the width of the range; -2 if every angle is allowed.
     pub cos_half: f64,
     /// Index and coupling factor of every other joint that drives this joint.
     pub factors: Vec<(usize, i32)>,

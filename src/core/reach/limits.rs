@@ -1,5 +1,6 @@
-//! Joint limits, checked on the sines and cosines of joint angles if the coupling allows it. Angles that
-//! differ by whole turns count as equal.
+//! Joint limits, checked on the sines and cosines of joint angles if the coupling of the joints allows it.
+//!
+//! Angles that differ by whole turns count as equal.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::robot::{Chain, Posture};
@@ -15,7 +16,7 @@ const COSINE_TOLERANCE: f64 = 1e-12;
 /// Tolerance of the limit of a prismatic joint, m.
 const SLIDE_TOLERANCE: f64 = 1e-9;
 
-/// Joint that exceeds its limit the most, and the excess `by` (rad or m).
+/// Index of the joint that exceeds its limit the most, and the excess `by` (rad or m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitViolation {
     pub joint: usize,
@@ -87,9 +88,9 @@ impl Limits {
 
     /// Returns a measure of how far a posture exceeds its joint limits; 0 within the limits.
     ///
-    /// It is a sum over the joints that exceed a limit. A prismatic joint adds the distance to its limit, m.
-    /// A revolute joint adds the cosine at its limit minus the cosine at the posture. The angles of these two
-    /// cosines are measured from the middle of the range.
+    /// The measure is a sum over the joints that exceed a limit. A prismatic joint adds the distance to its
+    /// limit, m. A revolute joint adds the cosine at its limit minus the cosine at the posture. The angles of
+    /// these two cosines are measured from the middle of the range.
     #[inline]
     pub fn excess(&self, posture: &Posture) -> f64 {
         let Some(whole) = &self.whole else {
@@ -99,7 +100,9 @@ impl Limits {
         self.excess_of(self.ranges.len(), whole, posture)
     }
 
-    /// Returns the measure of [`Self::excess`] for all joints but the last; 0 if it is not known.
+    /// Returns the measure of [`Self::excess`] for all joints except the last.
+    ///
+    /// Returns 0 if the limits cannot be checked on sines and cosines.
     #[inline]
     pub fn excess_before_last(&self, posture: &Posture) -> f64 {
         match &self.whole {
@@ -135,7 +138,7 @@ impl Limits {
     /// Returns the actuator coordinates of a posture and the joint that is farthest outside its limits.
     ///
     /// Each coordinate is in the turn nearest to the middle of its range. If [`Self::excess`] is 0, no limit
-    /// is violated, and the returned joint is the one nearest to its limit.
+    /// is violated, and the returned joint is the joint nearest to its limit.
     pub fn joints(&self, posture: &Posture) -> (JointVector, LimitViolation) {
         let mut q = [0.0; MAX_JOINTS];
         let mut worst = LimitViolation { joint: 0, by: f64::NEG_INFINITY };

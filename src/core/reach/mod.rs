@@ -2,19 +2,20 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `inverse` | [`Inverse`]: the single entry point; every branch of a target, within the limits |
-//! | `solver`, `pose_solver`, `exact_solver` | the choice of the solver, tested on the chain before it is used |
+//! | `inverse` | [`Inverse`], the only entry point: finds every branch of a target within the limits |
+//! | `solver`, `pose_solver`, `exact_solver` | choice of the solver, tested on the chain before use |
 //! | `closed_form` | one file per family of arms, or per mathematical tool |
 //! | `refined_solver`, `simplified_chain` | closed forms of chains that nearly belong to a family |
-//! | `general_six_axes` | all solutions of any six revolute axes, by elimination |
-//! | `held_joint`, `redundancy` | redundancy resolution by a sweep of one joint |
+//! | `general_six_axes` | all solutions for any six revolute axes, by elimination |
+//! | `held_joint`, `redundancy`, `between_samples` | redundancy resolution by a sweep of one joint |
 //! | `numeric`, `numeric_branches` | damped least squares for every other chain |
 //! | `attitude_set`, `tool_attitudes`, `attitude_limits`, `fixed_elevation` | attitudes of the tool |
-//! | `tool_task` | the components of the TCP motion that a branch controls |
-//! | `limits` | joint limits, including limits of angles that repeat after a turn |
-//! | `shell` | a bounding shell of the reach, a cheap test before any inverse kinematics |
+//! | `spin_joint`, `spin_family` | rotation of the tool about its axis by the last joint alone |
+//! | `tool_task` | components of the TCP motion that a branch controls |
+//! | `limits` | joint limits; angles that differ by whole turns count as equal |
+//! | `shell` | bounding shell of the reach: a cheap test before any inverse kinematics |
 //! | `envelope` | sections, volume and extent of the reach |
-//! | `planar_geometry`, `limit_cones` | the planar arm as plain data, to solve many targets at once |
+//! | `planar_geometry`, `limit_cones` | planar arm as plain data, to solve many targets at once |
 
 mod attitude_limits;
 mod attitude_set;
@@ -53,7 +54,7 @@ pub use inverse::Inverse;
 pub use limit_cones::LimitCone;
 pub use limits::LimitViolation;
 pub use numeric::{AttitudeGoal, Numeric, NumericSolution, PoseMiss, Shortfall, TcpGoal, jacobian};
-#[doc(hidden)] // open for tests/maths
+#[doc(hidden)] // public only for the tests in tests/maths
 pub use numeric::{least_turn, rotation_vector};
 pub use numeric_branches::CONTINUED;
 pub use planar_geometry::PlanarGeometry;

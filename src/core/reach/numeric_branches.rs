@@ -1,7 +1,9 @@
 //! Branches of the numeric solver: each attitude becomes a goal of the TCP.
 //!
-//! All solutions of a goal keep the joint limits. The numeric solver also continues the postures of an arm
-//! whose branch indices are not kept, and explains targets that a scan cannot reach.
+//! All solutions of a goal keep the joint limits.
+//!
+//! The numeric solver has two more uses. It moves a posture to a neighbouring target if the branches of the
+//! arm do not keep their indices. It also finds the reason why a scan has no solution.
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
@@ -14,20 +16,20 @@ use crate::pose::exact_sin_cos;
 use crate::robot::Posture;
 use nalgebra::{Matrix3, Vector3};
 
-/// Branch index of a posture that continues another one.
+/// Branch index of a posture that follows from another posture by numeric continuation.
 pub const CONTINUED: u64 = u64::MAX;
 
 /// Number of bits of a branch index that hold the number of the start posture.
 const START_BITS: u32 = 16;
 
 impl Inverse {
-    /// Returns whether a branch index denotes the same branch at a neighbouring target. If not, a posture is
-    /// continued to another target by [`Self::continued`].
+    /// Returns whether a branch index denotes the same branch at a neighbouring target. If not,
+    /// [`Self::continued`] moves a posture to another target.
     pub fn keeps_branches(&self) -> bool {
         self.numeric_solver().is_none()
     }
 
-    /// Returns the numeric solver of an arm whose branch indices are not kept.
+    /// Returns the numeric solver of an arm whose branches do not keep their indices; otherwise None.
     pub(super) fn numeric_solver(&self) -> Option<&Numeric> {
         match &self.solver {
             ChainSolver::Numeric(numeric) => Some(numeric),
@@ -80,8 +82,8 @@ impl Inverse {
         }
     }
 
-    /// Returns the reason why a scan finds no branch: the numeric solver knows whether the position or the
-    /// attitude is missed.
+    /// Returns the reason why a scan finds no branch. The numeric solver determines whether the position or
+    /// only the attitude is out of reach.
     pub(super) fn reason(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Reach {
         match self.numeric_branches(target, attitudes) {
             Reach::NotConverged { position, angle } if position.is_finite() => {
@@ -92,8 +94,10 @@ impl Inverse {
         }
     }
 
-    /// Returns a branch that the numeric solver has found, by one descent; `wanted` is the index of the
-    /// branch.
+    /// Returns the branch with index `wanted`, which the numeric solver has found before; None if no such
+    /// branch exists.
+    ///
+    /// Only the descent that led to this branch is repeated.
     pub(super) fn numeric_branch_at(
         &self,
         target: &Vector3<f64>,
@@ -116,11 +120,11 @@ impl Inverse {
         attitudes.set.heading(target)
     }
 
-    /// Continues the posture `from` of an arm with numeric inverse kinematics to another target.
+    /// Moves the posture `from` of an arm with numeric inverse kinematics to another target.
     ///
     /// The tool rotates by `turn` (rad) about the vertical and otherwise keeps its orientation. If the arm
     /// has seven joints, one joint does not move, as in [`Self::tool_task`]. An arm with fewer than six
-    /// joints keeps an allowed attitude.
+    /// joints moves to the nearest solution among the allowed attitudes.
     ///
     /// # Errors
     /// Returns the remaining errors of position and orientation if the arm cannot follow.
@@ -165,16 +169,16 @@ impl Inverse {
 
     /// Returns the goals of the TCP for all attitudes.
     ///
-    /// If the spin is free, a goal does not prescribe it, because the numeric solver chooses the spin. If
-    /// spin and azimuth are free, a goal prescribes only the elevation. If the azimuth is free and the spin
-    /// is given, there is one goal per sampled azimuth.
+    /// If the spin is free, the numeric solver chooses it, so a goal does not prescribe the spin. If spin and
+    /// azimuth are free, a goal prescribes only the elevation. If only the azimuth is free, there is one goal
+    /// per sampled azimuth.
     pub(super) fn goals(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> Vec<TcpGoal> {
         let set = &attitudes.set;
         let goal = |attitude| TcpGoal { position: *target, attitude };
         if set.spin_is_free && set.azimuth_is_free {
             return set.elevations.iter().map(|e| goal(AttitudeGoal::Elevation(*e))).collect();
         }
-        // All spins share one tool axis.
+        // If the spin is free, one goal per tool axis is enough.
         let step = if set.spin_is_free { set.columns_per_azimuth() } else { 1 };
         let columns = (0..set.columns.len()).step_by(step).map(|k| set.columns_at(k, target));
         let held = |columns: Matrix3<f64>| match set.spin_is_free {
@@ -185,8 +189,8 @@ impl Inverse {
     }
 }
 
-/// Returns the index of a branch of the numeric solver: the number of its goal above the number of its start
-/// posture.
+/// Returns the branch index of a numeric solution. The lowest bits hold the number of the start posture, and
+/// the bits above hold the number of the goal.
 fn numeric_index(goal: usize, found: &NumericSolution) -> u64 {
     (goal as u64) << START_BITS | found.start as u64
 }

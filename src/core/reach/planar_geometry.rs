@@ -27,8 +27,9 @@ pub struct PlanarGeometry {
 impl PlanarGeometry {
     /// Number of axes of the arm.
     pub const AXES: usize = 4;
-    /// Excess over 1 up to which a cosine counts as 1, so that rounding does not lose a target of the
-    /// stretched arm.
+    /// Largest excess over 1 at which a cosine still counts as 1.
+    ///
+    /// Without this tolerance, rounding could reject a target that the arm reaches when it is stretched.
     pub const STRETCHED: f64 = planar::STRETCHED;
 }
 

@@ -1,5 +1,6 @@
-//! Solvers for a pose of the last D-H frame: of a chain of a known family, of one that nearly belongs to a
-//! family, or of any six revolute axes.
+//! Solvers for a given pose of the last D-H frame.
+//!
+//! The chain belongs to a known family, nearly belongs to a known family, or has any six revolute axes.
 
 use super::exact_solver::ExactSolver;
 use super::general_six_axes::GeneralSixAxes;
@@ -10,7 +11,7 @@ use crate::robot::{Chain, Posture};
 /// Inverse kinematics for a given pose of the last D-H frame.
 #[derive(Debug, Clone)]
 pub(super) enum PoseSolver {
-    /// Solver of the family of the chain.
+    /// Solver of the family to which the chain belongs.
     Exact(ExactSolver),
     /// Solver of a family that the chain resembles, followed by Newton's method on the chain.
     Refined(Box<RefinedSolver>),
@@ -19,29 +20,35 @@ pub(super) enum PoseSolver {
 }
 
 impl PoseSolver {
-    /// Returns the closed form of a chain, if there is one that reproduces sampled poses of the chain.
+    /// Returns the closed-form solver of a chain; None if no closed form reproduces the sampled poses of the
+    /// chain.
     pub fn closed_form(chain: &Chain) -> Option<Self> {
         ExactSolver::closed_form(chain).map(Self::Exact)
     }
 
-    /// Returns the solver of a chain that scans one joint, if there is one that reproduces sampled poses of
-    /// the chain. It takes about twenty times as long as a closed form.
+    /// Returns a solver that scans one joint of the chain; None if no scan reproduces the sampled poses of
+    /// the chain.
+    ///
+    /// The scan takes about twenty times as long as a closed form.
     pub fn scanning(chain: &Chain) -> Option<Self> {
         ExactSolver::scanning(chain).map(Self::Exact)
     }
 
-    /// Returns the solver of a chain that nearly has a closed form, as a calibrated arm does. It takes about ten
-    /// times as long as the closed form.
+    /// Returns the solver of a chain that nearly has a closed form, such as a calibrated arm; otherwise None.
+    ///
+    /// The solver takes about ten times as long as the closed form.
     pub fn refined(chain: &Chain) -> Option<Self> {
         RefinedSolver::new(chain).map(|solver| Self::Refined(Box::new(solver)))
     }
 
-    /// Returns the solver of any six revolute axes. It takes about fifty times as long as a closed form.
+    /// Returns the solver of any six revolute axes; None for other chains.
+    ///
+    /// The solver takes about fifty times as long as a closed form.
     pub fn general(chain: &Chain) -> Option<Self> {
         GeneralSixAxes::new(chain).ok().map(|solver| Self::General(Box::new(solver)))
     }
 
-    /// Returns whether the solver is that of a SCARA.
+    /// Returns whether this is the solver of a SCARA.
     pub fn is_scara(&self) -> bool {
         matches!(self, Self::Exact(ExactSolver::Scara(_)))
     }
@@ -51,8 +58,7 @@ impl PoseSolver {
         matches!(self, Self::Exact(solver) if solver.keeps_branches())
     }
 
-    /// Returns whether the branch index of a posture is kept while the pose moves, except at singular
-    /// postures.
+    /// Returns whether a branch keeps its index while the pose moves, except at singular postures.
     pub fn keeps_branches(&self) -> bool {
         match self {
             Self::Exact(solver) => solver.keeps_branches(),
@@ -70,8 +76,10 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a phrase that names the family of an arm with one more joint: its first joint if
-    /// `first_is_free`, otherwise its last joint.
+    /// Returns a phrase that names the family of a redundant arm, if this solver solves all joints except the
+    /// redundant joint.
+    ///
+    /// The redundant joint is the first joint if `first_is_free` is true, otherwise the last joint.
     pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
         match self {
             Self::Exact(solver) => solver.redundant_family(first_is_free),
@@ -80,8 +88,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a variant of the solver that computes only a lower bound of the distance by which a target is
-    /// out of reach.
+    /// Returns a faster variant of the solver. For a target out of reach, the variant computes only a lower
+    /// bound of the distance.
     pub fn fast(&self) -> Self {
         match self {
             Self::Exact(solver) => Self::Exact(solver.fast()),
@@ -90,8 +98,8 @@ impl PoseSolver {
         }
     }
 
-    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. Computing the bound is much
-    /// cheaper than a solution.
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. The bound is much cheaper to
+    /// compute than a solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
         match self {
@@ -103,8 +111,8 @@ impl PoseSolver {
 
     /// Calls `found` with every solution for the pose `flange` of the last D-H frame in frame 0.
     ///
-    /// Returns the distance by which the target is out of reach, m. It is infinite for a SCARA that cannot
-    /// hold the orientation.
+    /// Returns the distance by which the target is out of reach, m; 0 if there is a solution. The distance is
+    /// infinite for a SCARA that cannot reach the orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         match self {

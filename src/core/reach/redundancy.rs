@@ -11,22 +11,25 @@ use crate::pose::Pose;
 use crate::robot::Posture;
 use nalgebra::Vector3;
 
-/// One attitude of the tool at one target, for an arm with a held joint.
+/// One attitude of the tool at one target, for a redundant arm.
 #[derive(Clone, Copy)]
 pub(super) struct HeldTarget<'a> {
     pub inverse: &'a Inverse,
     pub joint: &'a HeldJoint,
     pub target: &'a Vector3<f64>,
     pub attitudes: &'a ToolAttitudes,
-    /// Number of the attitude, which must be one of [`AttitudeSet::solved`].
+    /// Index of the attitude, which must be among the indices that [`AttitudeSet::solved`] returns.
     pub first: usize,
 }
 
 impl Inverse {
-    /// Returns a branch index of a redundant arm after its held joint is moved. The motion is `share` times
-    /// the distance between two sampled values, rounded to the lattice of the held joint.
+    /// Returns the index of the branch after a motion of the redundant joint.
     ///
-    /// Returns None if the arm has no held joint, or if the value lies outside its range.
+    /// The motion is `share` times the distance between two sampled values, rounded to the lattice of the
+    /// joint.
+    ///
+    /// Returns None if the arm has no redundant joint, or if the new value lies outside the range of the
+    /// joint.
     pub fn with_held_joint_moved(&self, branch: u64, share: f64) -> Option<u64> {
         let ChainSolver::Redundant(_) = &self.solver else { return None };
         let number = f64::from(sample_of(branch)) + (share * f64::from(HeldJoint::SAMPLE_STEP)).round();
@@ -50,8 +53,8 @@ impl Inverse {
     /// Solves attitude `first` with the redundant joint held at one value. Also derives the attitudes that
     /// follow from attitude `first` by a rotation of the last joint.
     ///
-    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a
-    /// solution.
+    /// Returns the distance by which the target is out of reach, m, or a lower bound of this distance; 0 if
+    /// there is a solution.
     pub(super) fn solve_held_spins(
         &self,
         sample: &HeldSample<'_>,
@@ -67,8 +70,8 @@ impl Inverse {
 
     /// Solves attitude `first` with the redundant joint held at one value.
     ///
-    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a
-    /// solution.
+    /// Returns the distance by which the target is out of reach, m, or a lower bound of this distance; 0 if
+    /// there is a solution.
     pub(super) fn solve_held_one(
         &self,
         sample: &HeldSample<'_>,
@@ -129,9 +132,9 @@ impl Inverse {
         if any { Gap { reach: 0.0, limits: 0.0 } } else { least }
     }
 
-    /// Returns the least distance of a target from the reach, m, over all samples and attitudes.
+    /// Returns the least distance of a target from the reachable points, m, over all samples and attitudes.
     ///
-    /// The distance is computed only if its lower bound is below the least distance so far.
+    /// A distance is computed only if its lower bound is below the least distance so far.
     fn least_distance(&self, joint: &HeldJoint, target: &Vector3<f64>, attitudes: &ToolAttitudes) -> f64 {
         let rest = |(first, sample): (usize, HeldSample<'_>)| self.rest(&sample, first, target, attitudes);
         let rests = || {
@@ -162,7 +165,7 @@ impl Inverse {
         joint.solver.solve(&rest, &mut joint.template.clone(), &mut |_, _| ())
     }
 
-    /// Returns the pose that the joints other than the held one must reach.
+    /// Returns the pose that the joints other than the redundant joint must reach.
     fn rest(
         &self,
         sample: &HeldSample<'_>,
@@ -175,10 +178,10 @@ impl Inverse {
 }
 
 impl HeldTarget<'_> {
-    /// Calls `found` with the usable branches at one value of the held joint.
+    /// Calls `found` with the usable branches at one value of the redundant joint.
     ///
-    /// Returns the [`Gap`] of the target at this value, whose distance may be a lower bound, and whether a
-    /// usable branch exists.
+    /// Returns the [`Gap`] of the target at this value, and whether a usable branch exists. The distance in
+    /// the gap may be a lower bound.
     pub fn gap(&self, sample: &HeldSample<'_>, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let Self { inverse, target, attitudes, first, .. } = *self;
         let (mut limits, mut usable) = (f64::INFINITY, false);

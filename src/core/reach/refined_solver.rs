@@ -1,9 +1,11 @@
 //! Inverse kinematics of chains that nearly belong to a family with a closed form, such as calibrated arms.
 //!
-//! A simplified copy of the chain has the closed form. Each of its solutions is the start of Newton's method
-//! on the chain itself. At the edge of the reach and near singular postures, the chain can have solutions
-//! where its copy has none. So the copy is also solved for poses that differ from the required one by a little
-//! more than the two chains do, along and about each axis.
+//! A simplified copy of the chain has the closed form. Each solution of the copy is a start posture for
+//! Newton's method on the chain itself.
+//!
+//! At the edge of the reach and near singular postures, the chain can have solutions where its copy has none.
+//! So the copy is also solved for six neighbouring poses, each shifted along one axis and rotated about
+//! another. The shift and the rotation are somewhat larger than the deviation between the two chains.
 
 use super::exact_solver::ExactSolver;
 use super::general_six_axes::solve_six;
@@ -17,20 +19,20 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 /// Tolerances (rad and m) of the simplified copy. They are tried in turn until the copy has a closed form.
 const TOLERANCES: [f64; 9] = [1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02];
 
-/// Number of sampled postures that the solver must find again.
+/// Number of sampled postures on which the solver is tested.
 const TRIALS: usize = 48;
 
-/// Number of sampled postures that the solver may miss, because they are nearly singular.
+/// Largest number of sampled postures that the solver may miss, because they are nearly singular.
 const MAX_MISSED: usize = 2;
 
 /// Largest number of solutions of one pose.
 const MOST: usize = 16;
 
-/// Number of solutions after which no other pose is tried.
+/// Number of solutions after which no more neighbouring poses are solved.
 const ENOUGH: usize = 8;
 
-/// Largest distance between the poses for which the copy is solved, as a multiple of the distance between the
-/// flanges of both chains.
+/// Shift and rotation of the neighbouring poses, as a multiple of the largest deviation between the flanges
+/// of both chains.
 const MARGIN: f64 = 2.0;
 
 /// Largest error of a solution, m and rad.
@@ -39,7 +41,7 @@ const REACHED: f64 = 1e-10;
 /// Error (m and rad) below which another step of Newton's method gains nothing.
 const EXACT: f64 = 1e-13;
 
-/// Largest number of steps from one start.
+/// Largest number of Newton steps from one start posture.
 const STEPS: usize = 24;
 
 /// Largest change of a joint in one step, rad or m.
@@ -67,8 +69,9 @@ struct Solutions {
 }
 
 impl RefinedSolver {
-    /// Returns the solver of a six-axis chain, if a simplified copy has a closed form from which sampled postures
-    /// of the chain are found again.
+    /// Returns the solver of a six-axis chain whose simplified copy has a closed form.
+    ///
+    /// Returns None for other chains, or if the solver misses too many sampled postures.
     pub fn new(chain: &Chain) -> Option<Self> {
         if chain.axes() != 6 {
             return None;
@@ -96,8 +99,10 @@ impl RefinedSolver {
         }
     }
 
-    /// Returns a phrase that names the family of an arm with one more joint: its first joint if
-    /// `first_is_free`, otherwise its last joint.
+    /// Returns a phrase that names the family of a redundant arm, if this solver solves all joints except the
+    /// redundant joint.
+    ///
+    /// The redundant joint is the first joint if `first_is_free` is true, otherwise the last joint.
     pub fn redundant_family(&self, first_is_free: bool) -> &'static str {
         match (&self.solver, first_is_free) {
             (ExactSolver::ThreeParallel(_), true) => {
@@ -111,8 +116,8 @@ impl RefinedSolver {
         }
     }
 
-    /// Returns a variant of the solver that computes only a lower bound of the distance by which a target is
-    /// out of reach.
+    /// Returns a faster variant of the solver. For a target out of reach, the variant computes only a lower
+    /// bound of the distance.
     pub fn fast(&self) -> Self {
         Self { solver: self.solver.fast(), ..self.clone() }
     }
@@ -125,7 +130,8 @@ impl RefinedSolver {
 
     /// Calls `found` with every solution for the pose `flange` of the last D-H frame in frame 0.
     ///
-    /// The branch index is that of the start, or a free one if another solution has it.
+    /// A solution has the branch index of its start posture, or an unused index if another solution has this
+    /// index.
     ///
     /// Returns the distance by which the target is out of reach of the simplified chain, m; 0 if there is a
     /// solution.
@@ -161,12 +167,12 @@ impl RefinedSolver {
         if solutions.count > 0 { 0.0 } else { by }
     }
 
-    /// Returns the largest distance (m) of a pose beside a target from the target.
+    /// Returns the distance (m) by which the neighbouring poses are shifted from the required pose.
     fn slack(&self) -> f64 {
         MARGIN * self.simplified.distance
     }
 
-    /// Returns the poses beside a pose for which the simplified chain is solved, too.
+    /// Returns the neighbouring poses for which the simplified chain is also solved.
     fn neighbours(&self, pose: &Pose) -> impl Iterator<Item = Pose> {
         let (pose, shift, turn) = (*pose, self.slack(), MARGIN * self.simplified.angle);
         (0..6).map(move |k| {
@@ -178,14 +184,15 @@ impl RefinedSolver {
         })
     }
 
-    /// Moves a posture by Newton's method until its last frame is at `flange`; returns whether it gets there.
+    /// Moves a posture by Newton's method until its last frame is at `flange`. Returns whether the method
+    /// converges.
     fn refine(&self, flange: &Pose, posture: &mut Posture) -> bool {
         let (mut frames, mut before) = (Frames::default(), f64::INFINITY);
         for _ in 0..STEPS {
             self.chain.place(posture, &mut frames);
             let twist = twist_to(&frames.tcp, flange);
             let size = twist.amax();
-            // Near the solution, rounding ends the progress.
+            // Near the solution, rounding prevents further progress.
             if size < EXACT || size < REACHED && size >= before {
                 return true;
             }
@@ -207,7 +214,8 @@ impl RefinedSolver {
         before < REACHED
     }
 
-    /// Returns whether the sampled postures of the chain are among the solutions of their poses.
+    /// Returns whether the solver finds the sampled postures of the chain from their poses, except a few
+    /// nearly singular ones.
     fn finds_samples(&self) -> bool {
         let mut scratch = self.template;
         let found = (0..TRIALS).filter(|&k| {
@@ -222,8 +230,10 @@ impl RefinedSolver {
 }
 
 impl Solutions {
-    /// Adds a posture unless it is known; returns its branch index, which is `branch` if no other solution
-    /// has it.
+    /// Adds a posture and returns its branch index: `branch`, or an unused index if another solution has the
+    /// index `branch`.
+    ///
+    /// Returns None if the posture is already known, or if there are too many solutions.
     fn take(&mut self, branch: u8, posture: &Posture) -> Option<u8> {
         let known = &self.postures[..self.count];
         if self.count == MOST || known.iter().any(|known| is_same(known, posture)) {
@@ -238,23 +248,23 @@ impl Solutions {
     }
 }
 
-/// Returns whether two postures have the same joint coordinates, but for rounding.
+/// Returns whether two postures have the same joint coordinates, up to rounding.
 fn is_same(a: &Posture, b: &Posture) -> bool {
     let near =
         |a: &[f64; MAX_JOINTS], b: &[f64; MAX_JOINTS]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
     near(&a.cos, &b.cos) && near(&a.sin, &b.sin) && near(&a.r, &b.r)
 }
 
-/// Returns the twist from a pose to another one: the translation (m) and the rotation vector (rad).
+/// Returns the twist from one pose to another: the translation (m) and the rotation vector (rad).
 fn twist_to(from: &Pose, to: &Pose) -> Vector6<f64> {
     let (p, r) =
         (to.translation - from.translation, rotation_vector(&(to.rotation * from.rotation.transpose())));
     Vector6::new(p.x, p.y, p.z, r.x, r.y, r.z)
 }
 
-/// Returns the step of the joint coordinates (rad or m) that reduces a twist to 0 in the linear approximation.
-/// If this step is too long, the posture is nearly singular, and a damped step is returned (C. W. Wampler,
-/// 1986). The result is None if the twist is not finite.
+/// Returns the step of the joint coordinates (rad or m) that reduces a twist to 0 in the linear
+/// approximation. If this step is too long, the posture is nearly singular, and the function returns a damped
+/// step (C. W. Wampler, 1986). Returns None if the twist is not finite.
 fn newton_step(columns: &[Displacement; MAX_JOINTS], twist: &Vector6<f64>) -> Option<[f64; 6]> {
     let mut jacobian = Matrix6::zeros();
     for (mut column, motion) in jacobian.column_iter_mut().zip(columns) {

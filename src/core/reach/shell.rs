@@ -2,12 +2,12 @@
 //!
 //! Row i of the D-H table moves its frame by the offset `r_i` along z_(i-1) and the length `l_i` along x_i. A
 //! revolute joint i + 1 rotates about z_i, so the vector `l_i x_i + r_(i+1) z_i` has a constant length. Let v
-//! be the vector along the last row and the tool to the TCP. This vector has a constant length, too. The
-//! position of the TCP is a fixed point of the first axis plus the sum of these vectors. The shell allows
-//! arbitrary directions of these vectors. So the distance of the TCP from that point is at most the sum of
-//! the lengths. The distance is at least the longest length minus the sum of the other lengths (polygon
-//! inequality). If joint i + 1 is prismatic, r_(i+1) varies, so the vector has a range of lengths. Joint
-//! limits and attitude only reduce the reach.
+//! be the vector from the last joint axis to the TCP, along the last row and the tool. This vector has a
+//! constant length, too. The position of the TCP is a fixed point of the first axis plus the sum of these
+//! vectors. The shell allows arbitrary directions of these vectors. So the distance of the TCP from that
+//! point is at most the sum of the lengths. The distance is at least the longest length minus the sum of the
+//! other lengths (polygon inequality). If joint i + 1 is prismatic, r_(i+1) varies, so the vector has a range
+//! of lengths. Joint limits and attitude only reduce the reach.
 //!
 //! Let the unit vector a be the tool axis. If the elevation e of this axis is fixed, the vertical component
 //! of `(v . a) a` is known: `(v . a) sin(e)`. This component shifts the centre of the shell.
@@ -17,7 +17,8 @@ use crate::cell::{Attitude, JointKind};
 use crate::robot::{Chain, Link};
 use nalgebra::Vector3;
 
-/// Length, m, by which the shell is enlarged; it exceeds the tolerance of every inverse kinematics.
+/// Length, m, by which the shell is enlarged on both sides. It exceeds the tolerance of every solver of the
+/// inverse kinematics.
 const MARGIN: f64 = 1e-6;
 
 /// Spherical shell that contains every reachable TCP position, base frame, m.
@@ -39,7 +40,7 @@ impl Shell {
 }
 
 impl Inverse {
-    /// Returns a shell that contains every position where the arm can hold its TCP in an attitude.
+    /// Returns a shell that contains every TCP position that the arm can reach in an attitude.
     pub fn shell(&self, attitude: &Attitude) -> Shell {
         let chain = &self.chain;
         let known = self.fixed_elevation.or((attitude.tolerance == 0.0).then_some(attitude.elevation));
@@ -49,7 +50,7 @@ impl Inverse {
         for (i, link) in chain.links.iter().enumerate() {
             let (middle, travel) = offset(chain, i);
             let rigid = match i.checked_sub(1).map(|before| chain.links[before].l) {
-                // Nothing rotates the offset along the first axis.
+                // No joint rotates the offset along the first axis.
                 None => {
                     centre += chain.mount.rotation.column(2) * middle;
                     0.0
@@ -109,7 +110,7 @@ fn tip(chain: &Chain, elevation: Option<f64>) -> (f64, LengthRange) {
 /// Returns the sum of the common normal and the axial offset of the last D-H row, in the last frame, m.
 ///
 /// The axial offset is along the joint axis, which is `(0, sin alpha, cos alpha)` in that frame. For a
-/// prismatic joint or a chain of one joint the offset is left out, because [`Inverse::shell`] adds it
+/// prismatic joint or a chain of one joint, the axial offset is left out, because [`Inverse::shell`] adds it
 /// separately.
 fn along_last(chain: &Chain, link: &Link) -> Vector3<f64> {
     let r = if link.kind == JointKind::Revolute && chain.axes() > 1 { link.r } else { 0.0 };

@@ -1,12 +1,19 @@
-//! Copy of a chain whose nearly parallel, perpendicular or intersecting axes are exactly so.
+//! Simplified copy of a chain: relations that nearly hold between neighbouring axes hold exactly in the copy.
 //!
-//! The axes are lines while all joint coordinates are 0. They are visited from base to flange. Each axis is
-//! rotated and moved by the least amount that makes its angle to the axis before a multiple of a right angle,
-//! its common normal vanish, or its common normal meet the one before, where it nearly does so already. All
-//! axes behind it and the flange move along. So each simplification changes only one relation of two
-//! neighbouring axes, and errors do not accumulate. The rows of the copy follow from its lines (J. Denavit, R.
-//! S. Hartenberg, 1955). The rows of the chain would not do: the offsets r of nearly parallel axes can be as
-//! long as a kilometre, because the common normal is far away.
+//! Each axis is treated as a line, with all joint coordinates at 0. The axes are processed from base to
+//! flange. An axis is rotated and moved by the least amount that makes these relations exact, if they nearly
+//! hold:
+//!
+//! - The angle between the axis and the previous axis is a multiple of 90 degrees.
+//! - The axis intersects the previous axis.
+//! - The common normal of the two axes intersects the previous common normal.
+//!
+//! All later axes and the flange move along with the axis. So a simplification changes only the relation
+//! between two neighbouring axes, and errors do not accumulate.
+//!
+//! The D-H rows of the copy follow from the simplified lines (J. Denavit, R. S. Hartenberg, 1955). Rounding
+//! the D-H rows of the chain would not work. The offset r between nearly parallel axes can be a kilometre
+//! long, because their common normal is far away.
 
 use super::numeric::least_turn;
 use crate::cell::MAX_JOINTS;
@@ -18,15 +25,17 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2};
 /// Number of sampled postures at which the two chains are compared.
 const SAMPLES: usize = 24;
 
-/// A chain with simple relations of its axes, and what connects it with the chain that it resembles.
+/// Simplified chain, and its relation to the original chain.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SimplifiedChain {
-    /// Rows from frame 0 of the original chain, without mount.
+    /// Simplified chain, without mount and tool. It starts at frame 0 of the original chain.
     pub chain: Chain,
-    /// Pose of the last frame of the original chain in the last frame of the simplified chain, inverted.
+    /// Pose of the last frame of the simplified chain in the last frame of the original chain.
     from_flange: Pose,
-    /// Cosine and sine of theta, and r (m), of the original chain at coordinates 0, minus those of the
-    /// simplified chain.
+    /// For each joint at coordinate 0: cosine and sine of the difference of theta, and the difference of r
+    /// (m).
+    ///
+    /// The differences are the value of the original chain minus the value of the simplified chain.
     offsets: [(f64, f64, f64); MAX_JOINTS],
     /// Largest distance (m) between the flanges of both chains at sampled postures.
     pub distance: f64,
@@ -42,7 +51,8 @@ struct Line {
 }
 
 impl SimplifiedChain {
-    /// Simplifies a chain. Angles up to `tolerance` (rad) and lengths up to `tolerance` (m) become 0.
+    /// Simplifies a chain: removes angular deviations below `tolerance` (rad) and lengths below `tolerance`
+    /// (m).
     ///
     /// Returns None for a chain without joints.
     pub fn new(chain: &Chain, tolerance: f64) -> Option<Self> {
@@ -122,7 +132,7 @@ impl Line {
     }
 }
 
-/// Row that leads from a frame to the next axis, and the shift (m) of the axis that makes the row simple.
+/// D-H row from a frame to the next axis, and the shift (m) of the axis that makes the row simple.
 struct SimpleRow {
     theta: f64,
     r: f64,
@@ -132,7 +142,7 @@ struct SimpleRow {
 }
 
 /// Returns the direction of the next axis, and the rotation vector that leads to it from the direction of
-/// `line`. The new direction is parallel or perpendicular to axis z of `frame` if the old one nearly is.
+/// `line`. The new direction is exactly parallel or perpendicular to axis z of `frame` if `line` nearly is.
 fn simplified_direction(frame: &Pose, line: &Line, tolerance: f64) -> (Vector3<f64>, Vector3<f64>) {
     let (z, w) = (frame.rotation.column(2).into_owned(), line.along);
     let (cosine, sine) = (w.dot(&z), z.cross(&w).norm());
@@ -146,8 +156,10 @@ fn simplified_direction(frame: &Pose, line: &Line, tolerance: f64) -> (Vector3<f
     (along, least_turn(&w, &along))
 }
 
-/// Returns the row from `frame` to the axis `line`. Its l, and its r if `simplifies_r`, are 0 if they are
-/// below `tolerance` (m). Between parallel axes r is 0.
+/// Returns the D-H row from `frame` to the axis `line`.
+///
+/// A length l below `tolerance` (m) becomes 0. If `simplifies_r` is true, an offset r below `tolerance` (m)
+/// becomes 0, too. Between parallel axes, r is always 0.
 fn row_to(frame: &Pose, line: &Line, tolerance: f64, simplifies_r: bool) -> SimpleRow {
     let (x, y, z) = (frame.rotation.column(0), frame.rotation.column(1), frame.rotation.column(2));
     let offset = line.point - frame.translation;
@@ -176,7 +188,7 @@ fn row_to(frame: &Pose, line: &Line, tolerance: f64, simplifies_r: bool) -> Simp
     SimpleRow { theta: normal.dot(&y).atan2(normal.dot(&x)), r, l, alpha, shift }
 }
 
-/// Returns a link with another twist (rad).
+/// Returns the link with its twist replaced by `alpha` (rad).
 fn twisted(link: &Link, alpha: f64) -> Link {
     let (sin_alpha, cos_alpha) = crate::pose::exact_sin_cos(alpha);
     Link { alpha, sin_alpha, cos_alpha, ..*link }

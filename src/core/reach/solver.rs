@@ -1,5 +1,7 @@
-//! Choice of the inverse kinematics for a chain: a closed form, a scan of one joint with closed forms, a closed
-//! form that Newton's method refines, an elimination for six general axes, or the numeric solver.
+//! Choice of the inverse kinematics for a chain.
+//!
+//! The solvers are a closed form, a scan of one joint, a closed form refined by Newton's method, an
+//! elimination for six general axes, and a numeric solver.
 
 use super::closed_form::planar::PlanarArm;
 use super::held_joint::HeldJoint;
@@ -23,8 +25,8 @@ pub(super) enum ChainSolver {
 impl ChainSolver {
     /// Returns the solver of a chain.
     ///
-    /// `limits_by_posture` says whether the joint limits can be checked from the sines and cosines of a
-    /// posture alone. If `limits_by_posture` is false, only the numeric solver can be used.
+    /// `limits_by_posture` is true if the joint limits can be checked from the sines and cosines of a posture
+    /// alone. If it is false, only the numeric solver can be used.
     pub fn new(chain: &Chain, limits_by_posture: bool) -> Self {
         if limits_by_posture {
             if let Ok(arm) = PlanarArm::new(chain) {
@@ -48,7 +50,8 @@ impl ChainSolver {
         Self::Numeric(Box::new(Numeric::new(chain)))
     }
 
-    /// Returns the numeric solver that continues the postures of a chain; None if `self` does so by itself.
+    /// Returns a numeric solver that moves postures of the chain to neighbouring targets; None if `self` does
+    /// so itself.
     pub fn follower(&self, chain: &Chain) -> Option<Box<Numeric>> {
         let lacks = matches!(self, Self::Pose(solver) if !solver.keeps_branches());
         lacks.then(|| Box::new(Numeric::new(chain)))

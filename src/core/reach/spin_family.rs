@@ -1,7 +1,7 @@
 //! Spin families: the postures of one solution that differ only by the rotation of the tool about its axis.
 //!
-//! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates in a
-//! family. Every quantity that depends only on these joints is computed once per family.
+//! If the last joint alone rotates the tool about its axis, all other joints have the same coordinates within
+//! a family. Every quantity that depends only on these joints is computed once per family.
 
 use super::branch::{attitude_of, sample_of, with_attitude};
 use super::held_joint::HeldJoint;
@@ -15,10 +15,10 @@ use nalgebra::Vector3;
 const PLANAR_BITS: u64 = 63;
 
 impl Inverse {
-    /// Returns whether [`Self::visit_families`] finds the postures of this arm.
+    /// Returns whether [`Self::visit_families`] supports this arm and these attitudes.
     ///
     /// A planar arm qualifies only if it can roll its tool and the attitude has no tolerance. If the tool is
-    /// tilted within a tolerance, the roll angles differ from the differences of the spins.
+    /// tilted within a tolerance, the roll angle between two members is not the difference of their spins.
     pub fn has_spin_families(&self, attitudes: &ToolAttitudes) -> bool {
         match &self.solver {
             ChainSolver::Planar(arm) => arm.rolls() && attitudes.set.tolerance == 0.0,
@@ -27,10 +27,11 @@ impl Inverse {
         }
     }
 
-    /// Calls `found` with the first member of each family whose joints before the last keep their limits.
+    /// Calls `found` with the first member of each family in which all joints except the last keep their
+    /// limits.
     ///
-    /// The last joint may violate its limit in the first member and in other members; [`Self::members`]
-    /// checks this limit. The first argument of `found` is the branch index of the first member.
+    /// The last joint may violate its limit in any member; [`Self::members`] checks this limit. The first
+    /// argument of `found` is the branch index of the first member.
     ///
     /// Returns false for a redundant arm if none of the families found has a usable member. The target may
     /// still have usable branches, which [`Self::visit`] finds between the sampled values of the redundant
@@ -123,7 +124,8 @@ impl Inverse {
         }
     }
 
-    /// Calls `found` with every member of a family of a redundant arm, within limits or not.
+    /// Calls `found` with every member of a family of a redundant arm, including members outside the joint
+    /// limits.
     fn spin_held(
         &self,
         joint: &HeldJoint,
@@ -143,7 +145,8 @@ impl Inverse {
         });
     }
 
-    /// Returns whether any member of the family of `posture` keeps joint limits and attitude.
+    /// Returns whether any member of the family of `posture` keeps the joint limits and the required
+    /// attitude.
     fn any_usable(
         &self,
         first: usize,

@@ -2,7 +2,7 @@
 
 use super::attitude_set::AttitudeSet;
 
-/// One way to hold the tool in the vertical plane of a planar arm: one value of the angle phi.
+/// Attitude of the tool in the vertical plane of a planar arm, given by the angle phi.
 ///
 /// The angle phi is theta_2 + theta_3 + theta_4: the direction of link 4 in this plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,7 +11,7 @@ pub struct PlanarAttitude {
     pub sin_phi: f64,
     /// Horizontal component, in the plane of the arm, of the vector from the wrist to the TCP, m.
     ///
-    /// The field `v` is the component perpendicular to it in this plane, m.
+    /// The field `v` is the component of the same vector perpendicular to `u` in this plane, m.
     pub u: f64,
     pub v: f64,
     /// Cosine of the tool's elevation; negative if the tool points backwards, against the heading of the arm.
@@ -31,8 +31,7 @@ pub struct ToolAttitudes {
 }
 
 impl ToolAttitudes {
-    /// Returns cosine and sine of the rotations of the tool about its axis that lead from the first spin to
-    /// each spin.
+    /// Returns cosine and sine of the rotation of the tool about its axis from the first spin to each spin.
     pub fn spin_rotations(&self) -> &[(f64, f64)] {
         &self.set.spin_rotations
     }

@@ -26,29 +26,33 @@ pub enum RotationRow {
 /// Components of the TCP motion that the inverse kinematics controls at one posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToolTask {
-    /// Number of rows of the square system, and of active joints.
+    /// Number of rows of the square system; it equals the number of active joints.
     pub rows: usize,
     /// Indices of the joints that follow the target; the other joints do not move. Only the first `rows`
     /// entries count.
     pub active: [usize; MAX_ROWS],
-    /// Each controlled component of the rotation, and its rate per unit of the yaw rate of the heading from
-    /// which the attitude is measured. Only the first `rows - 3` entries count.
+    /// Controlled components of the rotation.
+    ///
+    /// The number beside a component is its rate per unit yaw rate of the reference heading of the attitude.
+    /// Only the first `rows - 3` entries count.
     pub rotation: [(RotationRow, f64); MAX_ROWS - 3],
     /// Whether the attitude is measured from the direction of the target as seen from the base axis. If not,
-    /// it is measured from the surface.
+    /// the attitude is measured from the surface.
     pub radial: bool,
     /// Whether the tool keeps its whole orientation relative to the heading.
     pub keeps_orientation: bool,
 }
 
 impl Inverse {
-    /// Returns the tool task of a posture with the frames `frames`; None if no square system describes it.
+    /// Returns the tool task of the posture whose frames are `frames`; None if no square system describes the
+    /// motion.
     ///
-    /// There is no such system in three cases:
+    /// Returns None in three cases:
     ///
-    /// - The arm has to keep a heading that its joints do not control.
-    /// - The numeric solver chooses between several redundant joints.
-    /// - The numeric solver tilts the tool within a tolerance.
+    /// - A planar arm has to keep a heading or a spin that its joints do not control.
+    /// - The numeric solver solves an arm that has neither six nor seven joints. A five-axis arm with a
+    ///   vertical tool and a free spin is an exception.
+    /// - The numeric solver may tilt the tool within a tolerance.
     pub fn tool_task(&self, attitudes: &ToolAttitudes, frames: &Frames) -> Option<ToolTask> {
         let (set, axes) = (&attitudes.set, self.chain.axes());
         let along = |e: Vector3<f64>| (RotationRow::Along(e), e.z);
@@ -103,9 +107,11 @@ fn pitch(frames: &Frames) -> [f64; MAX_JOINTS] {
     row
 }
 
-/// Returns the joint of a seven-axis arm whose removal leaves the best conditioned six-axis arm.
+/// Returns the index of the joint of a seven-axis arm that should stay fixed at this posture.
 ///
-/// It is the joint with the largest share in the self-motion of the arm.
+/// The Jacobian matrix of the other six joints has the largest absolute determinant.
+///
+/// This joint has the largest share in the self-motion of the arm.
 pub(super) fn best_held(chain: &Chain, frames: &Frames) -> usize {
     let columns = jacobian(chain, frames);
     let volume = |held: usize| {
