@@ -1,4 +1,4 @@
-//! Discrepancy of the linear model from the nonlinear model in percent, eq. (9) of the seed paper.
+//! Discrepancy between the linear and the nonlinear model in percent, eq. (9) of the seed paper.
 
 use nalgebra::Vector3;
 

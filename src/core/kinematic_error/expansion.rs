@@ -10,7 +10,7 @@ use crate::robot::{Chain, Frames, Loads, PeriodicDeflection};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// Effect of one unit of a small motion on the TCP: its displacement `g` and its rotation `w`.
+/// Effect of one unit of a small motion on the TCP: displacement `g` and rotation `w` of the TCP.
 ///
 /// The displacement is in m per unit. The rotation is the unit vector along the axis of the motion, or zero
 /// for a translation.
@@ -60,8 +60,8 @@ impl MotionTerm {
         Self::about(frames, &frame, component % 3, component >= 3)
     }
 
-    /// Returns the effect of a rotation about an axis of a frame if `turns` is true; otherwise that of a
-    /// translation along the axis.
+    /// Returns the effect of a rotation about an axis of a frame if `turns` is true; otherwise the effect of
+    /// a translation along the axis.
     ///
     /// Without the attribute `inline(always)`, the linear model takes twice as long.
     #[inline(always)]
@@ -70,7 +70,7 @@ impl MotionTerm {
         Self::along(axis, &(frames.tcp.translation - frame.translation), turns)
     }
 
-    /// Returns the effect on a point of a rotation about `axis` if `turns` is true; otherwise that of a
+    /// Returns the effect of a motion on a point: a rotation about `axis` if `turns` is true, otherwise a
     /// translation along `axis`.
     ///
     /// The vector `arm` leads from the axis to the point, m.
@@ -111,7 +111,7 @@ pub fn linear(frames: &Frames, errors: &Perturbation) -> Displacement {
 /// Returns the error by the second-order model.
 ///
 /// The displacement by each small motion is rotated by the sum of all rotations nearer to the base. Half of
-/// the motion's own rotation is added. The rotation vectors are composed to second order.
+/// the motion's own rotation is added to this sum. The rotation vectors are composed to second order.
 pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     let axes = errors.links().len();
     let (mut sum, mut turned) = (Displacement::NONE, Vector3::zeros());
@@ -131,7 +131,7 @@ pub fn second_order(frames: &Frames, errors: &Perturbation) -> Displacement {
     sum
 }
 
-/// Largest number of small motions of a chain: that of a chain with [`MAX_JOINTS`] joints.
+/// Largest number of small motions of a chain, reached by a chain with [`MAX_JOINTS`] joints.
 const MAX_MOTIONS: usize = Parameter::first_elastic(MAX_JOINTS);
 
 /// First and second derivatives of the TCP pose with respect to the parameters of one chain, in the base

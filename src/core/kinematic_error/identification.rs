@@ -110,10 +110,10 @@ pub fn condition(chain: &Chain, postures: &[Posture], set: ParameterSet, length:
     values.max() / values.min()
 }
 
-/// Returns the translational parameters that depend linearly on others because successive joints are
-/// prismatic.
+/// Returns the translational parameters that depend linearly on other parameters because successive joints
+/// are prismatic.
 fn spare_slides(chain: &Chain, parameters: &[Parameter]) -> Vec<Parameter> {
-    // Nothing rotates within a run of prismatic joints, so the angles between its translations are the same
+    // No link rotates within a run of prismatic joints, so the angles between the translations are the same
     // in every posture.
     let frames = chain.frames(&chain.posture(&[0.0; MAX_JOINTS]));
     let slides = |i: usize| chain.links[i].kind == JointKind::Prismatic;

@@ -10,7 +10,7 @@
 //!   the Denavit-Hartenberg (D-H) row of its joint;
 //! - elastic deflections are rotations about the axis of a revolute joint, as dtheta is. The size of a
 //!   deflection is the value of a parameter times a factor: a lever, a torque of gravity, or a periodic
-//!   error. The factor is that of the chain without errors at the posture. The joint coupling does not
+//!   error. The factor is computed for the chain without errors at the posture. The joint coupling does not
 //!   transmit deflections, because they arise behind the gears.
 //!
 //! Number the motions from the base to the tool. Motion k has the size `a_k` (rad or m). Let `S_k` be the
@@ -25,11 +25,11 @@
 //! vector along the axis of motion k, and `o_k` a point on this axis:
 //!
 //! - nonlinear, eqs. (4)-(6): the product itself is evaluated from the tool back to the base. The error is
-//!   computed as a sum of displacements, so that errors of 1 nm keep their digits;
+//!   computed as a sum of displacements, so that errors of 1 nm lose no digits;
 //! - linear, eqs. (7)-(8): the position error is `e = sum_k a_k g_k`. The displacement per unit is
 //!   `g_k = w_k x (p - o_k)` for a rotation and `g_k = w_k` for a translation;
-//! - second-order (section 2.3): the error is that of the linear model plus `sum_(j<k) a_j a_k w_j x g_k +
-//!   1/2 sum_k a_k^2 w_k x g_k`. In these sums, `w_j` and `w_k` are the axes of rotations, and are zero for
+//! - second-order (section 2.3): the error is the linear error plus `sum_(j<k) a_j a_k w_j x g_k + 1/2 sum_k
+//!   a_k^2 w_k x g_k`. In these sums, `w_j` and `w_k` are the axes of rotations, and are zero for
 //!   translations. The two sums together are the exact second-order part of the product. A motion nearer to
 //!   the base also rotates the displacements that later motions cause.
 //!

@@ -41,7 +41,7 @@ pub struct PosedScrews {
 }
 
 impl Screws {
-    /// Returns the nominal chain. The reference posture is that of `frames`.
+    /// Returns the nominal chain. `frames` gives the reference posture.
     ///
     /// `point` is the point whose error counts, in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
@@ -98,8 +98,8 @@ impl Screws {
     }
 
     /// Returns the sizes of the small motions by which another chain with the same joints differs from this
-    /// one. There is one motion before every axis, and one before the end point. Angles (rad) come first,
-    /// then translations (m).
+    /// chain. One motion precedes every axis, and one precedes the end point. The first array holds angles
+    /// (rad), the second array translations (m).
     ///
     /// Errors that cancel each other, such as large offsets along parallel axes, do not count.
     pub fn motions_to(&self, other: &Screws) -> ([f64; MAX_JOINTS + 1], [f64; MAX_JOINTS + 1]) {

@@ -24,15 +24,15 @@ use std::sync::atomic::{AtomicBool, Ordering as MemoryOrdering};
 /// Number of boxes examined per round. The number is large enough to occupy all threads, and small enough
 /// that the examined boxes have bounds close to the least bound.
 const BOXES_PER_ROUND: usize = 64;
-/// Number of boxes per round in which the search seeks a posture that keeps all constraints.
+/// Number of boxes per round in which the search looks for a posture that keeps all constraints.
 const WITNESSES_PER_ROUND: usize = 8;
 /// Share of the former length of a side of a box. If a side shrinks below this share, another contraction
 /// pass follows.
 const MIN_SHRINKAGE: f64 = 0.8;
 /// Largest number of contraction passes over one box.
 const MAX_PASSES: usize = 8;
-/// Margin subtracted from the bound for rounding. The margin is the bound times this number, plus this number
-/// in m or rad.
+/// Margin subtracted from the bound to allow for rounding errors. The margin is the bound times this number,
+/// plus this number in m or rad.
 ///
 /// The values that are bounded are accurate to 1e-13.
 const ROUNDING: f64 = 1e-11;
@@ -50,8 +50,8 @@ pub(super) struct BoxSearchResult {
     pub bound: f64,
     /// Number of boxes examined.
     pub boxes: u64,
-    /// Least value found among postures that keep the constraints, with the joint coordinates of that
-    /// posture.
+    /// Least value found among postures that keep the constraints, with the joint coordinates of its posture.
+    /// None if no such posture was found.
     pub best: Option<(f64, JointVector)>,
     pub interrupted: bool,
 }
@@ -176,8 +176,8 @@ fn centre(part: &JointBox) -> (JointValues, JointValues) {
     (centre, radii)
 }
 
-/// Contracts a box by the constraints, and bounds the value in the box. Returns None if nothing of the box
-/// is left.
+/// Contracts a box by the constraints, and bounds the value in the box. Returns None if the box becomes
+/// empty.
 fn judge(task: &Task<'_>, mut part: JointBox) -> Option<JointBox> {
     for pass in 1.. {
         let before = part.clone();
@@ -202,8 +202,7 @@ fn judge(task: &Task<'_>, mut part: JointBox) -> Option<JointBox> {
     None
 }
 
-/// Contracts a box to the coordinates within the actuator limits. Returns None if nothing of the box is
-/// left.
+/// Contracts a box to the coordinates within the actuator limits. Returns None if the box becomes empty.
 fn within_limits(coordinates: &Coordinates, part: &mut JointBox) -> Option<()> {
     for (row, low, high) in &coordinates.limits {
         let (mut least, mut most) = (0.0, 0.0);
@@ -226,7 +225,7 @@ fn within_limits(coordinates: &Coordinates, part: &mut JointBox) -> Option<()> {
 
 /// Contracts a box by a constraint, using the Taylor model of the constraint at the centre `y` of the box.
 ///
-/// Returns None if nothing of the box is left.
+/// Returns None if the box becomes empty.
 fn contract(
     constraint: &Constraint,
     taylor: &Taylor,
@@ -271,8 +270,8 @@ fn bound(
     count: usize,
 ) -> (f64, usize) {
     let Some(worth) = worth else { return (0.0, widest(None, radii, count)) };
-    // The crossed constraints are those whose boundary crosses the box. Among these, a thin constraint has
-    // an allowed range that is narrower than the range of the quantity in the box.
+    // A constraint is crossed if its boundary crosses the box. A crossed constraint is thin if its allowed
+    // range is narrower than the largest deviation of its quantity from the value at the centre.
     let crosses = |(c, t): &&(Constraint, Taylor)| {
         let spread = t.spread(radii);
         t.value - spread < c.low || t.value + spread > c.high

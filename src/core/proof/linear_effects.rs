@@ -20,7 +20,7 @@ pub(super) struct Effect {
     pub w: Vector3<f64>,
     /// Distance from the axis of a rotation to the next joint axis, m; 0 for a translation.
     ///
-    /// After the last joint, the distance is that to the point whose error counts.
+    /// For a motion after the last joint, this is the distance to the point whose error counts.
     own: f64,
 }
 
@@ -100,7 +100,7 @@ type LinkSums = [Matrix3<f64>; MAX_JOINTS + 1];
 ///
 /// Joint i rotates the effects of the motions after it in the chain. The sums `f` give this part of the
 /// derivatives. For the motions that precede joint i, the joint moves the point on which they act. The sums
-/// `p` give that part.
+/// `p` give this other part.
 fn by_theta(
     screws: &Screws,
     placed: &PosedScrews,

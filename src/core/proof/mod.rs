@@ -4,9 +4,9 @@
 //! independently, anywhere within the operation's ranges of height, tool elevation and distance from the
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
 //! joint coordinates within their limits. Errors that come after the first joint in the chain rotate with
-//! this joint. A first joint with a vertical axis therefore does not matter, with two exceptions. The sense
-//! may distinguish horizontal directions. An error that precedes this joint may act along or about an axis
-//! other than the axis of the joint.
+//! this joint. A first joint with a vertical axis therefore does not matter, with two exceptions: a sense
+//! that distinguishes horizontal directions, and an error that precedes this joint and acts along or about
+//! another axis.
 //!
 //! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
 //! found. The module has the following files:
@@ -14,12 +14,12 @@
 //! | file | content |
 //! |---|---|
 //! | `region` | the constraints of an operation in any layout |
-//! | `coordinates` | the coordinates of the boxes, and the joint limits in them |
+//! | `coordinates` | the coordinates of the boxes, and the joint limits in these coordinates |
 //! | `taylor_model` | second-order expansions with a bound of the remainder |
 //! | `nonlinear_error`, `linear_effects` | the error of a signed sample; weighted sums of linear effects |
 //! | `value_bound`, `rigid_factors` | the lower bound of a value in any reading |
 //! | `task` | one operation, prepared for bounding |
-//! | `branch_and_bound`, `witness` | the search over boxes, and postures in them |
+//! | `branch_and_bound`, `witness` | the search over boxes, and the search for postures in a box |
 //!
 //! The bound holds for the objective of [`crate::layout::evaluate`], which combines the values of the
 //! operations. A weighted sum of values is at least the weighted sum of their bounds. A weighted maximum of
@@ -76,7 +76,7 @@ pub enum WhyNot {
     Relative,
     /// A registration removes part of the error.
     Registered,
-    /// Signed errors of the equipment may cancel those of the robot.
+    /// Signed errors of the equipment may cancel the errors of the robot.
     EquipmentErrors,
     /// The sense is stated in the axes of the tool.
     ToolAxes,
@@ -112,7 +112,7 @@ impl WhyNot {
             }
             Self::Relative => "its error is relative to the pick of the part",
             Self::Registered => "a registration removes part of its error",
-            Self::EquipmentErrors => "the signed errors of the equipment may cancel those of the robot",
+            Self::EquipmentErrors => "the signed errors of the equipment may cancel the errors of the robot",
             Self::ToolAxes => "its sense is in axes of the tool",
             Self::SurfaceAxes => "its sense is in axes of a surface that can rotate",
             Self::WorldAxes => "its sense is in axes of the world, and the robot base can rotate",
@@ -120,7 +120,7 @@ impl WhyNot {
             Self::NotNormal => "its parameters are not normally distributed",
             Self::ManyRows => "its sense has more than three rows",
             Self::Share => "a share of failures has no bound above 0",
-            Self::Cost => "the cost of its tolerances has no bound yet",
+            Self::Cost => "the cost of its tolerances has no known bound",
             Self::Boxes => {
                 "no bound above 0 was found within the allowed number of boxes of joint coordinates"
             }
@@ -205,7 +205,8 @@ impl Proof {
         Self::new(workcell, operations, self.interrupted)
     }
 
-    /// Returns the largest share by which another layout could still reduce `objective` (m or rad).
+    /// Returns the largest share by which another layout could still reduce `objective` (m or rad); None
+    /// without a bound, and for an objective of 0.
     pub fn gap(&self, objective: f64) -> Option<f64> {
         self.bound.filter(|_| objective > 0.0).map(|bound| (1.0 - bound / objective).max(0.0))
     }
@@ -255,7 +256,8 @@ pub fn prove(workcell: &Workcell, options: &ProofOptions, stop: &AtomicBool) -> 
     Proof::new(workcell, operations, interrupted)
 }
 
-/// Bounds the value of one operation over several regions by the least of their bounds.
+/// Bounds the value of one operation over several regions. The bound is the least of the bounds over the
+/// single regions.
 ///
 /// The second result states whether the proof was interrupted.
 fn of_regions(

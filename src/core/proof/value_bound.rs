@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! signed        u = e / |e|:  |e| >= u . e
-//! worst-case    the farthest corner s at c is one of the corners everywhere
+//! worst-case    the corner s that is farthest at c is a corner at every posture
 //! statistical   e ~ N(mu, S):  a mean enlarges each quantity, so mu = 0 gives a lower bound; with
 //!               A = d(quantity^2)/dS at c:  quantity^2 >= <A, S>  (rms: A = 1, equality)
 //! ```
@@ -61,8 +61,8 @@ pub(super) enum EffectSum {
     Sample(Vec<f64>),
     /// Worst case, with the half width of the tolerance of every error source.
     Box(Vec<f64>),
-    /// Statistic of independent random factors. A factor is a list of pairs (index of an error source,
-    /// value of this source). Each value is that at one standard deviation of the factor.
+    /// Statistic of independent random factors. A factor is a list of pairs (index of an error source, value
+    /// of this source). The value is stated at one standard deviation of the factor.
     Random(Vec<Vec<(usize, f64)>>, Quantity),
 }
 
@@ -134,7 +134,7 @@ impl EffectSum {
 /// Writes to `out` the vectors `a_k u` of the lower bound `sum a_k u . e_k` of `|sum a_k e_k|`.
 ///
 /// Here `e_k` is the effect of error source k (`columns`), and `a_k` is the value of this source (`values`).
-/// The unit vector u points along `sum a_k e_k`.
+/// The unit vector u points along `sum a_k e_k`. Returns None if this sum is zero.
 fn towards(columns: &[Vector6<f64>], values: &[f64], out: &mut [Vector6<f64>]) -> Option<()> {
     let sum: Vector6<f64> = columns.iter().zip(values).map(|(c, v)| c * *v).sum();
     let unit = sum.try_normalize(f64::MIN_POSITIVE)?;
