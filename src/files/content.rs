@@ -2,7 +2,7 @@
 
 use crate::safe_text::shown;
 
-/// Kind of a file whose content is recognised, and which is not a TOML file.
+/// Kind of a recognised file that is not a TOML file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileContent {
     Urdf,
@@ -19,11 +19,11 @@ pub enum FileContent {
     Binary,
 }
 
-/// Number of bytes at the start of a text that are examined.
+/// Number of bytes at the start of a file that are examined to recognise the file.
 const HEAD: usize = 4_000;
 
 impl FileContent {
-    /// Returns the kind of a file; None for TOML and for text that is not recognised.
+    /// Returns the kind of the file with this content; None for TOML and for unrecognised content.
     pub fn of(bytes: &[u8]) -> Option<Self> {
         let head = &bytes[..bytes.len().min(HEAD)];
         let text = String::from_utf8_lossy(head);
@@ -64,13 +64,13 @@ impl FileContent {
         }
     }
 
-    /// Returns whether the content is that of a mesh, a drawing or an XML file, which cannot be a damaged
-    /// file of another kind.
+    /// Returns whether the file is a mesh, a solid model, a drawing or an XML file. Such a file cannot be a
+    /// damaged file of another kind.
     pub fn is_shape(self) -> bool {
         !matches!(self, Self::Json | Self::Yaml | Self::DataTable | Self::Binary)
     }
 
-    /// Returns what the file is, with an article.
+    /// Returns the name of the kind for messages, with the indefinite article.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Urdf => "a URDF (the robot description of ROS)",
@@ -88,7 +88,7 @@ impl FileContent {
         }
     }
 
-    /// Returns the next command or step for the file at `path`, which is quoted for a shell.
+    /// Returns the next command or step for the file at `path`. The path must already be quoted for a shell.
     pub fn next_step(self, path: &str) -> String {
         let mesh = "name the mesh in a solid: mesh = { file = \"NAME.stl\", units = \"mm\" }";
         match self {
@@ -102,7 +102,7 @@ impl FileContent {
                 "for a floor plan, name it in an obstacle: plan = { file = \"NAME.dxf\", layers = [\"LAYER\"], height_mm = 3000 }".into()
             }
             Self::Json => "give the cell file, or the result folder: sweetspot report FOLDER".into(),
-            Self::Yaml => format!("for a stated calibration: sweetspot calibrate ROBOT {path}"),
+            Self::Yaml => format!("for a Universal Robots calibration: sweetspot calibrate ROBOT {path}"),
             Self::DataTable => {
                 format!(
                     "for measured positions: sweetspot calibrate ROBOT {path}; for targets: sweetspot correct CELL --targets {path}"
@@ -123,7 +123,7 @@ pub fn conversion(path: &str) -> String {
     }
 }
 
-/// Returns the message of a file that is of another kind than is needed.
+/// Returns the message for a file that is not of the needed kind.
 pub fn not_needed(path: &str, kind: FileContent, needed: &str) -> String {
     format!("`{}` is {}, not {needed}", shown(path), kind.in_words())
 }
@@ -151,12 +151,12 @@ fn of_xml(text: &str, bytes: &[u8]) -> FileContent {
     }
 }
 
-/// Returns whether a robot description has parts that only xacro expands.
+/// Returns whether a robot description contains xacro elements or substitutions.
 fn has_macros(text: &str) -> bool {
     ["<xacro:", "\"${", "\"$("].iter().any(|word| text.contains(word))
 }
 
-/// Returns whether the size of a file is that of a binary STL with the number of triangles that it states.
+/// Returns whether the size of a file fits the number of triangles that a binary STL states in its header.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let Some(count) = bytes.get(80..84).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes) else {
         return false;
@@ -184,7 +184,7 @@ fn is_yaml(lines: &[&str]) -> bool {
     lines.len() > 1 && lines.iter().filter(|line| is_entry(line)).count() * 2 > lines.len()
 }
 
-/// Returns whether the first lines have the same number of separated values.
+/// Returns whether all lines have the same number of values, separated by commas, semicolons or tabs.
 fn is_table(lines: &[&str]) -> bool {
     [',', ';', '\t'].iter().any(|separator| {
         let count = |line: &&str| line.matches(*separator).count();

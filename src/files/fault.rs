@@ -23,9 +23,9 @@ pub enum FaultKind {
     Content,
     /// The cell or robot file itself cannot be read.
     Unreadable,
-    /// The cell or robot file itself is of another kind, which its content shows.
+    /// The content of the cell or robot file itself shows that it is a file of another kind.
     Foreign(FileContent),
-    /// Warning of the import of a URDF. It is valid until the URDF changes.
+    /// Warning from the import of a URDF, which stays the same until the URDF changes.
     Import,
 }
 
@@ -68,12 +68,13 @@ impl Fault {
         }
     }
 
-    /// Returns the error of a cell or robot file that cannot be read.
+    /// Returns the error for a cell or robot file that cannot be read.
     pub fn unreadable(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self { kind: FaultKind::Unreadable, ..Self::of_file(file, message, help) }
     }
 
-    /// Returns the error of a cell or robot file that is of another kind. The help is for the file at `path`.
+    /// Returns the error for a cell or robot file that is of another kind. The help states the next step for
+    /// the file at `path`.
     pub fn foreign(path: &str, content: FileContent, needed: &str) -> Self {
         let fault = Self::of_file(path, not_needed(path, content, needed), content.next_step(&shown(path)));
         Self { kind: FaultKind::Foreign(content), ..fault }
@@ -137,7 +138,7 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 /// Largest number of names that are compared with a mistyped one.
 const MAX_CANDIDATES: usize = 100;
 
-/// Returns the candidate nearest to a mistyped `word`, if one is near enough to suggest.
+/// Returns the candidate nearest to a mistyped `word`; None if no candidate is near enough to suggest.
 ///
 /// A candidate is near if it differs by a few letters. It is also near if it names the same quantity in
 /// another unit or without a unit (`x_m` or `x` for `x_mm`).
@@ -151,10 +152,11 @@ pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str
         }
         let other = c.chars().count();
         let most = (length.max(other) / 3).max(1);
-        // The distance needs a table whose size is the product of the two lengths.
+        // The edit distance needs a table whose size is the product of both lengths, so long words are
+        // skipped.
         let comparable = length.max(other) <= 100 && length.abs_diff(other) <= most;
         let apart = comparable.then(|| strsim::damerau_levenshtein(word, c))?;
-        // Many words are near to a short one: `cm` must not suggest `mm`.
+        // Many words are near a short word, so for example `cm` must not suggest `mm`.
         let near = apart <= most && (2 * apart < length || sorted(word) == sorted(c));
         near.then_some((apart, length.abs_diff(other)))
     };

@@ -36,14 +36,14 @@ use toml::reader::Table;
 use toml::tree::Value;
 use toml::{from, setting};
 
-/// Cell as read, with every file that was read for it.
+/// Cell, with all files from which it was read.
 #[derive(Debug, Clone)]
 pub struct Loaded {
     pub cell: Cell,
-    /// Every file read, the cell file first, in the order of reading.
+    /// All files in the order of reading; the cell file is the first.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
-    /// Whether the kind of the error sets in use decides the reading. This is so if no file and no flag
+    /// Whether the kind of the error sets in use determines the reading, because neither a file nor a flag
     /// states a reading.
     pub follows_errors: bool,
 }
@@ -61,9 +61,8 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
 
 /// Reads a cell as [`load`] does. The keys in `settings` come from the command line and override the file.
 ///
-/// # Errors
-/// Returns faults as [`load`] does. A fault of a setting has the flag of the setting in place of the file,
-/// and line 0.
+/// # Errors Returns faults as [`load`] does. A fault of a setting states the flag of the setting instead of a
+/// file, and line 0.
 pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, settings, &mut lib);
@@ -86,11 +85,11 @@ pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> R
     }
 }
 
-/// Robot as read, with every file that was read for it.
+/// Robot, with all files from which it was read.
 #[derive(Debug, Clone)]
 pub struct LoadedRobot {
     pub robot: Robot,
-    /// Every file read, the robot file first.
+    /// All files in the order of reading; the robot file is the first.
     pub sources: Vec<Source>,
     pub warnings: Vec<Fault>,
 }
@@ -117,7 +116,7 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
 }
 
 /// Reads the outline of a URDF file, and the warnings about it. Neither a robot file nor meshes are read.
-/// `tip` names the link that carries the tool; with None, the link is guessed.
+/// `tip` names the link that carries the tool; if it is None, the link is guessed.
 ///
 /// # Errors
 ///

@@ -8,7 +8,7 @@ type Edge = (Vector2<f64>, Vector2<f64>);
 /// Returns the indices of two edges that share a point other than a common corner; None if the polygon is
 /// simple.
 ///
-/// Edge k runs from corner k to the next one.
+/// Edge k runs from corner k to the next corner.
 pub fn crossing_edges(corners: &[Vector2<f64>]) -> Option<(usize, usize)> {
     let n = corners.len();
     let edge = |k: usize| (corners[k], corners[(k + 1) % n]);
@@ -16,7 +16,7 @@ pub fn crossing_edges(corners: &[Vector2<f64>]) -> Option<(usize, usize)> {
     pairs.into_iter().find(|&(i, j)| cross(edge(i), edge(j), j == i + 1, j + 1 == n && i == 0))
 }
 
-/// Returns whether two polygons share a point of their edges.
+/// Returns whether the edges of two polygons share a point.
 pub fn rings_meet(a: &[Vector2<f64>], b: &[Vector2<f64>]) -> bool {
     let edge = |ring: &[Vector2<f64>], k: usize| (ring[k], ring[(k + 1) % ring.len()]);
     (0..a.len()).any(|i| (0..b.len()).any(|j| cross(edge(a, i), edge(b, j), false, false)))

@@ -1,5 +1,5 @@
-//! Readers of calibrations that other programs state: the YAML of the driver of Universal Robots, and the
-//! `calibration.conf` of their controllers.
+//! Readers of robot calibrations from other programs: the YAML file that the driver of Universal Robots
+//! writes, and `calibration.conf` from a controller of Universal Robots.
 
 use super::fault::{Fault, did_you_mean, listed, shown};
 use crate::pose::Pose;
@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// Calibration of an arm of Universal Robots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StatedCalibration {
-    /// Frames of the joints, each in the frame after the joint before it, and the hash of the calibration.
+    /// Frame of every joint in the frame that follows the preceding joint, and the hash of the calibration.
     Frames { frames: Vec<Pose>, hash: Option<String> },
     /// Differences of theta (rad), a (m), d (m) and alpha (rad) from the nominal rows.
     Rows { theta: Vec<f64>, a: Vec<f64>, d: Vec<f64>, alpha: Vec<f64> },
@@ -35,7 +35,7 @@ const MAX_FAULTS: usize = 20;
 
 /// Reads `kinematics:` of the YAML that the driver of Universal Robots writes.
 ///
-/// Only maps of maps of numbers are read, as the driver writes them: no lists, anchors or tags.
+/// The reader supports only what the driver writes: maps of maps of numbers, without lists, anchors or tags.
 ///
 /// # Errors
 ///

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, listed, shown};
 
-/// Target as the table states it, mm and degrees.
+/// Target in a table, mm and degrees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TargetRow {
     /// Name of the target; the number of its row if the table has no names.
@@ -94,7 +94,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<TargetRow>, Vec<Fault>> {
     if faults.is_empty() { Ok(rows) } else { Err(faults) }
 }
 
-/// Returns the places of the columns of the position and, if the table has any, of the rotation.
+/// Returns the indices of the position columns, then of the rotation columns if the table has any.
 fn places(header: &[String]) -> Result<Vec<usize>, String> {
     let place = |names: &[&str; 2]| header.iter().position(|column| names.contains(&column.as_str()));
     let found: Vec<_> = COLUMNS.iter().map(place).collect();

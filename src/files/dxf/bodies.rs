@@ -1,5 +1,5 @@
-//! Bodies of a plan: upright boxes, cylinders and prisms over its outlines, each with the least
-//! rectangle around it.
+//! Bodies of a plan: upright boxes, cylinders and prisms over its outlines, each with the rectangle of least
+//! area around it.
 
 use super::DxfFault;
 use super::convex::convex_parts;
@@ -11,7 +11,7 @@ use crate::pose::Pose;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Largest number of bodies of a plan: every posture is checked against each of them.
+/// Largest number of bodies of a plan, because every posture is checked against each body.
 const MAX_BODIES: usize = 500;
 
 /// Largest distance, m, of a corner from the box that replaces a rectangular outline.
@@ -23,12 +23,12 @@ pub struct PlanBody {
     /// Layer, number of the outline on its layer and, if the outline has several parts, number of the
     /// part.
     pub name: String,
-    /// Placement of the frame of the body in the frame of the drawing, m: the centre of the rectangle
-    /// around the body.
+    /// Placement of the body frame in the frame of the drawing, m. The origin of the body frame is the centre
+    /// of the rectangle around the body.
     pub placement: Placement,
     /// Sides of the rectangle around the body, along the axes of its frame, m.
     pub size: (f64, f64),
-    /// Shape in the frame of the body, from 0 up to the height.
+    /// Shape in the body frame, from z = 0 up to the height of the plan.
     pub shape: Shape,
 }
 
@@ -114,7 +114,8 @@ fn prism(corners: &[PlanePoint], height: f64) -> Shape {
 
 /// Returns the rectangle of least area around points: its centre and yaw, and its sides, m.
 ///
-/// One of its sides lies on an edge of the convex hull (H. Freeman and R. Shapira, CACM 18 (1975) 409-413).
+/// One side of the rectangle lies on an edge of the convex hull (H. Freeman and R. Shapira, CACM 18 (1975)
+/// 409-413).
 fn least_rectangle(points: &[PlanePoint]) -> (Placement, (f64, f64)) {
     let hull = convex_hull(points.to_vec());
     let along = |k: usize| {

@@ -1,9 +1,9 @@
 //! Polygons that replace outlines with arcs and contain them.
 //!
-//! Tangents replace an arc that bulges out of the outline, and chords replace an arc that bulges into
-//! it. Both lie on the outer side of the arc. The distance between tangents and arc is at most `r (1 /
-//! cos(d / 2) - 1)`. The distance between chords and arc is at most `r (1 - cos(d / 2))`. In both, `r`
-//! is the radius of the arc and `d` the angle of one piece.
+//! Tangents replace an arc that bulges out of the outline, and chords replace an arc that bulges into it.
+//! Tangents and chords lie on the outer side of the outline. The distance between tangents and arc is at most
+//! `r (1 / cos(d / 2) - 1)`. The distance between chords and arc is at most `r (1 - cos(d / 2))`. Here, `r`
+//! is the radius of the arc and `d` is the angle of one piece.
 
 use super::entities::PathVertex;
 use crate::geometry::polygon_area;
@@ -16,8 +16,7 @@ const MAX_PIECES: f64 = 500.0;
 /// Returns the corners of the polygon for a closed outline. No corner is farther than `tolerance` from
 /// the outline.
 ///
-/// # Errors
-/// Fails if an arc would need more than [`MAX_PIECES`] pieces; the message says so.
+/// # Errors Returns a message if an arc would need more than [`MAX_PIECES`] pieces.
 pub fn polygon(vertices: &[PathVertex], tolerance: f64) -> Result<Vec<Vector2<f64>>, String> {
     let is_left = area(vertices) > 0.0;
     let mut corners = Vec::new();
@@ -28,7 +27,7 @@ pub fn polygon(vertices: &[PathVertex], tolerance: f64) -> Result<Vec<Vector2<f6
             continue;
         }
         let angle = 4.0 * a.bulge.atan();
-        // The centre is left of the chord for a left arc of less than half a turn.
+        // If the arc turns left by less than half a turn, its centre lies to the left of the chord.
         let apothem = (1.0 - a.bulge * a.bulge) / (4.0 * a.bulge);
         let centre = a.at + chord / 2.0 + Vector2::new(-chord.y, chord.x) * apothem;
         let from = a.at - centre;
@@ -43,7 +42,8 @@ pub fn polygon(vertices: &[PathVertex], tolerance: f64) -> Result<Vec<Vector2<f6
             return Err(format!("an arc needs more than {MAX_PIECES} pieces at this tolerance"));
         }
         let step = angle / pieces;
-        // Tangents meet halfway between the points at which they touch; chords meet on the arc.
+        // Neighbouring tangents meet halfway between their points of contact. Neighbouring chords meet on the
+        // arc.
         let (first, count, size) = match is_outward {
             true => (0.5, pieces as usize, 1.0 / (step / 2.0).cos()),
             false => (1.0, pieces as usize - 1, 1.0),

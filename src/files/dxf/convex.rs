@@ -6,8 +6,8 @@
 
 use crate::geometry::{PlanePoint, turn};
 
-/// Returns the convex parts of a polygon that does not cross itself, all anticlockwise; None if rounding
-/// prevents it.
+/// Returns the convex parts, all anticlockwise, of an anticlockwise polygon that does not cross itself.
+/// Returns None if rounding errors prevent the division.
 pub fn convex_parts(corners: &[PlanePoint]) -> Option<Vec<Vec<PlanePoint>>> {
     let mut parts = triangles(corners)?;
     let mut k = 0;
@@ -25,7 +25,7 @@ pub fn convex_parts(corners: &[PlanePoint]) -> Option<Vec<Vec<PlanePoint>>> {
     Some(parts.into_iter().map(point).collect())
 }
 
-/// Returns a triangulation by ear clipping, as indices of corners.
+/// Returns the triangles of an ear clipping, as indices of corners; None if rounding errors leave no ear.
 fn triangles(corners: &[PlanePoint]) -> Option<Vec<Vec<usize>>> {
     let mut left: Vec<usize> = (0..corners.len()).collect();
     let mut parts = Vec::new();

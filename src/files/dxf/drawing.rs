@@ -6,14 +6,15 @@ use super::pairs::{GroupCode, pairs};
 use nalgebra::Vector2;
 use std::collections::{BTreeMap, HashMap};
 
-/// Drawing as read, in its own unit.
+/// Content of a DXF drawing, in the unit of the drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanDrawing {
     /// Value of `$INSUNITS` in the header; None if the header does not state it.
     pub unit_code: Option<i64>,
-    /// Names of all layers, by their names in upper case, because DXF ignores case.
+    /// Names of all layers as the drawing writes them. The keys are the names in upper case, because DXF
+    /// ignores case.
     pub layers: BTreeMap<String, String>,
-    /// Blocks by their names in upper case.
+    /// Blocks; the keys are the names in upper case.
     pub(super) blocks: HashMap<String, Block>,
     pub(super) entities: Vec<Entity>,
 }
@@ -21,7 +22,7 @@ pub struct PlanDrawing {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     pub name: String,
-    /// Base point of the block, which is placed at the insertion point of its insert.
+    /// Base point of the block. An insert places this point at its insertion point.
     pub base: Vector2<f64>,
     pub entities: Vec<Entity>,
 }
@@ -79,8 +80,8 @@ fn layers<'p>(tables: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     })
 }
 
-/// Returns the value of the group code 0 before each part of a [`slice::split`] at the group codes 0. No such
-/// code precedes the first part, so its value is empty.
+/// Returns an empty string, then the values of all group codes 0. A [`slice::split`] at the group codes 0
+/// gives as many parts: each value precedes one part.
 fn starts<'p>(pairs: &'p [GroupCode<'_>]) -> impl Iterator<Item = &'p str> {
     std::iter::once("").chain(pairs.iter().filter(|p| p.code == 0).map(|p| p.value))
 }

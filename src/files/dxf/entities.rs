@@ -25,7 +25,7 @@ pub enum EntityKind {
         radius: f64,
     },
     Insert(Insert),
-    /// Entity that the reader does not support, by its name.
+    /// Entity that the reader does not support, with its name.
     Other(String),
 }
 
@@ -36,8 +36,8 @@ pub struct PlanPath {
     pub is_closed: bool,
 }
 
-/// Vertex of a path, and the bulge of the segment that begins there: the tangent of a quarter of the
-/// angle of its arc.
+/// Vertex of a path, with the bulge of the segment that begins at this vertex. The bulge is the tangent of a
+/// quarter of the angle of the arc.
 ///
 /// The bulge is positive if the arc runs anticlockwise, and 0 for a straight line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +56,7 @@ pub struct Insert {
     pub rotation: f64,
     pub columns: u64,
     pub rows: u64,
-    /// Distances between columns and between rows, before the rotation.
+    /// Distances between columns and between rows, before the rotation, in the unit of the drawing.
     pub spacing: Vector2<f64>,
 }
 
@@ -80,8 +80,7 @@ const ANNOTATIONS: [&str; 16] = [
     "VERTEX",
 ];
 
-/// Reads the entities between two places of a drawing. Entities of the paper space and annotations are left
-/// out.
+/// Reads the entities in a part of a drawing, except annotations and entities of the paper space.
 pub fn entities(pairs: &[GroupCode<'_>]) -> Result<Vec<Entity>, DxfFault> {
     let mut all = Vec::new();
     let mut rest = pairs;
@@ -103,7 +102,7 @@ pub fn entities(pairs: &[GroupCode<'_>]) -> Result<Vec<Entity>, DxfFault> {
     Ok(all)
 }
 
-/// Splits off the pairs up to the next group code 0.
+/// Splits the pairs before the next group code 0, which begins the next entity.
 fn split_next<'p, 't>(pairs: &'p [GroupCode<'t>]) -> (&'p [GroupCode<'t>], &'p [GroupCode<'t>]) {
     let end = pairs.iter().skip(1).position(|p| p.code == 0).map_or(pairs.len(), |k| k + 1);
     pairs.split_at(end)

@@ -51,7 +51,7 @@ impl PlaneMap {
     }
 }
 
-/// Shape of the drawing, with the map from its own frame to m in the frame of the drawing.
+/// Shape of the drawing, with the map from the frame of the shape to the frame of the drawing, m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedShape {
     pub shape: FlatShape,
@@ -71,11 +71,11 @@ pub enum FlatShape {
 #[derive(Debug, Default)]
 pub struct Expanded {
     pub shapes: Vec<PlacedShape>,
-    /// Entities that are not supported, by layer and name: their number and the line of the first.
+    /// Number of unsupported entities and the line of the first one, for each layer and entity name.
     pub ignored: BTreeMap<(String, String), (usize, usize)>,
 }
 
-/// Returns the shapes on `layers` (upper case), in m; `unit` is the length of one unit of the drawing.
+/// Returns the shapes on `layers` (names in upper case). `unit` is the length of one unit of the drawing, m.
 ///
 /// # Errors
 /// Fails if a block contains itself, is missing or nested too deeply, or if there are too many entities.
@@ -95,7 +95,8 @@ struct BlockWalk<'d> {
 }
 
 impl BlockWalk<'_> {
-    /// Adds entities. Entities on layer 0 of a block lie on the layer of its insert, `inherited`.
+    /// Adds the shapes of entities. Entities of a block on layer 0 belong to the layer of the insert,
+    /// `inherited`.
     fn entities(&mut self, all: &[Entity], map: &PlaneMap, inherited: Option<&str>) -> Result<(), DxfFault> {
         let flip = PlaneMap { linear: Matrix2::new(-1.0, 0.0, 0.0, 1.0), offset: Vector2::zeros() };
         for entity in all {
@@ -155,7 +156,7 @@ impl BlockWalk<'_> {
             let linear = turn * Matrix2::from_diagonal(&insert.scale);
             let offset = insert.at + turn * step.component_mul(&insert.spacing) - linear * block.base;
             let inner = map.after(&PlaneMap { linear, offset });
-            // Even an empty block costs a visit.
+            // An insert of an empty block also counts as one entity.
             self.visited += 1;
             self.entities(&block.entities, &inner, Some(layer))?;
         }

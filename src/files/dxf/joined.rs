@@ -7,14 +7,14 @@ use std::collections::HashMap;
 /// Largest distance, m, between two ends that count as one point.
 pub const JOINT: f64 = 1e-5;
 
-/// Open path with the line of the drawing at which it begins.
+/// Open path, with the line of the file at which it begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenPath {
     pub vertices: Vec<PathVertex>,
     pub line: usize,
 }
 
-/// Returns the closed outlines that open paths form, and the paths that belong to none.
+/// Returns the closed outlines that open paths form, and the paths that belong to no outline.
 ///
 /// A chain of paths is an outline if exactly two ends meet at each of its joints. An outline begins at the
 /// line of the file at which its first path begins.
@@ -53,10 +53,11 @@ pub fn joined(paths: Vec<OpenPath>) -> (Vec<(PlanPath, usize)>, Vec<OpenPath>) {
     (closed, open)
 }
 
-/// Place of a joint, with its number.
+/// Position of a joint, m, and its number.
 type NumberedJoint = (Vector2<f64>, usize);
 
-/// Returns the joints at both ends of every path: equal numbers for ends that count as one point.
+/// Returns the numbers of the joints at both ends of every path. Ends that count as one point have the same
+/// number.
 fn ends(paths: &[OpenPath]) -> Vec<[usize; 2]> {
     let mut joints: HashMap<(i64, i64), Vec<NumberedJoint>> = HashMap::new();
     let mut count = 0;

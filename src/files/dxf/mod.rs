@@ -21,7 +21,7 @@ pub use drawing::PlanDrawing;
 pub use outlines::{FloorOutline, OutlineShape, outlines};
 pub use unit::DrawingUnit;
 
-/// Fault or warning of a drawing, with its line.
+/// Fault or warning about a drawing, with its line in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DxfFault {
     /// Line of the file, counted from 0.
@@ -36,7 +36,8 @@ impl DxfFault {
     }
 }
 
-/// Returns the text of a drawing: UTF-8, or the Latin alphabet of older drawings (ISO 8859-1).
+/// Returns the text of a drawing, decoded as UTF-8. If the bytes are not UTF-8, they are decoded as ISO
+/// 8859-1, which older drawings use.
 pub fn text_of(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_string(),

@@ -55,8 +55,8 @@ pub struct Outlines {
 
 /// Returns the outlines on `layers` (names in upper case).
 ///
-/// `unit` is the length of one unit of the drawing, m. Arcs are replaced on their outer side, at most `tolerance` (m)
-/// away.
+/// `unit` is the length of one unit of the drawing, m. Straight lines replace every arc on its outer side, at
+/// most `tolerance` (m) away.
 pub fn outlines(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64, tolerance: f64) -> Outlines {
     let mut all = Outlines::default();
     let Expanded { shapes, mut ignored } = match expanded(drawing, layers, unit) {
@@ -129,7 +129,7 @@ impl Outlines {
         self.found.push(FloorOutline { layer, line, shape: OutlineShape::Circle { centre, radius } });
     }
 
-    /// Adds a closed outline, given in a frame that `map` takes to the frame of the drawing, m.
+    /// Adds a closed outline. `map` converts its vertices to the frame of the drawing, m.
     fn closed(
         &mut self,
         layer: String,
@@ -172,7 +172,7 @@ impl Outlines {
         self.found.push(FloorOutline { layer, line, shape: OutlineShape::Polygon(corners) });
     }
 
-    /// Refuses more outlines than a search can check.
+    /// Records an error if there are more than [`MAX_OUTLINES`] outlines, and drops the rest.
     fn limit(&mut self) {
         if let Some(beyond) = self.found.get(MAX_OUTLINES) {
             let message = format!("the layers have {} outlines, more than {MAX_OUTLINES}", self.found.len());
@@ -182,8 +182,8 @@ impl Outlines {
         }
     }
 
-    /// Warns of an outline within another outline. The whole inside of the outer outline is solid,
-    /// although a wall drawn as two lines may be meant.
+    /// Warns of an outline within another outline. The whole inside of the outer outline is solid, even if
+    /// the two lines are meant as the faces of a wall.
     fn warn_of_nested(&mut self) {
         let inside = |k: usize, j: usize| k != j && self.found[j].holds(self.found[k].first());
         let count = self.found.len();

@@ -6,8 +6,8 @@ use crate::files::fault::shown;
 /// Largest number of group codes of a drawing.
 const MAX_PAIRS: usize = 4_000_000;
 
-/// Largest absolute value of a number of a drawing, in its unit; a larger number fits no workcell in any
-/// unit.
+/// Largest absolute value of a number in a drawing, in the unit of the drawing. No workcell needs a larger
+/// number in any unit.
 const MAX_NUMBER: f64 = 1e9;
 
 const DAMAGED: &str = "save the drawing again as DXF (ASCII) in the CAD program";
@@ -21,12 +21,12 @@ pub struct GroupCode<'t> {
 }
 
 impl GroupCode<'_> {
-    /// Returns whether the pair begins an entity, section or end of this name.
+    /// Returns whether the pair is group code 0 with this name, which begins or ends an entity or a section.
     pub fn begins(&self, name: &str) -> bool {
         self.code == 0 && self.value == name
     }
 
-    /// Returns the value as a finite number.
+    /// Returns the value as a number; fails if it is not a number of at most [`MAX_NUMBER`].
     pub fn number(&self) -> Result<f64, DxfFault> {
         let number = self.value.parse::<f64>().ok().filter(|v| v.abs() <= MAX_NUMBER);
         number.ok_or_else(|| {
@@ -35,7 +35,7 @@ impl GroupCode<'_> {
         })
     }
 
-    /// Returns the value as a whole number.
+    /// Returns the value as a whole number; fails if it is not one.
     pub fn whole(&self) -> Result<i64, DxfFault> {
         self.value.parse().map_err(|_| {
             let message = format!("group {} needs a whole number, not `{}`", self.code, shown(self.value));
@@ -44,7 +44,7 @@ impl GroupCode<'_> {
     }
 }
 
-/// Returns the group codes of a drawing up to its end, without comments.
+/// Returns the group codes of a drawing up to EOF, without comments.
 pub fn pairs(text: &str) -> Result<Vec<GroupCode<'_>>, DxfFault> {
     let mut lines = text.lines().map(str::trim).enumerate();
     let mut all = Vec::new();

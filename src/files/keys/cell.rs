@@ -29,18 +29,18 @@ const DEFAULT_SEARCH: SearchSettings = SearchSettings::DEFAULT;
 
 key_table! {
     search, "search settings", "Settings of the search for a layout.", {
-        SOLVER = word::<Solver>("solver", "Global solver.").default(Literal::Word(DEFAULT_SEARCH.solver.name()));
+        SOLVER = word::<Solver>("solver", "Global solver that searches for the best layout.").default(Literal::Word(DEFAULT_SEARCH.solver.name()));
         OBJECTIVE = word::<Objective>("objective", "Objective: how the weighted errors of the operations are combined into one number.").default(Literal::Word(DEFAULT_SEARCH.objective.name()));
         INDIFFERENCE = number("indifference_percent", NumberRange::Positive, "Difference below which two values count as equal in the lexicographic objective.").default(Literal::Number(1.0));
         BUDGET = Key::new("budget", BUDGETS, "Number of layouts to evaluate.").default(Literal::Whole(DEFAULT_SEARCH.budget));
         SEED = Key::new("seed", ValueKind::Whole(0, u64::MAX), "Seed of the random numbers: the same seed gives the same bytes.").default(Literal::Whole(DEFAULT_SEARCH.seed));
-        IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Whether the layout need only work exactly as drawn. If true, placement tolerances do not count, and no clearance, margin or tolerance is assumed.");
+        IDEAL = boolean("ideal", DEFAULT_SEARCH.ideal, "Whether every piece stands exactly at its placement. If true, placement tolerances do not count, and no clearance, margin or tolerance is assumed.");
         RESOLUTION_MM = number("resolution_mm", NumberRange::Positive, "Placements that the search finds are multiples of this length. If left out, it is 1, or 0.001 with `ideal`.").example("1");
         RESOLUTION_DEG = number("resolution_deg", NumberRange::Positive, "Angles that the search finds are multiples of this angle. If left out, it is 0.1, or 0.0001 with `ideal`.").example("0.1");
-        ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Whether to minimize the worst value over the placement tolerances instead of the value as drawn.");
+        ROBUST = boolean("robust", DEFAULT_SEARCH.robust, "Whether to minimize the worst value over the placement tolerances instead of the value at the exact placements.");
         GAP = number("gap", NumberRange::NotNegative, "Stop when the objective exceeds the proven lower bound by at most this share: 0.01 is 1 %.").example("0.01");
         STAGNATION = Key::new("stagnation", BUDGETS, "Stop after this number of layouts without improvement.").example("5000");
-        PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Search for the Pareto front of these goals: layouts of which none is better than another in every goal.").example("[\"error\", \"clearance\"]");
+        PARETO = Key::new("pareto", ValueKind::Checked(&GOALS, unique), "Goals of a search for the Pareto front: the layouts that no other layout beats in every goal.").example("[\"error\", \"clearance\"]");
         KEEP = Key::new("keep", ValueKind::Whole(1, MAX_KEPT as u64), "Number of layouts to report: the best layouts that clearly differ from each other.").example("5");
     }
 }
@@ -67,7 +67,7 @@ key_table! {
         SOURCE = super::SOURCE;
         ERRORS = text("errors", "Name of the robot's error set to evaluate.").required().example("\"placeholder\"").remedy("add errors = \"NAME\", one of the error sets of the robot");
         MODEL = word::<Model>("model", "Kinematic error model: how errors of the parameters become the error of the TCP.").default(Literal::Word(Model::Nonlinear.name()));
-        READING = word::<Reading>("reading", "How the errors are read: as one signed sample, as the worst corner of tolerances, or as random variables; if left out, worst-case if an error set in use is a tolerance, else signed.");
+        READING = word::<Reading>("reading", "Interpretation of the errors: one signed sample, the worst corner of tolerances, or random variables. If left out, it is worst-case if an error set in use is a tolerance, otherwise signed.");
         QUANTITY = word::<Quantity>("quantity", "Statistic to minimize in the statistical reading.").default(Literal::Word(Quantity::P95.name()));
         REGISTRATION = word::<Registration>("registration", "Frames that were measured with the robot itself: none, its base frame (least-squares fit to the TCP position errors over all postures between the joint limits), or the frame of each surface.").default(Literal::Word(Registration::None.name()));
         GUARD = number("guard_percent", NumberRange::Positive, "Guard: difference from the nonlinear model above which a model is reported as not trustworthy.").default(Literal::Number(1.0));

@@ -42,17 +42,17 @@ key_table! {
         NAME = Key::new("name", ValueKind::Name, "Name of the process or grade.").required().example("\"ground\"").remedy("add name = \"ground\"");
         MILLIMETRES = number("plus_minus_mm", NumberRange::Positive, "Tolerance of a length: half the width of its range.").example("0.02");
         DEGREES = number("plus_minus_deg", NumberRange::Positive, "Tolerance of an angle: half the width of its range.").example("0.01");
-        SCALE = number("scale", NumberRange::Positive, "Tolerance divided by the tolerance of the error set.").example("0.5");
+        SCALE = number("scale", NumberRange::Positive, "Tolerance divided by the tolerance in the error set.").example("0.5");
         COST = number("cost", NumberRange::NotNegative, "Cost of the grade; a looser grade must cost less.").required().example("4").remedy("add cost = 4");
     }
     rules [Rule::OneAtMost(&["plus_minus_mm", "plus_minus_deg", "scale"])];
 }
 
 key_table! {
-    tolerance_cost, "a cost", "Cost of tolerances, from which `allocate` finds the cheapest set. The scale is the tolerance divided by that of the error set.", {
-        PARAMETERS = Key::new("parameters", ValueKind::List(&ValueKind::Text, (1, MANY), "names"), "Parameters that have this cost, each with a tolerance of its own; if left out, all parameters that no other cost names.").example("[\"dl2\", \"dalpha3\"]");
+    tolerance_cost, "a cost", "Cost of tolerances, from which `allocate` finds the cheapest set. The scale is the tolerance divided by the tolerance in the error set.", {
+        PARAMETERS = Key::new("parameters", ValueKind::List(&ValueKind::Text, (1, MANY), "names"), "Parameters that have this cost; a separate tolerance is chosen for each. If left out, all parameters that no other cost names.").example("[\"dl2\", \"dalpha3\"]");
         FORM = word::<CostForm>("kind", "reciprocal: at / scale^power; exponential: at exp(-rate (scale - 1)); grades: processes with tolerances and costs; iso-286: grades of ISO 286, which cost at / scale^power.").required();
-        AT = number("at", NumberRange::Positive, "Cost of the tolerance of the error set, in any currency.").default(Literal::Number(1.0));
+        AT = number("at", NumberRange::Positive, "Cost of the tolerance in the error set, in any currency.").default(Literal::Number(1.0));
         POWER = number("power", NumberRange::Positive, "Exponent of a reciprocal cost, at most 10.").default(Literal::Number(1.0));
         RATE = number("rate", NumberRange::Positive, "Rate of an exponential cost, at most 20.").default(Literal::Number(1.0));
         RANGE = Key::new("scale_range", ValueKind::List(&POSITIVE, (2, 2), "numbers"), "Least and greatest scale that can be ordered, from 0.01 to 100; if left out, [0.1, 3].").example("[0.1, 3]");

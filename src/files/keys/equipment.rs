@@ -24,7 +24,7 @@ key_table! {
         NAME = text("name", "Name of the equipment for readers of its file; messages use the name of the table in the cell file.");
         SOURCE = super::SOURCE;
         SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of the frame of the equipment.").example("{ size_mm = [1500, 700] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height if there are no solids; if left out, the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height if there are no solids. If left out, it is the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", ValueKind::List(&ValueKind::Table(&equipment_solid::TABLE), (0, MANY), "solids"), "Solids, in the frame of the equipment.");
     }
     rules [Rule::Needs("schema", "units")];
@@ -33,7 +33,7 @@ key_table! {
 key_table! {
     equipment, "a piece of equipment", "Equipment: work surface, solids, floor space and placement.", {
         PLACEMENT = table("placement", &placement::TABLE, "Placement in the world, or in the frame of the equipment that it stands on.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
-        STANDS_ON = text("stands_on", "Equipment that carries this one: it moves with its carrier, and its placement is in the frame of the carrier.").example("\"worktable\"");
+        STANDS_ON = text("stands_on", "Equipment that carries this piece. The piece moves with its carrier, and its placement is in the frame of the carrier.").example("\"worktable\"");
         TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement: the layout must work everywhere within it. If left out, it is 2 mm and 0.2 degrees for equipment that a search places.").example("{ x_mm = 2, y_mm = 2 }");
         ERRORS = table("errors", &errors_of_equipment::TABLE, "Errors of the placement or the fixture, in the frame of the equipment.");
     }
@@ -51,7 +51,7 @@ key_table! {
 }
 
 key_table! {
-    plan, "a floor plan", "Closed outlines of a drawing, each an obstacle of one height.", {
+    plan, "a floor plan", "Closed outlines of a drawing as obstacles of equal height.", {
         FILE = Key::new("file", ValueKind::Checked(&ValueKind::Path, dxf), "DXF drawing (ASCII), with its path relative to the folder of this file.").required().example("\"hall.dxf\"").remedy("add file = \"NAME.dxf\"");
         LAYERS = Key::new("layers", ValueKind::List(&ValueKind::Text, (1, MANY), "layers"), "Layers of the drawing whose closed outlines are obstacles.").required().example("[\"COLUMNS\", \"MACHINES\"]");
         HEIGHT = number("height_mm", NumberRange::Positive, "Height of the obstacles above the placement.").required().example("3000");

@@ -32,7 +32,7 @@ words!(ErrorForm);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorSetForm {
     Plain(ErrorForm),
-    /// Errors of one robot with their signs, whose uncertainty a covariance gives.
+    /// Errors of one robot with their signs, and a covariance that states their uncertainty.
     Measured,
 }
 
@@ -87,7 +87,7 @@ const BY_COMPONENT: ValueKind =
 
 const SPREAD: ValueKind = ValueKind::word::<Distribution>();
 
-/// Returns the key of one error of the D-H rows, such as dq. The key holds a list with one number for each
+/// Returns the key of one error of the D-H rows, such as dr. The key holds a list with one number for each
 /// joint.
 const fn row(name: &'static str, help: &'static str) -> Key {
     Key::new(name, POSTURE, help).required_unless("joints")
@@ -102,7 +102,7 @@ key_table! {
 
 key_table! {
     joint_frame_error, "a frame error of `joints`", "Error of the frame of one joint: the erroneous frame is the nominal frame times Trans(position_mm) Rz Ry Rx.", {
-        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number (counted from 1) or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
     }
     extends super::frame_error::TABLE;
 }
@@ -110,7 +110,7 @@ key_table! {
 key_table! {
     elastic_term, "an elastic term", "Deflection of a joint by the weight at and beyond the end of a link: deg_per_m times the horizontal lever of that link about the joint axis, in m.", {
         JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint that deflects, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint that deflects");
-        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its row: the row of the joint or a later one. The link leads from the frame before the row to the frame after it.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
+        LINK = Key::new("link", ValueKind::Whole(1, MAX_JOINTS as u64), "Link whose horizontal lever counts, by the number of its D-H row: the row of the joint or a later row. The link leads from the frame before its row to the frame after its row.").required().example("3").remedy("add link = 3, the number of the row whose length is the lever");
         VALUE = number("deg_per_m", NumberRange::Finite, "Deflection per lever: the compliance of the joint times the weight at and beyond the end of the link.").required().example("-0.05").remedy("add deg_per_m = -0.05");
     }
 }
@@ -125,14 +125,14 @@ const fn coefficients(name: &'static str, example: &'static str, help: &'static 
 
 key_table! {
     periodic_error, "a periodic error", "Error of a joint that repeats with every turn of its coordinate q: the sum of cos_deg cos(k q) and sin_deg sin(k q) over the orders k = 1, 2, ...", {
-        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint with this error, by its number from 1 or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint");
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Revolute joint with this error, by its number (counted from 1) or by its name.").required().example("2").remedy("add joint = 2, the number or the name of the joint");
         COS = coefficients("cos_deg", "[0.004, 0]", "Coefficients of the cosines, one for each order, starting at order 1.").remedy("add cos_deg = [...], a number for each order");
-        SIN = coefficients("sin_deg", "[0, -0.01]", "Coefficients of the sines, one for each order from 1.").remedy("add sin_deg = [...], a number for each order");
+        SIN = coefficients("sin_deg", "[0, -0.01]", "Coefficients of the sines, one for each order, starting at order 1.").remedy("add sin_deg = [...], a number for each order");
     }
 }
 
 key_table! {
-    distribution, "`distribution`", "Distributions of the plus-or-minus values of rows and frames.", {
+    distribution, "`distribution`", "Distributions of the plus-or-minus values of the D-H rows and the frames.", {
         DEFAULT = word::<Distribution>("default", "Distribution of all errors whose key is left out.").default(Literal::Word(Distribution::Normal.name()));
         DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one for each joint.");
         DR = Key::new("dr", BY_JOINT, "Distribution of dr_mm: one word, or a list with one for each joint.");
@@ -177,7 +177,7 @@ key_table! {
         SIGMAS = super::SIGMAS;
         COVARIANCE = table("covariance", &covariance::TABLE, "Covariance from a calibration.");
         COST = costs::COST;
-        RANGES = Key::new("measured_ranges", ValueKind::List(&ValueKind::List(&FINITE, (2, 2), "numbers"), (1, MAX_JOINTS), "ranges"), "Least and largest coordinate of every joint among the measured postures, degrees or mm. `map` and `search` warn of nodes whose joint coordinates lie outside.").example("[[-90, 90], [-120, -30]]");
+        RANGES = Key::new("measured_ranges", ValueKind::List(&ValueKind::List(&FINITE, (2, 2), "numbers"), (1, MAX_JOINTS), "ranges"), "Least and largest coordinate of every joint among the measured postures, degrees or mm. `map` and `search` warn about nodes whose joint coordinates lie outside these ranges.").example("[[-90, 90], [-120, -30]]");
     }
     rules [
         Rule::When { key: "kind", words: signed, needs: &[], never: &["distribution", "sigmas", "covariance", "cost", "measured_ranges"] },

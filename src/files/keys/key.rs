@@ -48,7 +48,7 @@ pub enum ValueKind {
     Checked(&'static ValueKind, fn() -> Value),
 }
 
-/// Requirement of a key: whether the key must be given, and the default if it need not.
+/// Requirement of a key: whether the key must be given, and its default if it may be left out.
 #[derive(Debug, Clone, Copy)]
 pub enum Need {
     Required,

@@ -85,7 +85,7 @@ pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
 /// Returns the key `from`, which names the file from which a table takes the keys that it lacks.
 pub const fn from(example: &'static str) -> Key {
     let help =
-        "File that this one builds on; keys given here override its keys, and lists are replaced as a whole.";
+        "File that supplies the keys left out here; a list given here replaces the list of that file.";
     Key::new("from", ValueKind::Path, help).example(example)
 }
 
@@ -126,7 +126,7 @@ key_table! {
     range, "a range", "Range in which a search chooses the value.", {
         MIN = number("min", NumberRange::Finite, "Low end, in the unit of the key.").required();
         MAX = number("max", NumberRange::Finite, "High end, in the unit of the key.").required();
-        START = number("start", NumberRange::Finite, "Value in the layout as drawn; if left out, the middle of the range.");
+        START = number("start", NumberRange::Finite, "Value in the layout before a search; if left out, the middle of the range.");
     }
 }
 

@@ -80,7 +80,7 @@ key_table! {
 
 key_table! {
     joint_rate, "a rate", "Greatest speed and acceleration of one joint, for a robot whose joints come from a URDF or from another file.", {
-        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number from 1 or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
+        JOINT = Key::new("joint", ValueKind::Either(&[ValueKind::Whole(1, MAX_JOINTS as u64), ValueKind::Text]), "Joint, by its number (counted from 1) or by its name.").required().example("1").remedy("add joint = 1, the number or the name of the joint");
         MAX_VELOCITY_DEG = super::MAX_VELOCITY_DEG;
         MAX_VELOCITY_MM = super::MAX_VELOCITY_MM;
         MAX_ACCELERATION_DEG = super::MAX_ACCELERATION_DEG;
@@ -131,11 +131,11 @@ key_table! {
 }
 
 key_table! {
-    held, "`held`", "Part that the robot holds at an operation; it is checked for collision, too.", {
+    held, "`held`", "Part that the robot holds at an operation. The part is checked for collision, too.", {
         SOLID = Key::new("solid", SOLIDS, "Solids of the part, in the frame of the TCP.").required_unless("mass_kg").remedy("add solid = [{ name = \"part\", box = { centre_mm = [0, 0, 0], size_mm = [50, 50, 50] } }]");
         MASS = super::MASS_OF_TOOL;
         CENTRE = vector_or_zero("centre_mm", "Centre of mass of the part, in the frame of the TCP.");
-        TOUCHES = boolean("touches_surface", false, "Whether the part rests on the surface; it is then not checked for collision with the equipment of that surface.");
+        TOUCHES = boolean("touches_surface", false, "Whether the part rests on the surface. If true, the part is not checked for collision with the equipment of that surface.");
     }
 }
 
@@ -150,9 +150,9 @@ key_table! {
         JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows, starting at the base: one [[joint]] for each joint.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
         COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i is 1, and the numbers after it are 0.").example("[[1, 0], [1, 1]]");
         HOME = Key::new("home", POSTURE, "Home posture, one number for each joint, degrees or mm; if left out, each coordinate is 0, or the middle of its limits if they exclude 0.").example("[0, -30, 60, 0]");
-        RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Greatest speeds and accelerations of joints; they override those of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
-        FULL_SPEED_AFTER = number("full_speed_after_s", NumberRange::Positive, "Time from rest to full speed of every joint without an acceleration limit; if left out, cycle times assume 0.5 s and are estimates.").example("0.3");
-        URDF = text("urdf", "URDF file (without xacro) in place of D-H rows, with its path relative to the folder of this file.").example("\"robots/arm.urdf\"");
+        RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Greatest speeds and accelerations of joints; they override the values of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
+        FULL_SPEED_AFTER = number("full_speed_after_s", NumberRange::Positive, "Time from rest to full speed for every joint without an acceleration limit; if left out, cycle times assume 0.5 s and are estimates.").example("0.3");
+        URDF = text("urdf", "URDF file (without xacro) instead of D-H rows, with its path relative to the folder of this file.").example("\"robots/arm.urdf\"");
         BASE_LINK = text("base_link", "Link of the URDF that stands still; if left out, the root link.").example("\"base\"");
         TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only link without children.").example("\"flange\"");
         PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
@@ -160,7 +160,7 @@ key_table! {
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers them.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
         MASS = Key::new("mass", ValueKind::List(&ValueKind::Table(&mass::TABLE), (0, MANY), "masses"), "Masses of the links, for errors with compliance_deg_per_Nm.").example("[{ link = 2, mass_kg = 12.5, centre_mm = [-200, 0, 0] }]");
-        SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked for collision with itself; or the pairs of its solids that may touch.").default(Literal::Boolean(true));
+        SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked for collision with itself, or a table with the pairs of solids that may touch.").default(Literal::Boolean(true));
         ERRORS = Key::new("errors", ValueKind::Named(&ValueKind::Table(&error_set::TABLE), 1), "Error sets: one table [errors.NAME] for each.").required().remedy("add [errors.NAME] with kind = \"signed\", dr_mm, dl_mm and dalpha_deg");
     }
     rules [

@@ -19,7 +19,7 @@ key_table! {
         DATE = entry("date", "Date of issue.").example("\"2026-11-26\"");
         AUTHOR = entry("author", "Person who made the drawing.").example("\"A. Author\"");
         APPROVED_BY = entry("approved_by", "Person who approves the drawing; if left out, the field stays empty for a signature.").example("\"B. Engineer\"");
-        GENERAL_TOLERANCE = entry("general_tolerance", "General tolerance of the dimensions that state no tolerance of their own.").example("\"ISO 2768-c\"");
-        PROJECTION = word::<Projection>("projection", "Projection method of ISO 5456-2: the plan stands below the front view (first-angle) or above it (third-angle).").default(Literal::Word(Projection::FirstAngle.name()));
+        GENERAL_TOLERANCE = entry("general_tolerance", "General tolerance of the dimensions without an individual tolerance.").example("\"ISO 2768-c\"");
+        PROJECTION = word::<Projection>("projection", "Projection method of ISO 5456-2: the plan view is below the front view (first-angle) or above it (third-angle).").default(Literal::Word(Projection::FirstAngle.name()));
     }
 }

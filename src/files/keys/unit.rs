@@ -2,7 +2,7 @@
 
 use crate::units;
 
-/// Unit of the numbers of a key, given by the ending of its name.
+/// Unit of the numbers of a key, stated by the ending of the key name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeyUnit {
     None,
@@ -38,7 +38,7 @@ impl KeyUnit {
         }
     }
 
-    /// Returns the unit as people write it.
+    /// Returns the name of the unit for readers; empty if the number has no unit.
     pub fn name(self) -> &'static str {
         match self {
             KeyUnit::None => "",

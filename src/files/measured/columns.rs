@@ -4,7 +4,7 @@ use super::name::{ColumnWords, StatedUnit};
 use super::positions::{ReflectorColumns, positions};
 use crate::files::fault::{did_you_mean, listed, shown};
 
-/// Names that state which column holds a quantity: `q1`, `q2` ..., `x`, `y`, `z`.
+/// Pairs of a quantity (`q1`, `q2` ..., `x`, `y` or `z`) and the name or number of the column that holds it.
 pub type ColumnNames = [(String, String)];
 
 /// Kind of the numbers that state an orientation.
@@ -20,7 +20,7 @@ pub enum RotationForm {
     Matrix,
 }
 
-/// Columns of a table with their places, counted from 0.
+/// Columns of a table by their indices, counted from 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundColumns {
     pub joints: Vec<usize>,
@@ -32,9 +32,9 @@ pub struct FoundColumns {
     pub reflector: Option<usize>,
     /// Unit of the joints, if the column names or a line of units state it.
     pub angle_unit: Option<StatedUnit>,
-    /// Unit of the positions that names or a line of units state.
+    /// Unit of the positions, if the column names or a line of units state it.
     pub length_unit: Option<StatedUnit>,
-    /// Unit of the angles of orientations that names or a line of units state.
+    /// Unit of the angles of orientations, if the column names or a line of units state it.
     pub rotation_unit: Option<StatedUnit>,
 }
 
@@ -47,8 +47,8 @@ const REFLECTOR_NAMES: [&str; 5] = ["reflector", "target", "smr", "point", "mark
 /// Words before a number in the name of a joint.
 const JOINT_WORDS: [&str; 10] = ["q", "j", "joint", "jnt", "axis", "ax", "a", "theta", "th", "jt"];
 
-/// Words before a number in the name of a joint, if the numbers count from 0. A controller numbers the joints
-/// of its data stream like this, for example `actual_q_0`.
+/// Words before a number in the name of a joint, if the numbers count from 0. Some controllers name joints
+/// like this, for example `actual_q_0`.
 const JOINT_OF_ZERO: [&str; 4] = ["q", "joint", "j", "axis"];
 
 /// Names of the joints of Motoman arms.
@@ -89,8 +89,8 @@ impl<'h> TableNames<'h> {
         Self { header, words, columns, robot_joints }
     }
 
-    /// Finds all columns. If `is_numbered` is true, the table has no names. The joints are then the
-    /// first columns, and the position follows.
+    /// Finds all columns. If `is_numbered` is true, the table has no column names: the first columns are the
+    /// joints, and the next three are the position.
     ///
     /// # Errors
     ///
@@ -152,7 +152,8 @@ impl<'h> TableNames<'h> {
         }
     }
 
-    /// Returns the column that the user states for a quantity: by its name, or by its number from 1.
+    /// Returns the column that the user states for a quantity, by its name or by its number from 1. Returns
+    /// None if the user states no column.
     fn stated(&self, quantity: &str) -> Option<Result<usize, ColumnFault>> {
         let (_, name) = self.columns.iter().find(|(of, _)| of == quantity)?;
         let named = self.header.iter().position(|column| column == name);
@@ -195,7 +196,7 @@ impl<'h> TableNames<'h> {
         Ok(joints)
     }
 
-    /// Returns the first joint that no column and no statement names.
+    /// Returns the first joint that neither a column nor the user names.
     fn first_missing_joint(&self) -> String {
         let numbers = 0..self.robot_joints.len();
         let is_named = |k: usize| {
@@ -244,8 +245,8 @@ impl<'h> TableNames<'h> {
         })
     }
 
-    /// Returns the column whose words fit. Measured values are preferred to values without a stated origin,
-    /// and these to commanded values.
+    /// Returns the column whose words fit. The order of preference is: measured values, values without a
+    /// stated origin, commanded values.
     fn best(&self, fits: impl Fn(&[&str]) -> bool) -> Option<usize> {
         let names = self.words.iter().enumerate();
         let fitting = names.filter(|(_, name)| name.uncertain.is_none() && fits(&name.parts()));
@@ -309,7 +310,7 @@ impl<'h> TableNames<'h> {
         };
         let axes = ["x", "y", "z"].iter().map(|axis| column(&[axis])).collect::<Option<Vec<_>>>();
         let places = axes.or_else(|| column(&[]).map(|k| vec![k]))?;
-        // U95 and U are expanded uncertainties, two standard deviations.
+        // U95 and U are expanded uncertainties: two standard deviations.
         let word = self.words[places[0]].uncertain.as_deref()?;
         let is_error = ["error", "err", "dev", "residual", "rms"].contains(&word);
         (!is_error).then_some((places, if word.starts_with('u') { 2.0 } else { 1.0 }))

@@ -22,10 +22,10 @@ const SEPARATORS: [Separator; 5] = [
 /// Beginnings of a line that is a comment.
 const COMMENTS: [&str; 5] = ["#", "%", "//", "!", "'"];
 
-/// Largest number of lines from which separator and width are determined.
+/// Largest number of lines from which the separator and the number of columns are determined.
 const SAMPLE: usize = 60;
 
-/// Least number of numeric fields in a line of data: those of a position.
+/// Least number of numeric fields in a line of data: the three coordinates of a position.
 const LEAST_NUMBERS: usize = 3;
 
 impl Separator {
@@ -52,8 +52,8 @@ impl Separator {
         fields
     }
 
-    /// Returns how well the separator splits lines: the number of numeric fields, minus half the number
-    /// of other words.
+    /// Returns a score for how well the separator splits lines: the number of numeric fields, minus half the
+    /// number of other words.
     fn score(self, lines: &[&str]) -> f64 {
         let value = |field: &str| match FieldValue::read(field) {
             FieldValue::Number(_) => 1.0,
@@ -91,22 +91,22 @@ pub struct FieldGrid<'t> {
     separator: Separator,
     /// Names of the columns; their numbers from 1 if the table has no line of names.
     pub header: Vec<String>,
-    /// Unit of every column that a line of units states; empty if there is none.
+    /// Unit of every column, if a line of units states it; empty if there is no such line.
     pub units: Vec<String>,
-    /// Line of the names of the columns, counted from 1; None if the table has none.
+    /// Line of the column names, counted from 1; None if the table has no column names.
     pub header_line: Option<usize>,
     pub lines: Vec<GridLine<'t>>,
 }
 
 impl<'t> FieldGrid<'t> {
-    /// Finds the table of a text. A text without a line of numbers gives a table without lines.
+    /// Finds the table in a text. A text without a line of numbers gives a table without lines.
     pub fn new(text: &'t str) -> Self {
         let lines = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim_end_matches(['\r', ' '])));
         let (comments, lines): (Vec<_>, Vec<_>) =
             lines.filter(|(_, line)| !line.trim().is_empty()).partition(|(_, line)| is_comment(line.trim()));
         let sample: Vec<&str> = lines.iter().rev().take(SAMPLE).map(|(_, line)| *line).collect();
         let best = SEPARATORS.into_iter().map(|separator| (separator, separator.score(&sample)));
-        // The first of equally good separators is taken.
+        // If several separators are equally good, the first one is used.
         let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
         let separator = match best {
             Some((separator, score)) if score > 0.0 => separator,

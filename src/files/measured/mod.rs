@@ -37,11 +37,11 @@ pub struct MeasuredTable {
     pub uncertainty: Option<(Vec<String>, f64)>,
     /// Names of the reflectors; a single empty name if each row has one position of one reflector.
     pub reflectors: Vec<String>,
-    /// Unit of angles that names or a line of units state.
+    /// Unit of the joint angles, if the column names or a line of units state it.
     pub angle_unit: Option<StatedUnit>,
-    /// Unit of lengths that names or a line of units state.
+    /// Unit of lengths, if the column names or a line of units state it.
     pub length_unit: Option<StatedUnit>,
-    /// Unit of the angles of orientations that names or a line of units state.
+    /// Unit of the angles of orientations, if the column names or a line of units state it.
     pub rotation_unit: Option<StatedUnit>,
     /// Notes for the user on how the table was read.
     pub notes: Vec<String>,

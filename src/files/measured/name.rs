@@ -23,7 +23,7 @@ impl StatedUnit {
     }
 }
 
-/// Origin of the numbers of a column, the preferred one first.
+/// Origin of the numbers of a column. The variants are in order of preference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ColumnOrigin {
     Measured,
@@ -64,11 +64,11 @@ const COMMANDED: [&str; 12] = [
     "ref",
 ];
 
-/// Words for a deviation, which is not a coordinate.
+/// Words that mark the numbers of a column as deviations, not coordinates.
 const UNCERTAIN: [&str; 12] =
     ["std", "sigma", "u95", "u", "unc", "uncertainty", "stddev", "rms", "error", "err", "dev", "residual"];
 
-/// Words that say nothing about a column.
+/// Words that do not tell which quantity a column holds.
 const FILLERS: [&str; 8] = ["value", "pos", "position", "coordinate", "coord", "in", "angle", "tcp"];
 
 /// Name of a column in words.
@@ -78,9 +78,9 @@ pub struct ColumnWords {
     pub unit: Option<StatedUnit>,
     /// Word for a deviation, if the name has one.
     pub uncertain: Option<String>,
-    /// Lower-case words without those for origin, unit and deviation; digits are words of their own.
+    /// All other words in lower case. A number at the end of a word is a separate word.
     pub words: Vec<String>,
-    /// Number of words that say nothing.
+    /// Number of words in the name that are [`FILLERS`].
     pub fillers: usize,
 }
 
@@ -88,7 +88,7 @@ pub struct ColumnWords {
 const MAX_NAME: usize = 80;
 
 impl ColumnWords {
-    /// Splits a name into words; `unit` is the unit of the column in a line of units.
+    /// Splits a name into words; `unit` is the unit that a line of units states for the column.
     pub fn new(name: &str, unit: Option<&str>) -> Self {
         let mut of = Self {
             origin: ColumnOrigin::Unstated,

@@ -39,7 +39,7 @@ impl FieldValue {
         plain(&number).or_else(|| plain(&without_thousands(&number))).unwrap_or(Self::Other)
     }
 
-    /// Returns the number of the field, if it has one.
+    /// Returns the number in the field; None if the field holds no number.
     pub fn number(self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(number),
@@ -57,7 +57,7 @@ fn plain(text: &str) -> Option<FieldValue> {
     Some(if number.abs() < TOO_LARGE { FieldValue::Number(number) } else { FieldValue::Other })
 }
 
-/// Removes the separators of thousands: the later one of point and comma is the decimal sign.
+/// Removes thousands separators. If a number has a point and a comma, the later one is the decimal sign.
 fn without_thousands(text: &str) -> String {
     match (text.rfind('.'), text.rfind(',')) {
         (Some(point), Some(comma)) if comma > point => text.replace('.', "").replace(',', "."),

@@ -14,11 +14,11 @@ pub struct PairedJoints {
     pub joints: Vec<Option<JointVector>>,
     pub names: Vec<String>,
     pub angle_unit: Option<StatedUnit>,
-    /// How the rows were matched.
+    /// Note for the user on how the rows were matched.
     pub note: String,
 }
 
-/// Names of columns that identify a posture, the preferred one first.
+/// Names of columns that identify a posture, in order of preference.
 const KEYS: [&str; 14] = [
     "id",
     "pose",
@@ -89,8 +89,8 @@ pub fn pair(
     Ok(PairedJoints { joints: all.into_iter().map(Some).collect(), names, angle_unit, note })
 }
 
-/// Returns the column that identifies postures in both tables, and the line of the joints for every line of
-/// positions.
+/// Returns the column that identifies postures in both tables, and the line of joints for every line of
+/// positions. Returns None if no such column exists.
 fn shared_key(positions: &FieldGrid<'_>, joints: &FieldGrid<'_>) -> Option<(String, Vec<Option<usize>>)> {
     let place =
         |grid: &FieldGrid<'_>, key: &str| grid.header.iter().position(|name| name.eq_ignore_ascii_case(key));

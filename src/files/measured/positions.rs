@@ -11,8 +11,8 @@ pub struct ReflectorColumns {
     pub position: [usize; 3],
 }
 
-/// Returns the columns of the positions: of one reflector, or of all numbered reflectors. Measured positions
-/// are preferred to positions without a stated origin, and these to commanded positions.
+/// Returns the position columns of one reflector, or of all numbered reflectors. The order of preference is:
+/// measured positions, positions without a stated origin, commanded positions.
 pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
     let mut groups: Vec<(PositionGroup, [Option<usize>; 3])> = Vec::new();
     let mut places = HashMap::new();
@@ -42,7 +42,7 @@ pub fn positions(names: &[ColumnWords]) -> Vec<ReflectorColumns> {
     if alike.len() == 1 { vec![one] } else { alike }
 }
 
-/// Words of a position other than its axis.
+/// Words of a column name other than the axis. The three columns of a position agree in these words.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 struct PositionGroup {
     origin: ColumnOrigin,
@@ -58,7 +58,7 @@ impl PositionGroup {
     }
 }
 
-/// Words in a column name which show that the column is no part of a position.
+/// Words in a column name that show that the column is not part of a position.
 const NO_POSITION: [&str; 18] = [
     "rot",
     "rotation",
@@ -80,7 +80,7 @@ const NO_POSITION: [&str; 18] = [
     "w",
 ];
 
-/// Returns the axis that the words of a name state, and the other words.
+/// Returns the axis that the words of a name state, and the other words; None if they state no axis.
 fn axis_of(words: &[&str]) -> Option<(usize, Vec<String>)> {
     let axis = |word: &str| ["x", "y", "z"].iter().position(|axis| *axis == word);
     if let [word] = words

@@ -18,7 +18,7 @@ const MAX_REFLECTORS: usize = 20;
 /// Magnitude from which a number is neither a joint coordinate nor a position in any unit.
 const TOO_FAR: f64 = 1e9;
 
-/// Rows of a table, with what was left out.
+/// Rows and reflectors of a table, with notes on the lines that were left out.
 pub struct ReadRows {
     pub rows: Vec<RawMeasurement>,
     pub reflectors: Vec<String>,
@@ -126,7 +126,7 @@ impl RowReader<'_, '_> {
         faults
     }
 
-    /// Returns the index of a reflector, which its columns or its name in the row identify.
+    /// Returns the index of a reflector. Its columns, or its name in the row, identify the reflector.
     fn reflector(&mut self, of_columns: usize, fields: &[&str]) -> usize {
         let columns = &self.found.reflectors;
         let name = match (self.found.reflector, columns.len()) {
@@ -139,7 +139,7 @@ impl RowReader<'_, '_> {
         })
     }
 
-    /// Returns the orientation of a row; None if a number of it is missing.
+    /// Returns the orientation of a row; None if one of its numbers is missing.
     fn rotation(&self, numbers: &[FieldValue]) -> Option<RawRotation> {
         let (form, places) = self.found.rotation.as_ref()?;
         let all = places.iter().map(|&k| numbers.get(k)?.number()).collect::<Option<Vec<_>>>()?;
@@ -171,8 +171,8 @@ impl RowReader<'_, '_> {
     }
 }
 
-/// Returns the position in three columns; None if it was not measured. The error is the column that holds no
-/// number.
+/// Returns the position in three columns; None if it was not measured. The error is the index of the column
+/// that does not hold a number.
 fn position(places: &[usize; 3], numbers: &[FieldValue]) -> Result<Option<Vector3<f64>>, usize> {
     let mut position = [None; 3];
     for (coordinate, &place) in position.iter_mut().zip(places) {
@@ -188,7 +188,7 @@ fn position(places: &[usize; 3], numbers: &[FieldValue]) -> Result<Option<Vector
     })
 }
 
-/// Returns the joints in the fields of a line.
+/// Returns the joint coordinates in the fields of a line, in the unit of the file.
 pub fn joint_fields(
     fields: &[&str],
     places: &[usize],

@@ -82,8 +82,8 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     })
 }
 
-/// Returns which quantities the file states among those that a search for a layout to build otherwise
-/// assumes.
+/// Returns which quantities the file states. If one of them is missing, a search for a layout to build
+/// assumes a value.
 fn stated_keys(t: &mut Table, read: &Cell) -> StatedKeys {
     let mut stated = |table: &Key, key: &Key| t.get(table).is_some_and(|n| n.value.get(key.name).is_some());
     let [turn_margin, slide_margin, singularity] =
@@ -148,8 +148,8 @@ fn read_robot(t: &mut Table) -> Option<Based> {
     })
 }
 
-/// Reads `pedestal`: true or false, or its cross-section. None stands for a pedestal as large as the
-/// footprint.
+/// Reads `pedestal`: true, false or the cross-section of the pedestal. Some(None) stands for a pedestal as
+/// large as the footprint.
 fn read_support(t: &mut Table) -> Option<Option<BaseSupport>> {
     let key = robot_in_cell::PEDESTAL;
     let Some(node) = t.get(&key) else { return Some(None) };
@@ -159,7 +159,7 @@ fn read_support(t: &mut Table) -> Option<Option<BaseSupport>> {
     t.table(&key, solid::read_rectangle).map(|section| Some(BaseSupport::Pedestal(section)))
 }
 
-/// Refuses a robust search if no placement has a tolerance, or if the layout is to be ideal.
+/// Records a fault if `robust` is true but no placement has a tolerance, or if `ideal` is true, too.
 fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
     if let Some(node) = t.get(&cell::SEARCH).and_then(|settings| settings.value.get(search::ROBUST.name))
         && read.search.robust
@@ -177,7 +177,7 @@ fn refuse_nothing_to_withstand(t: &mut Table, read: &Cell) {
 
 /// Reads `errors = "NAME"` and returns the index of that error set of the robot.
 ///
-/// The name is looked up among the entries of the file, which include sets that could not be read.
+/// The name is looked up among the entries of the file, which include error sets that could not be read.
 fn read_error_choice(t: &mut Table) -> Option<usize> {
     let node = t.get(&cell::ERRORS)?;
     let name = text(node, cell::ERRORS.name, t.lib)?;
@@ -211,7 +211,7 @@ fn read_equipment(t: &mut Table) -> Vec<Equipment> {
         }
         equipment::read(name, t, Role::Obstacle)
     }));
-    // The bodies of plans come last, so that the others keep the order of the file.
+    // The bodies of plans come last, so that all other pieces keep the order of the file.
     all.extend(drawn);
     all
 }

@@ -19,8 +19,8 @@ const MIN_AREA: f64 = 1e-4;
 /// Least distance between two consecutive corners of a fence, m.
 const MIN_EDGE: f64 = 1e-6;
 
-/// Reads `[margins]`. If `robot` could be read, checks that the margins leave some travel to every joint with
-/// an actuator.
+/// Reads `[margins]`. If `robot` could be read, checks that the margins leave travel for every joint with an
+/// actuator.
 pub fn read_margins(t: &mut Table, robot: Option<&Robot>) -> Option<Margins> {
     t.table_or(&cell::MARGINS, Margins::default(), |t| {
         let (turn, slide) = (t.number(&margins::TURN), t.number(&margins::SLIDE));

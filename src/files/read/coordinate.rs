@@ -10,8 +10,8 @@ use crate::files::toml::value::plain;
 
 /// Reads a coordinate and converts it to SI units.
 ///
-/// A number, or a list of one number, is fixed. `{ min, max, start }` is a search variable, which starts in the
-/// middle by default. A list of allowed values is a search variable that starts at the first value.
+/// A number, or a list of one number, is fixed. `{ min, max, start }` is a search variable; by default, it
+/// starts in the middle. A list of allowed values is a search variable that starts at the first value.
 pub fn read(node: &Node, key: &Key, t: &mut Table) -> Option<Coordinate> {
     match &node.value {
         Value::Table(_) => read_range(node, key, t),

@@ -27,7 +27,7 @@ pub enum CostedUnit {
     Deflection,
 }
 
-/// Parameter whose tolerance may have a cost.
+/// Parameter of the robot or the equipment whose tolerance may have a cost.
 #[derive(Debug, Clone)]
 pub struct CostedParameter {
     /// Name in the file; empty if the file cannot name the parameter.
@@ -37,7 +37,7 @@ pub struct CostedParameter {
     pub unit: CostedUnit,
 }
 
-/// Law of a cost before the tolerances of its parameters are known.
+/// Cost law as the file states it, not yet applied to a parameter.
 enum StatedLaw {
     Continuous(CostLaw, (f64, f64)),
     Grades(Vec<StatedGrade>),
@@ -50,7 +50,7 @@ struct StatedGrade {
     name: String,
     /// Tolerance (m or rad) or scale.
     size: f64,
-    /// Kind of the tolerance; None for a scale.
+    /// Kind of quantity of the tolerance; None for a scale.
     unit: Option<CostedUnit>,
     cost: f64,
 }
@@ -63,7 +63,7 @@ struct StatedCost {
     law: StatedLaw,
 }
 
-/// Reads `cost`: one cost model per parameter; empty if the key is not given.
+/// Reads `cost`. Returns one cost model per parameter, or an empty list if the key is not given.
 pub fn read_all(t: &mut Table, parameters: &[CostedParameter]) -> Option<Vec<ToleranceCost>> {
     if t.get(&COST).is_none() {
         return Some(Vec::new());
@@ -243,7 +243,7 @@ fn read_grades(t: &mut Table) -> Option<Vec<StatedGrade>> {
     (t.lib.errors() == before).then_some(grades)
 }
 
-/// Returns whether a scale is one that a file may state.
+/// Returns whether a file may state this scale.
 fn is_plausible(scale: f64) -> bool {
     (SCALES.0..=SCALES.1).contains(&scale)
 }

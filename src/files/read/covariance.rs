@@ -52,10 +52,10 @@ pub fn is_length(parameter: Parameter, arm: ErrorRows<'_>) -> bool {
     }
 }
 
-/// Returns the names in `parameters`. Records a fault if there are none, or more than the robot has
-/// parameters.
+/// Returns the names in `parameters`. Records a fault if there are no names, or more names than parameters of
+/// the robot.
 fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n [Node]> {
-    // A covariance cannot name the periodic errors, of which each joint has one.
+    // A covariance cannot name the periodic errors. Each joint has one periodic error.
     let most = Parameter::count(arm.axes) - arm.axes;
     if let Some(items) = node.value.items().filter(|items| (1..=most).contains(&items.len())) {
         return Some(items);
@@ -66,8 +66,8 @@ fn items_of<'n>(node: &'n Node, arm: ErrorRows<'_>, t: &mut Table) -> Option<&'n
     None
 }
 
-/// Returns the name of a parameter as the file gives it, for messages. If the file gives no text as the name,
-/// returns the kind of value that it gives.
+/// Returns the name of a parameter as the file gives it, for messages. If the item is not a text, returns the
+/// kind of the item.
 fn name_of(item: &Node) -> String {
     match &item.value {
         Value::Text(name) => shown(name),
@@ -179,7 +179,7 @@ impl<'n> Matrix<'n> {
 
     /// Checks that the matrix is symmetric and positive semidefinite with no correlation beyond 1.
     ///
-    /// Returns None and records the faults if it is not.
+    /// Returns None and records the faults if the matrix fails a check.
     fn check(&self, names: &[String], t: &mut Table) -> Option<()> {
         let before = t.lib.errors();
         for i in 0..names.len() {

@@ -10,7 +10,8 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::{At, Node};
 use crate::files::toml::value;
 
-/// Reads `elastic` and `compliance_deg_per_Nm`: one value per parameter of [`Parameter::elastic`], 0 if missing.
+/// Reads `elastic` and `compliance_deg_per_Nm`. Returns one value per parameter of [`Parameter::elastic`], 0
+/// for a missing value.
 pub fn read(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<Vec<f64>> {
     let mut all = vec![0.0; Parameter::elastic(arm.axes).count()];
     let terms = read_terms(t, arm, range);
@@ -24,7 +25,7 @@ pub fn read(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<Vec
     Some(all)
 }
 
-/// Reads the terms of `elastic`: the index of each among [`Parameter::elastic`], and its value.
+/// Reads the terms of `elastic`. Returns the index of each term among [`Parameter::elastic`], and its value.
 fn read_terms(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<Vec<(usize, f64)>> {
     if t.get(&error_set::ELASTIC).is_none() {
         return Some(Vec::new());
@@ -89,7 +90,7 @@ fn refuse_sliding(at: At, compliances: &[f64], arm: ErrorRows<'_>, t: &mut Table
 
 /// Records a fault if an error set has more errors than one set may have.
 ///
-/// The mean of measured errors counts as one more, because the worst case treats it as a parameter.
+/// The mean of measured errors counts as one more error, because the worst case treats it as a parameter.
 pub fn refuse_too_many(set: &ErrorSet, t: &mut Table) {
     let mean = set.mean().map(SignedErrors::values);
     let is_used = |(k, spread): &(usize, &Spread)| {

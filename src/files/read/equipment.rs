@@ -14,7 +14,8 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::Vector3;
 
-/// Reads `[equipment.NAME]` or `[obstacle.NAME]`. Most keys usually come from an equipment file, by `from`.
+/// Reads `[equipment.NAME]` or `[obstacle.NAME]`. Most keys usually come from an equipment file that `from`
+/// names.
 pub fn read(name: &str, t: &mut Table, role: Role) -> Option<Equipment> {
     header(t, &body::SCHEMA)?;
     t.if_given(&body::NAME, Table::text);
@@ -31,7 +32,7 @@ pub fn read(name: &str, t: &mut Table, role: Role) -> Option<Equipment> {
         Role::Equipment => t.table(&equipment::PLACEMENT, placement::read),
         Role::Obstacle => t.table(&obstacle::PLACEMENT, placement::read_fixed),
     };
-    // [`tie`] resolves the name when all equipment is read.
+    // [`tie`] resolves the name after all equipment has been read.
     t.if_given(&equipment::STANDS_ON, Table::text);
     let errors = t.if_given(&equipment::ERRORS, |t, key| t.table(key, frame_error::read_errors));
     let exact = PlacementTolerance::default();

@@ -25,7 +25,7 @@ fn read_values(t: &mut Table, range: NumberRange) -> Option<[f64; PER_FRAME]> {
     Some([(); PER_FRAME].map(|()| all.next().unwrap_or(0.0)))
 }
 
-/// Reads `joints` of an error set: the frame errors of all joints, zeros for those that are not listed.
+/// Reads `joints` of an error set: the frame errors of all joints, zeros for joints that are not listed.
 pub fn read_joints(t: &mut Table, arm: ErrorRows<'_>, range: NumberRange) -> Option<Vec<[f64; PER_FRAME]>> {
     let mut all = vec![[0.0; PER_FRAME]; arm.axes];
     if t.get(&error_set::JOINTS).is_none() {

@@ -78,7 +78,7 @@ fn read_limits(t: &mut Table, key: &Key) -> Option<(f64, f64)> {
     Some((key.unit().si(limits[0]), key.unit().si(limits[1])))
 }
 
-/// Reads the matrix `coupling`: row i gives D-H coordinate i as a linear combination of the actuator coordinates.
+/// Reads the matrix `coupling`: row i gives D-H coordinate i as a linear combination of actuator coordinates.
 ///
 /// If the matrix is missing, every D-H coordinate equals the coordinate of its own actuator.
 pub fn read_coupling(t: &mut Table, n: usize) -> Option<Vec<Vec<f64>>> {
@@ -138,13 +138,13 @@ pub fn read_home(t: &mut Table, joints: &[Joint]) -> Option<JointVector> {
     Some(home)
 }
 
-/// Refuses a passive joint that follows no actuator.
+/// Records a fault for every passive joint that follows no actuator.
 pub fn refuse_idle(rows: &[Node], joints: &[Joint], coupling: &[Vec<f64>], t: &mut Table) {
     for (i, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.is_passive()) {
         let meant = rows[i].value.get("kind").is_some();
         if meant && coupling[i][..i].iter().all(|&c| c == 0.0) {
             let message = format!("nothing moves the passive joint `{}`", shown(&joint.name));
-            t.error(rows[i].at, message, "say in its row of `coupling` which actuators it follows");
+            t.error(rows[i].at, message, "state in its row of `coupling` which actuators it follows");
         }
     }
 }

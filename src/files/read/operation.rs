@@ -50,8 +50,7 @@ struct References<'c> {
     equipment: &'c [Equipment],
     /// Senses that could be read, by name.
     senses: HashMap<&'c str, &'c Sense>,
-    /// Entries of equipment and obstacles, equipment first, in the order of
-    /// [`Self::equipment`]; without floor plans.
+    /// Entries of equipment, then of obstacles without floor plans, in the order of [`Self::equipment`].
     entries: Vec<&'c Entry>,
     sense_names: Places<'c>,
     sense_entries: &'c [Entry],
@@ -59,7 +58,7 @@ struct References<'c> {
     operations: &'c [Entry],
 }
 
-/// Returns whether an entry is one obstacle or piece of equipment, and not the plan of several obstacles.
+/// Returns whether an entry is one obstacle or piece of equipment, not a floor plan with several obstacles.
 fn has_own_body((_, _, node): &&Entry) -> bool {
     node.value.get(obstacle::PLAN.name).is_none()
 }
@@ -143,7 +142,7 @@ fn read_surface_choice(t: &mut Table, around: &References<'_>) -> Option<usize> 
     Some(index)
 }
 
-/// Reads `sense = "WORD"`: a built-in sense, or one that the cell defines.
+/// Reads `sense = "WORD"`: a built-in sense, or a sense that the cell defines.
 fn read_sense(t: &mut Table, around: &References<'_>) -> Option<Sense> {
     let node = t.get(&operation::SENSE)?;
     let word = t.text(&operation::SENSE)?;

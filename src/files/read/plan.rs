@@ -153,7 +153,7 @@ fn read_layers(
     all
 }
 
-/// Returns the unit of a drawing, which its header or the key `units` states.
+/// Returns the unit of a drawing, which the header of the drawing or the key `units` states.
 fn unit_of(
     given: Option<DrawingUnit>,
     drawing: &PlanDrawing,
@@ -171,7 +171,7 @@ fn unit_of(
             "remove `units`, or correct $INSUNITS in the drawing".to_string(),
         ),
         (_, Some(code), None) => (
-            format!("the header of `{path}` states a unit that is not read ($INSUNITS = {code})"),
+            format!("the header of `{path}` states an unsupported unit ($INSUNITS = {code})"),
             "convert the drawing to mm".to_string(),
         ),
         (None, None, _) => (

@@ -145,7 +145,8 @@ fn side(size: f64, reach: f64) -> Option<&'static str> {
     }
 }
 
-/// Warns of equipment that intersects its supporting surface or stands beside it, in the cell as drawn.
+/// Warns of equipment that intersects its supporting surface or stands beside it, at the placements before a
+/// search.
 fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
     for e in &cell.equipment {
         let Some(under) = e.on.map(|k| &cell.equipment[k]) else { continue };
@@ -170,7 +171,7 @@ fn warn_of_stands(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
                 at,
                 Severity::Warning,
                 message,
-                "its x_mm and y_mm are in the frame of what it stands on",
+                "its x_mm and y_mm are in the frame of the equipment that it stands on",
             );
         }
     }

@@ -151,7 +151,7 @@ fn read_rows(t: &mut Table) -> Mechanism {
     Mechanism { axes, convention, mount: Pose::identity(), joints, coupling, joint_frames }
 }
 
-/// Returns the joints with the rows derived from a URDF. Records a fault if the robot file itself has rows, too.
+/// Returns the joints with the rows derived from a URDF. Records a fault if the robot file has rows, too.
 fn read_derived(t: &mut Table, node: &Node, arm: Option<urdf::UrdfRobot>) -> Mechanism {
     for key in [robot::JOINT, robot::COUPLING, robot::CONVENTION] {
         if t.get(&key).is_some() {
@@ -204,7 +204,8 @@ fn onto_standard_rows(solids: &mut [LinkSolid], rows: &[Joint]) {
     }
 }
 
-/// Converts the masses of every link from the frame after its modified row to the frame after its standard row.
+/// Converts the masses of every link from the frame after its modified row to the frame after its standard
+/// row.
 fn masses_onto_standard_rows(masses: &mut [LinkMass], rows: &[Joint]) {
     for mass in masses.iter_mut().filter(|m| m.link < rows.len()) {
         mass.centre = common_normal(&rows[mass.link]).inverse().transform(&mass.centre);

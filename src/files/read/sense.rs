@@ -47,8 +47,8 @@ fn read(name: &str, t: &mut Table) -> Option<Sense> {
     Some(Sense::new(name, frame?, point?, unit, &weighted(&terms)))
 }
 
-/// Term of a sense. Each [`Row`] of the term is one component of the error; its direction is a unit vector,
-/// not yet weighted.
+/// Term of a sense. Each [`Row`] of the term is one component of the error. The direction of a row is a unit
+/// vector, not yet weighted.
 struct Term {
     at: At,
     rows: Vec<Row>,
@@ -79,7 +79,7 @@ fn weighted(terms: &[Term]) -> Vec<Row> {
 
 /// Reads the keys of one term.
 ///
-/// A term needs one of the keys `ways`; the message names them if none is given.
+/// A term needs one of the keys `ways`. If none is given, the fault names these keys.
 fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
     let keys = [any_term::OF, any_term::DIRECTION, any_term::PLANE, any_term::AXIS];
     let given: Vec<_> = keys.into_iter().filter_map(|key| t.get(&key).map(|node| (key, node))).collect();

@@ -11,7 +11,7 @@ use crate::files::toml::reader::Table;
 use crate::files::toml::tree::Value;
 use crate::files::toml::value;
 
-/// Returns the range of the numbers in an error set: in a tolerance, none may be negative.
+/// Returns the range of the numbers in an error set. In a tolerance, no number may be negative.
 pub fn range_of(form: Option<ErrorForm>) -> NumberRange {
     if form == Some(ErrorForm::Tolerance) { NumberRange::PlusMinus } else { NumberRange::Finite }
 }
@@ -51,7 +51,7 @@ fn costed(arm: ErrorRows<'_>, spreads: &[Spread]) -> Vec<CostedParameter> {
     each.collect()
 }
 
-/// Reads sigmas and covariance of measured errors, whose values with their signs are `values`.
+/// Reads sigmas, covariance and measured ranges of measured errors. `values` are the signed errors.
 pub fn read_measured(
     t: &mut Table,
     values: Option<SignedErrors>,
@@ -86,7 +86,8 @@ fn set_variances(spreads: &mut [Spread], covariance: Option<&Covariance>, sigmas
     }
 }
 
-/// Refuses the keys of a tolerance in a signed set. A set of unknown kind gets no fault here.
+/// Refuses the keys of a tolerance in a signed set. A set of unknown kind gets no fault here, because its
+/// kind is already a fault.
 pub fn refuse(t: &mut Table, form: Option<ErrorForm>) {
     for key in [error_set::DISTRIBUTION, error_set::SIGMAS, error_set::COVARIANCE, error_set::COST] {
         if let Some(node) = t.get(&key)

@@ -44,8 +44,8 @@ pub fn schema(kind: FileKind) -> Value {
     schema
 }
 
-/// Merges the second schema into the first. Keys of the second schema replace those of the first; an object
-/// that both have is merged.
+/// Merges the second schema into the first. Keys of the second schema replace equal keys of the first. If
+/// both values are objects, they are merged.
 fn with(mut schema: Value, more: Value) -> Value {
     if let (Value::Object(keys), Value::Object(more)) = (&mut schema, more) {
         for (key, value) in more {
@@ -199,7 +199,7 @@ fn of_coordinate(low: f64, high: f64) -> [Value; 3] {
         *key = with(key.take(), number.clone());
     }
     let values = json!({
-        "description": "Allowed values; the layout as drawn uses the first.",
+        "description": "Allowed values; the layout before a search uses the first.",
         "type": "array", "items": number, "minItems": 1, "maxItems": MAX_VALUES, "uniqueItems": true,
     });
     [with(json!({ "description": "Fixed value." }), number), table, values]
@@ -260,8 +260,8 @@ fn without(keys: &[&str]) -> Value {
     json!({ "properties": none })
 }
 
-/// Returns the property schemas that forbid negative numbers in lists of numbers, including those in nested
-/// tables. Returns None if the table has no such list.
+/// Returns the property schemas that forbid negative numbers in lists of numbers, including the lists in
+/// nested tables. Returns None if the table has no such list.
 fn not_negative(table: &'static KeyTable) -> Option<Value> {
     let list = json!({ "items": { "minimum": 0 } });
     let rules = table.keys().filter_map(|key| {

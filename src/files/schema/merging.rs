@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-/// Schema key that holds the rules for tables which are not merged over another file.
+/// Schema key that holds the rules for tables that are not merged over another file.
 ///
 /// This key is not a keyword of JSON Schema; [`separated`] removes it.
 pub const WHOLE: &str = "whole";

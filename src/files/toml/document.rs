@@ -27,7 +27,7 @@ const ENCODING: &str = "save it as UTF-8 in a text editor";
 /// File as it was read: its path and bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
-    /// Path relative to the folder of the cell file, with forward slashes.
+    /// Path of the file relative to the folder of the cell file, with forward slashes.
     pub path: String,
     pub bytes: Vec<u8>,
 }
@@ -105,7 +105,7 @@ impl<'a> Library<'a> {
         self.fault(at, Severity::Error, message, help);
     }
 
-    /// Marks the warnings from the index `start` on as those of the import of a URDF.
+    /// Marks all warnings from index `start` on as warnings from the import of a URDF.
     pub fn mark_import(&mut self, start: usize) {
         let warnings = self.faults.iter_mut().skip(start).filter(|fault| !fault.is_error());
         warnings.for_each(|fault| fault.kind = FaultKind::Import);
@@ -137,8 +137,8 @@ impl<'a> Library<'a> {
         None
     }
 
-    /// Reads a TOML file as [`Self::text`] does. A file whose content shows that it is of another kind is one
-    /// fault.
+    /// Reads a TOML file as [`Self::text`] does. Records a single fault if the content of the file shows that
+    /// it is not TOML.
     pub fn toml(&mut self, path: &str, at: Option<At>) -> Option<usize> {
         let file = self.file(path, at)?;
         let Some(content) = FileContent::of(&self.sources[file].bytes) else { return self.text(path, at) };

@@ -1,8 +1,8 @@
 //! The key `from = "other.toml"` names a file from which a table takes every key that it lacks.
 //!
 //! A table that states its own `from` does not take the `from` of the included table. So a cell may include
-//! another cell and name a robot file of its own. The cell then takes nothing from the robot file of the
-//! other cell. `from` is allowed at the top of a file, in the robot and its tool, in equipment and in
+//! another cell and name a different robot file. The cell then takes nothing from the robot file of the
+//! included cell. `from` is allowed at the top of a file, in the robot and its tool, in equipment and in
 //! obstacles.
 
 use super::document::Library;

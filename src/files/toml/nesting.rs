@@ -13,7 +13,7 @@ pub fn too_deep(text: &str, deepest: usize) -> Option<usize> {
     while let Some(&byte) = bytes.get(at) {
         match byte {
             b'[' | b'{' if open.len() == deepest => return Some(at),
-            // In ASCII, the code of a closing bracket is that of the opening one plus 2.
+            // In ASCII, the code of a closing bracket is the code of the opening bracket plus 2.
             b'[' | b'{' => open.push(byte + 2),
             b']' | b'}' if open.last() == Some(&byte) => drop(open.pop()),
             b'#' => at = end_of_line(bytes, at),

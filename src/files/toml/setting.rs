@@ -1,7 +1,7 @@
 //! Settings: keys of a cell stated on the command line instead of in the file, by `--set` or by another flag.
 //!
 //! The settings are read like a small file that overrides the cell file, before anything is checked. So every
-//! check of the cell applies to them. A fault in a setting names its flag as the place.
+//! check of the cell applies to them. A fault in a setting names the flag as its place.
 
 use super::document::{Library, Source};
 use super::tree::{Entry, Node, Value, is_range, parse};
@@ -76,7 +76,7 @@ pub fn toml_string(text: &str) -> String {
     format!("\"{}\"", text.chars().map(escaped).collect::<String>())
 }
 
-/// Key of a cell, with all the values that a sweep gives it in turn.
+/// Key of a cell, with the values that a sweep sets one after the other.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Choices {
     pub path: String,
@@ -91,7 +91,7 @@ impl Choices {
     pub fn parse(text: &str) -> Result<Self, Vec<Fault>> {
         let fault = |message: &str, help: &str| Err(vec![of_setting(text, message.to_string(), help)]);
         if text.chars().any(char::is_control) {
-            return fault("it has a line break or another control character", SHAPE);
+            return fault("the setting has a line break or another control character", SHAPE);
         }
         let [path, values] = &parted(text, '=', 2)[..] else { return fault("there is no =", SHAPE) };
         let path = path.trim().to_string();
@@ -99,7 +99,7 @@ impl Choices {
         if keys.is_empty() {
             let help =
                 "separate keys with dots; quote a name with characters other than a-z, A-Z, 0-9, _ and -";
-            return fault("its left side is not the path of a key", help);
+            return fault("the text before the = is not the path of a key", help);
         }
         if keys == ["from"] {
             return fault("the cell file itself cannot be changed", "run a sweep for each cell file");
@@ -257,7 +257,7 @@ fn merge_over(settings: Vec<Entry>, under: &mut Vec<Entry>) {
     }
 }
 
-/// Replaces the place of each fault of a setting by the flag that states the setting. Also removes the
+/// Replaces the place of each fault of a setting with the flag that states the setting. Also removes the
 /// settings from the sources.
 pub fn put_in_words(settings: &[Setting], faults: &mut [Fault], sources: &mut Vec<Source>) {
     sources.retain(|s| s.path != PLACE);

@@ -32,7 +32,7 @@ use model::Urdf;
 use motion::Motion;
 use tree::Tree;
 
-/// Robot as read from a URDF.
+/// Robot that was read from a URDF.
 pub struct UrdfRobot {
     /// Name of the robot in the file, if it is a valid name.
     pub name: Option<String>,
@@ -45,7 +45,7 @@ pub struct UrdfRobot {
     pub origin: UrdfOrigin,
 }
 
-/// Request for a chain of a URDF, as a robot file states it.
+/// Chain of a URDF that a robot file requests.
 pub struct UrdfChain {
     pub file: Named,
     /// Link that stands still. None means the root of the tree of links.
@@ -55,7 +55,7 @@ pub struct UrdfChain {
     pub packages: RosPackages,
 }
 
-/// Reads the chain of a URDF that a robot file names. Warnings are marked as those of an import.
+/// Reads the chain of a URDF that a robot file names. Warnings are marked as warnings from an import.
 pub fn read(chain: UrdfChain, lib: &mut Library) -> Option<UrdfRobot> {
     let before = lib.faults.len();
     let robot = read_chain(chain, lib);

@@ -32,7 +32,7 @@ pub struct MovingJoint {
     pub limits: (f64, f64),
     /// Greatest speed, rad/s or m/s; None if the URDF does not state it.
     pub velocity: Option<f64>,
-    /// Coordinate of the joint with all actuators at 0 (rad or m): the offset of a mimic joint.
+    /// Coordinate of the joint with all actuators at 0, rad or m: the offset of a mimic joint, or 0.
     pub offset: f64,
     /// Row of the joint in the coupling matrix.
     pub coupling: Vec<f64>,
@@ -180,7 +180,7 @@ fn warn_of_speed(joint: &UrdfJoint, lib: &mut Library<'_>) {
     }
 }
 
-/// Reads a mimic joint as a row of the coupling and an offset. A mimic joint follows a joint before it on the
+/// Reads a mimic joint as a row of the coupling and an offset. A mimic joint follows an earlier joint of the
 /// chain.
 fn read_mimic(
     i: usize,
@@ -197,7 +197,7 @@ fn read_mimic(
             "joint `{name}` mimics `{}`, which does not precede it in the chain",
             shown(&mimic.joint.name)
         );
-        let help = "a joint can only follow one that comes before it in the chain from base to tip link";
+        let help = "a joint can only follow a joint that comes before it in the chain from base to tip link";
         lib.error(mimic.joint.at, message, help);
         return None;
     };
@@ -218,7 +218,7 @@ fn read_mimic(
 
 /// Warns if a mimic joint can leave its limits.
 ///
-/// These limits are not enforced, unlike the limits of the joints that it follows.
+/// The limits of a mimic joint are not enforced, but the limits of the joints that it follows are enforced.
 fn warn_beyond(joint: &UrdfJoint, mover: &MovingJoint, before: &[MovingJoint], lib: &mut Library<'_>) {
     let Some((lower, upper, at)) = joint.limits else { return };
     let (mut low, mut high) = (mover.offset, mover.offset);

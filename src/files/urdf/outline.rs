@@ -1,4 +1,4 @@
-//! Outline of a URDF that no robot file names yet: its chain with a guessed tool, and the meshes of its
+//! Outline of a URDF before a robot file names it: the chain with a guessed tool, and the meshes of the
 //! links.
 
 use super::fault_list::Faults;
@@ -26,14 +26,14 @@ pub struct UrdfOutline {
     pub direction: Vector3<f64>,
     /// Links of the chain, and links fixed to them.
     pub links: Vec<String>,
-    /// Moving joints that are not on the chain, such as those of a gripper.
+    /// Moving joints that are not on the chain, such as the joints of a gripper.
     pub joints_off: Vec<String>,
     /// Collision shapes of the links in `links`: the number of moving joints before the link, and the mesh
     /// as the URDF names it.
     pub shapes: Vec<(usize, Option<String>)>,
 }
 
-/// Reads the outline of the URDF at `path`; `tip` names the tip link, otherwise it is guessed.
+/// Reads the outline of the URDF at `path`; `tip` names the tip link; if it is None, the tip link is guessed.
 pub fn outline(path: &str, tip: Option<&str>, lib: &mut Library<'_>) -> Option<UrdfOutline> {
     let file = lib.text(path, None)?;
     let urdf = parsed(file, lib)?;

@@ -32,11 +32,11 @@ const ASIDE_WORDS: [&str; 4] = ["camera", "sensor", "optical", "cable"];
 /// Length, m, below which two points count as one.
 const SAME_POINT: f64 = 1e-3;
 
-/// Deviation of a direction from a coordinate axis at which it counts as that axis.
+/// Largest distance between a unit vector and a coordinate axis at which the vector counts as that axis.
 const ON_AXIS: f64 = 1e-3;
 
-/// Returns the guessed tip link below `base`: on the longest chain of moving joints, without the fingers of a
-/// gripper.
+/// Returns the guessed tip link below `base`. The link is on the longest chain of moving joints, without the
+/// fingers of a gripper.
 pub fn guess(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> usize {
     let end = end_of_arm(urdf, tree, base);
     let fixed = fixed_below(urdf, tree, end);
@@ -78,7 +78,7 @@ fn end_of_arm(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> usize {
     let (mut at, mut end, mut moved) = (base, base, 0);
     loop {
         let branches: Vec<usize> = tree.below[at].iter().copied().filter(|&j| through(j) > 0).collect();
-        // The first of equally long branches, in the order of the file.
+        // If several branches are equally long, the first one in the file is chosen.
         let Some(next) = branches.iter().copied().rev().max_by_key(|&j| through(j)) else { return end };
         let is_hand = branches.len() > 1 && through(next) <= FINGER && are_fingers(urdf, tree, &branches);
         let is_jaw = moved >= ARM_BEFORE_JAW && through(next) == 1 && is_short_slide(&urdf.joints[next]);

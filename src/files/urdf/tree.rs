@@ -54,7 +54,7 @@ impl<'u> Tree<'u> {
         (lib.errors() == before).then_some(tree)
     }
 
-    /// Returns the index of the link with a name; records a fault if there is none.
+    /// Returns the index of the link with this name; records a fault if there is no such link.
     pub fn link(&self, name: &Named, lib: &mut Library<'_>) -> Option<usize> {
         let found = self.links.get(&*name.name).copied();
         if found.is_none() {
@@ -73,7 +73,7 @@ impl<'u> Tree<'u> {
         self.links.get(&*self.urdf.joints[joint].child.name).copied()
     }
 
-    /// Returns the index of the joint above a link, and that of its parent link.
+    /// Returns the index of the joint above a link, and the index of the parent link; None for a root.
     pub fn joint_above(&self, link: usize) -> Option<(usize, usize)> {
         Some((self.above[link]?, self.parent(link)?))
     }

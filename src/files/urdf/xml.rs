@@ -14,7 +14,7 @@ const LARGEST: f64 = 1e7;
 
 const NO_MEASURE: &str = "write plain numbers, with blanks between them; nan and inf are not allowed";
 
-/// Returns the place of an attribute's value.
+/// Returns the place of the value of an attribute, or of the element if the attribute is missing.
 pub fn place(e: Node<'_, '_>, name: &str, faults: &Faults) -> At {
     let found = e.attributes().find(|a| a.name() == name).map(|a| a.range_value().start);
     faults.at(found.unwrap_or(e.range().start))
@@ -110,8 +110,8 @@ pub fn origin(e: Node<'_, '_>, faults: &mut Faults) -> Option<Pose> {
 /// Returns the multiple of a right angle, rad, that a number of a file plainly means. Returns any other
 /// number unchanged.
 ///
-/// The number must be that multiple rounded, or cut off, to the digits that the file writes. It needs at least two
-/// digits after the point.
+/// The number must be this multiple, rounded or cut off to the digits that the file writes. The number needs
+/// at least two digits after the point.
 pub fn right_angle(word: &str, value: f64) -> f64 {
     let (mantissa, exponent) = word.split_once(['e', 'E']).unwrap_or((word, "0"));
     let digits = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len());
