@@ -1,9 +1,9 @@
 //! The core of sweetspot: the mathematics from the model of a cell to the best layout.
 //!
 //! The core does no input or output. The crate `sweetspot` adds files, documents, reports and the command.
-//! The documentation of that crate explains the problem and the flow of data. The core is a crate of its own,
-//! so the compiler can optimise the mathematics fully. It then spends little time on the code for files and
-//! reports.
+//! The documentation of that crate explains the problem and the flow of data. The core is a separate crate,
+//! so the compiler can optimise the mathematics fully and still compile the code for files and reports
+//! quickly.
 
 pub mod allocation;
 pub mod assess;

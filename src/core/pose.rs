@@ -121,8 +121,7 @@ impl Displacement {
 
     /// Returns the motion `self` followed by the motion `next`.
     ///
-    /// Both motions, and the result, are seen at the same place: where the point lies before the motion
-    /// `self`.
+    /// Both motions and the result refer to one point: the position of the point before the motion `self`.
     pub fn then(&self, next: &Self) -> Self {
         let turn = SmallRotation::of(&next.rotation);
         let rotation = turn.after(&SmallRotation::of(&self.rotation)).vector();
@@ -189,7 +188,7 @@ impl SmallRotation {
     /// Returns the rotation that a rotation vector (rad) describes: the exponential map.
     pub fn of(rotation: &Vector3<f64>) -> Self {
         let angle = rotation.norm();
-        // The factor is sin(angle / 2) / angle. Below 1e-8 rad it equals 1 / 2 to the last digit.
+        // The factor is sin(angle / 2) / angle. Below 1e-8 rad, the factor equals 1 / 2 to the last digit.
         let factor = if angle < 1e-8 { 0.5 } else { (angle / 2.0).sin() / angle };
         Self { w: (angle / 2.0).cos(), v: rotation * factor }
     }

@@ -24,7 +24,8 @@ pub enum PathEnd {
     Closed,
 }
 
-/// Returns the path data of a polyline, with at most `decimals` decimals; empty if there are no points.
+/// Returns the path data of a polyline, with at most `decimals` decimal places. The result is empty if there
+/// are no points.
 pub fn path_data(points: impl Iterator<Item = (f64, f64)>, end: PathEnd, decimals: i32) -> String {
     let mut d = String::new();
     for (k, (x, y)) in points.enumerate() {

@@ -32,17 +32,17 @@ pub fn deg_from_rad(rad: f64) -> f64 {
     rad.to_degrees()
 }
 
-/// Converts percent to a share of one.
+/// Converts percent to a share from 0 to 1.
 pub fn share_from_percent(percent: f64) -> f64 {
     percent / 100.0
 }
 
-/// Converts a share of one to percent.
+/// Converts a share from 0 to 1 to percent.
 pub fn percent_from_share(share: f64) -> f64 {
     share * 100.0
 }
 
-/// Rounds a value to `digits` decimals; never returns negative zero.
+/// Rounds a value to `digits` decimal places. Never returns negative zero.
 pub fn rounded(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);
     let r = (value * scale).round() / scale;

@@ -1,4 +1,5 @@
-//! Assumptions: values that make a layout buildable, for everything that the cell file leaves out.
+//! Assumptions: values for the quantities that a cell file leaves out, chosen so that the layout can be
+//! built.
 
 use super::choices::Assumption;
 use super::coordinate::Coordinate;
@@ -23,10 +24,10 @@ const SINGULARITY: f64 = 0.02;
 const PLACE_MM: f64 = 2.0;
 /// Assumed tolerance of the yaw of every body that the search places, degrees.
 const PLACE_YAW_DEG: f64 = 0.2;
-/// Largest share of the travel of a joint that an assumed margin takes at each end.
+/// Largest assumed margin at each end of a joint, as a share of the travel of the joint.
 const MARGIN_SHARE: f64 = 0.1;
 
-/// Record that states which of the quantities assumed by [`Cell::assuming`] the cell file states itself.
+/// Record of the quantities that the cell file states. [`Cell::assuming`] assumes only the other quantities.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StatedKeys {
     /// Whether the file has search settings.
@@ -43,8 +44,9 @@ pub struct StatedKeys {
 impl Cell {
     /// Returns this cell with an assumed value for every quantity that its file leaves out.
     ///
-    /// Nothing is assumed if the cell asks for an ideal layout. Clearance and margins are assumed if the cell
-    /// has search settings or a search variable. Tolerances are assumed for bodies that the search places.
+    /// Nothing is assumed if the search settings request an ideal layout. Clearance and margins are assumed
+    /// if the cell has search settings or a search variable. Tolerances are assumed for bodies that the
+    /// search places.
     pub fn assuming(mut self, stated: &StatedKeys) -> Self {
         let is_searched = |placement: &[Coordinate; 4]| placement.iter().any(Coordinate::is_free);
         let searches = is_searched(&self.base) || self.equipment.iter().any(|e| is_searched(&e.placement));
@@ -91,15 +93,15 @@ impl Cell {
         self
     }
 
-    /// Returns the least travel of the joints of a kind that have an actuator, rad or m; None without such a
-    /// joint.
+    /// Returns the least travel, rad or m, among the joints of the given kind that have an actuator. Returns
+    /// None if there is no such joint.
     fn least_travel(&self, kind: JointKind) -> Option<f64> {
         let moving = self.robot.joints.iter().filter(|joint| joint.kind == kind && !joint.is_passive());
         moving.map(|joint| joint.limits.1 - joint.limits.0).reduce(f64::min)
     }
 }
 
-/// Formats a number without needless digits.
+/// Formats a number, rounded to six decimal places, without trailing zeros.
 fn number(value: f64) -> String {
     rounded(value, 6).to_string()
 }

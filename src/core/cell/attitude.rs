@@ -1,4 +1,4 @@
-//! Attitude: how an operation holds the tool.
+//! Attitude: orientation of the tool that an operation requires.
 //!
 //! The tool axis points at an elevation above the horizontal and, seen from above, along an azimuth. Let `h`
 //! be the horizontal unit vector along the azimuth and `z` the upward unit vector. Then:
@@ -28,10 +28,10 @@ const RIGHT_ANGLE: f64 = 1e-12;
 pub enum Azimuth {
     /// Any azimuth is allowed.
     Free,
-    /// The tool axis lies in the vertical plane through the TCP and the robot's base axis. It points
-    /// outward or inward; both headings are tried.
+    /// The tool axis lies in the vertical plane through the TCP and the robot's base axis. The tool axis
+    /// points outward or inward; both directions are tried.
     Radial,
-    /// The tool axis heads at this angle from the x axis of the surface, rad.
+    /// Angle from the x axis of the surface to the horizontal direction of the tool axis, rad.
     Surface(f64),
 }
 
@@ -60,7 +60,7 @@ pub struct Attitude {
 }
 
 impl Attitude {
-    /// Returns an attitude with this elevation (rad), free azimuth and spin, and no tolerance.
+    /// Returns an attitude with this elevation (rad), free azimuth, free spin and tolerance 0.
     pub fn elevation(elevation: f64) -> Self {
         Self { elevation, azimuth: Azimuth::Free, spin: Spin::Free, tolerance: 0.0 }
     }

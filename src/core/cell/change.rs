@@ -1,4 +1,4 @@
-//! Changes of a validated cell; each function that changes a cell returns a valid one.
+//! Changes of a validated cell. Each function that changes a cell returns a valid cell.
 //!
 //! No code outside this folder changes the fields of a cell, except the reader of cell files.
 
@@ -96,8 +96,8 @@ impl Cell {
         cell
     }
 
-    /// Returns this cell with fixed coordinates made free again: each coordinate gets its range in the cell
-    /// `wide`.
+    /// Returns this cell with fixed coordinates made free again. Each such coordinate gets the range that it
+    /// has in the cell `wide`.
     ///
     /// Another search can thus start from a result, whose coordinates are fixed.
     ///

@@ -90,7 +90,7 @@ impl Quantity {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Registration {
-    /// No frame is measured: robot base and equipment are assumed to be placed as drawn.
+    /// No frame is measured: robot base and equipment are assumed to be exactly at their nominal placements.
     None,
     /// The base frame is measured: a least-squares fit to the TCP positions of all postures between the joint
     /// limits.
@@ -228,15 +228,15 @@ pub struct SearchSettings {
     pub objective: Objective,
     /// Relative difference up to which the lexicographic objective treats two values as equally good.
     pub indifference: f64,
-    /// Resolution of the layout: the coordinates that a search finds are multiples of it.
+    /// Resolution of the layout: the coordinates that a search finds are multiples of this resolution.
     pub resolution: Resolution,
     /// Largest number of layout evaluations.
     pub budget: u64,
     pub seed: u64,
-    /// Whether placement tolerances are ignored: the layout need only work exactly as drawn.
+    /// Whether placement tolerances are ignored: the layout need only work at its nominal placements.
     pub ideal: bool,
-    /// Whether the search minimizes the worst value over the placement tolerances instead of the value as
-    /// drawn.
+    /// Whether the search minimizes the worst value over the placement tolerances instead of the value at the
+    /// nominal placements.
     pub robust: bool,
     /// Optimality gap at which the search ends, as a share of the proven lower bound. None means that no
     /// gap ends the search.
@@ -245,15 +245,15 @@ pub struct SearchSettings {
     pub stagnation: Option<u64>,
     /// Goals of a Pareto search; empty for a search for the least error.
     pub pareto: Goals,
-    /// Number of distinct layouts to report. If it is 0, a Pareto search reports the whole front, and any
-    /// other search reports only the best layout.
+    /// Number of distinct layouts to report. If this number is 0, a Pareto search reports the whole front,
+    /// and any other search reports only the best layout.
     pub keep: usize,
 }
 
-/// Value that the cell file leaves out and that is assumed.
+/// Assumed value of a quantity that the cell file leaves out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assumption {
-    /// Key of the cell file that changes the value, for example `margins.joint_deg`.
+    /// Key of the cell file that sets the value, for example `margins.joint_deg`.
     pub key: String,
     /// Assumed value in the notation of the file.
     pub value: String,
@@ -297,8 +297,8 @@ impl SearchSettings {
 }
 
 impl SearchSettings {
-    /// Returns whether the search takes the cost of tolerances into account. A limit then constrains the choice of
-    /// tolerances, not the error at the tolerances of the error set.
+    /// Returns whether the search takes the cost of tolerances into account. If so, a limit constrains the
+    /// choice of tolerances, not the error at the tolerances of the error set.
     pub fn prices_tolerances(&self) -> bool {
         self.objective == Objective::ToleranceCost || self.pareto.iter().any(|goal| goal == Goal::Cost)
     }

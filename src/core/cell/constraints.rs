@@ -42,7 +42,7 @@ pub struct TransferRules {
     pub lift: f64,
     /// Intermediate postures (via points); a transfer may pass through one of these postures.
     pub via: Vec<JointVector>,
-    /// Whether a transfer from the last operation back to the first is planned, too.
+    /// Whether a transfer from the last operation back to the first is also planned.
     pub cycle: bool,
 }
 

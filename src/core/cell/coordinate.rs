@@ -10,7 +10,7 @@ pub enum Coordinate {
         max: f64,
         start: f64,
     },
-    /// Search variable that takes one of these values; the first is the start value.
+    /// Search variable that takes one of these values; the first value is the start value.
     List(Vec<f64>),
 }
 

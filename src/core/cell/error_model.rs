@@ -38,7 +38,7 @@ pub enum Parameter {
     /// The error moves this joint and everything after it in the chain.
     Joint(usize, usize),
     /// Deflection of a revolute joint per horizontal lever of a link that it carries, rad/m
-    /// ([`crate::robot::lever`]). The indices are those of the joint and of the link.
+    /// ([`crate::robot::lever`]). The first index is the joint, and the second index is the link.
     ///
     /// The deflection grows with the posture-dependent lever. The value is the compliance of the joint times
     /// the weight at and beyond the end of the link.
@@ -46,8 +46,8 @@ pub enum Parameter {
     /// Compliance of a revolute joint, rad/(N m), which multiplies the gravity torque of all masses that the
     /// joint carries ([`crate::robot::gravity_torque`]).
     Compliance(usize),
-    /// Dimensionless factor of the periodic error of a revolute joint ([`SignedErrors::periodic`]); 1 for
-    /// the whole error. The index is that of the joint.
+    /// Dimensionless factor of the periodic error of a revolute joint ([`SignedErrors::periodic`]); the
+    /// factor 1 gives the full error. The number is the index of the joint.
     Periodic(usize),
     /// Index of the equipment, and component of the error of its placement or fixture, in the equipment's
     /// frame.
@@ -55,8 +55,8 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Returns the parameters of a robot with `axes` joints, in the order of every list of parameter
-    /// values.
+    /// Returns the parameters of a robot with `axes` joints, in the order that all lists of parameter values
+    /// use.
     ///
     /// The order is link by link, then base, then tool, then joint frame by joint frame, then the elastic
     /// parameters.
@@ -81,7 +81,7 @@ impl Parameter {
     /// Returns the name of the parameter in files, for example `dl2`, `base rx`, `joint3 rx` or `elastic 2
     /// 3`.
     ///
-    /// For a parameter of equipment, this is the name of the component alone.
+    /// For a parameter of equipment, the result is the name of the component alone.
     pub fn name(self) -> String {
         match self {
             Self::Dq(i) => format!("dq{}", i + 1),
@@ -155,7 +155,7 @@ pub struct SignedErrors {
     pub tool: [f64; PER_FRAME],
     /// Error of every joint frame in its own axes (m, rad).
     pub joints: Vec<[f64; PER_FRAME]>,
-    /// Values of [`Parameter::elastic`], in rad/m, rad/(N m) or without a unit. Values beyond the end of
+    /// Values of [`Parameter::elastic`], in rad/m, in rad/(N m) or dimensionless. Values beyond the end of
     /// the list are 0.
     pub elastic: Vec<f64>,
     /// Periodic errors of joints; the values of [`Parameter::Periodic`] are their factors.
@@ -269,7 +269,7 @@ impl Spread {
     /// Default half width of a tolerance as a number of standard deviations.
     pub const SIGMAS: f64 = 3.0;
 
-    /// Returns a normal spread whose half width is the absolute value of a signed value.
+    /// Returns a normal spread whose half width is the absolute value of `value`.
     ///
     /// The half width is three standard deviations.
     pub fn of_magnitude(value: f64) -> Self {
@@ -317,7 +317,8 @@ pub struct MeasuredErrors {
     pub mean: SignedErrors,
     /// Deviations of the parameters from their means.
     pub spread: Tolerance,
-    /// Range of every joint coordinate in the calibration, rad or m; None if the set does not state it.
+    /// Range of every joint coordinate in the calibration, rad or m; None if the set does not state the
+    /// ranges.
     pub ranges: Option<Vec<(f64, f64)>>,
 }
 
@@ -371,7 +372,7 @@ impl ErrorSet {
     }
 }
 
-/// Errors of the placement or fixture of a piece of equipment, in its own frame.
+/// Errors of the placement or fixture of a piece of equipment, in the frame of the equipment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrameErrors {
     Signed([f64; PER_FRAME]),

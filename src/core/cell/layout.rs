@@ -40,7 +40,7 @@ impl Layout {
     /// Returns the value of a coordinate, m or rad.
     ///
     /// A layout that does not belong to the cell may lack a placement or an attitude. The result is then the
-    /// value as drawn.
+    /// nominal value in the cell.
     pub fn value(&self, cell: &Cell, slot: Slot) -> f64 {
         match slot {
             Slot::Base(axis) => self.base.values()[axis],
@@ -59,7 +59,7 @@ impl Layout {
 }
 
 impl Cell {
-    /// Returns the layout as drawn: free coordinates are at their start values.
+    /// Returns the nominal layout of the cell, in which free coordinates have their start values.
     pub fn start(&self) -> Layout {
         self.layout(|_, coordinate| coordinate.start())
     }
@@ -107,7 +107,7 @@ impl Cell {
     /// Returns the placement of a piece of equipment in the frame that the cell file uses.
     ///
     /// This is the frame of the equipment that carries the piece, or the world frame. If the layout does not
-    /// place the piece, the result is its placement as drawn.
+    /// place the piece, the result is the nominal placement of the piece.
     pub fn own_placement(&self, layout: &Layout, equipment: usize) -> Placement {
         let placed = |k: usize| layout.placements.get(k).copied();
         let drawn =

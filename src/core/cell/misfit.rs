@@ -28,7 +28,7 @@ pub enum Misfit {
 }
 
 impl Misfit {
-    /// Describes the reason with the names of the cell.
+    /// Describes the reason in words, with the names that the cell gives to equipment and operations.
     pub fn in_words(&self, cell: &Cell) -> String {
         let axis = |k: usize| ["x", "y", "z", "yaw"].get(k).copied().unwrap_or("coordinate");
         let angle = |k: usize| ["bend", "azimuth", "spin"].get(k).copied().unwrap_or("angle");
@@ -58,7 +58,7 @@ impl Misfit {
 }
 
 impl Cell {
-    /// Returns the reason why a layout does not belong to this cell; None if it does.
+    /// Returns the reason why a layout does not belong to this cell; None if the layout belongs to it.
     pub fn misfit(&self, layout: &Layout) -> Option<Misfit> {
         let (given, needed) = (layout.placements.len(), self.equipment.len());
         if given != needed {
@@ -93,7 +93,8 @@ fn angles_of(attitude: &Attitude) -> impl Iterator<Item = (usize, f64)> {
     [(0, attitude.elevation)].into_iter().chain(azimuth).chain(spins.iter().map(|spin| (2, *spin)))
 }
 
-/// Returns whether an attitude equals that of an operation, except for the angles that a search may change.
+/// Returns whether an attitude equals the attitude of an operation, except for the angles that a search may
+/// change.
 fn allows(operation: &Operation, given: &Attitude) -> bool {
     let (asked, [elevation, azimuth, spin]) =
         (&operation.attitude, operation.angles.each_ref().map(Option::is_some));

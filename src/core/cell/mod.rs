@@ -1,7 +1,7 @@
 //! Model of a workcell: robot, equipment and operations, and how the errors are interpreted.
 //!
-//! A [`Cell`] is plain data in m and rad. The reader of cell files validates it, so no other code checks it
-//! again.
+//! A [`Cell`] is plain data in m and rad. The reader of cell files validates each cell, so no other code
+//! checks the cell again.
 
 mod assumption;
 mod attitude;

@@ -130,7 +130,7 @@ pub struct KeepOut {
 /// Least height, m, of the triangle whose corners are the three points at which a frame is taught.
 ///
 /// The height is measured perpendicular to the longest side. The rotation error of a taught frame is about
-/// the error of its points divided by this height. So a flatter triangle is refused.
+/// the error of its points divided by this height. A flatter triangle is therefore rejected.
 pub const TEACH_HEIGHT: f64 = 0.02;
 
 /// Part that the robot carries to or from an operation.
@@ -138,7 +138,8 @@ pub const TEACH_HEIGHT: f64 = 0.02;
 pub struct HeldPart {
     /// Solids of the part, in the frame of the TCP.
     pub solids: Vec<Solid>,
-    /// Whether the part rests on the equipment of the operation. If so, contact between the two is allowed.
+    /// Whether the part rests on the equipment of the operation. If so, contact between the part and the
+    /// equipment is allowed.
     pub touches_surface: bool,
     /// Mass of the part, kg; 0 if the cell does not state it.
     pub mass: f64,
@@ -187,7 +188,7 @@ pub struct Operation {
     pub over: NodeAggregation,
     /// Height of the TCP above the surface, m.
     pub standoff: f64,
-    /// Attitude of the tool as drawn.
+    /// Nominal attitude of the tool.
     pub attitude: Attitude,
     /// Search variables for elevation, azimuth and spin, rad; None for an angle that `attitude` fixes.
     pub angles: [Option<Coordinate>; 3],
@@ -283,14 +284,14 @@ impl Cell {
     /// the error of an axial offset or common normal exceeds the reach of the arm.
     ///
     /// Some factory calibrations have Denavit-Hartenberg rows of kilometres. The magnitudes of such errors
-    /// are not tolerances.
-    /// The text [`NO_TOLERANCES`] states this.
+    /// are not tolerances. The message for this case is [`NO_TOLERANCES`].
     pub fn errors_compensate(&self) -> bool {
         let ErrorSet::Signed(sample) = self.error_set() else { return false };
         sample.dr.iter().chain(&sample.dl).any(|length| length.abs() > self.robot.reach())
     }
 
-    /// Returns a sense by its name: a built-in sense, or one that the cell file defines.
+    /// Returns a sense by its name: a built-in sense, or a sense that the cell file defines. Returns None for
+    /// any other name.
     pub fn sense(&self, word: &str) -> Option<Sense> {
         Sense::plain(word).or_else(|| self.senses.iter().find(|s| s.name == word).cloned())
     }
@@ -306,8 +307,8 @@ impl Cell {
 
     /// Returns the goals that are measured for layouts of this cell.
     ///
-    /// The cost of tolerances is among them only if the search prices tolerances. The time is among them
-    /// only if every joint with an actuator has a greatest speed.
+    /// The goals include the cost of tolerances only if the search prices tolerances. The goals include the
+    /// cycle time only if every joint with an actuator has a greatest speed.
     pub fn measured_goals(&self) -> impl Iterator<Item = Goal> {
         let (has_cost, has_time) = (self.search.prices_tolerances(), self.has_speeds());
         Goal::ALL.into_iter().filter(move |goal| match goal {
@@ -317,12 +318,12 @@ impl Cell {
         })
     }
 
-    /// Returns whether every joint with an actuator has a greatest speed, as cycle times need.
+    /// Returns whether every joint with an actuator has a greatest speed, which cycle times require.
     pub fn has_speeds(&self) -> bool {
         self.robot.joints_without_speed().is_empty()
     }
 
-    /// Returns whether errors are read as the share of arms that exceed a limit.
+    /// Returns whether the value of an operation is the share of arms whose error exceeds the limit.
     pub fn is_yield(&self) -> bool {
         (self.reading, self.quantity) == (Reading::Statistical, Quantity::Yield)
     }

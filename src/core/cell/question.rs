@@ -203,7 +203,7 @@ impl Cell {
             }
             if matches!(operation.over, NodeAggregation::Mean | NodeAggregation::P95) {
                 let message =
-                    format!("`{}` takes the {} of its nodes", operation.name, operation.over.name());
+                    format!("`{}` is judged by the {} of its nodes", operation.name, operation.over.name());
                 let help = "use over = \"max\", so that every node keeps the limit, or \"best\"";
                 refuse(
                     About::Operation(k),
@@ -228,7 +228,7 @@ impl Cell {
         Some(QuestionFault { about: About::Goals, message, help: self.speed_remedy().unwrap_or_default() })
     }
 
-    /// Returns how to state the speeds that cycle times need; None if no speed is missing.
+    /// Returns advice on how to state the speeds that cycle times need; None if no speed is missing.
     pub fn speed_remedy(&self) -> Option<String> {
         let first = *self.robot.joints_without_speed().first()?;
         let key = match self.robot.joints[first].kind {

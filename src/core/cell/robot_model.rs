@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 /// zero.
 pub const MAX_JOINTS: usize = 8;
 
-/// Largest number of error parameters of a robot: those of its links, base, tool and joint frames, and its
+/// Largest number of error parameters of a robot: parameters of links, base, tool and joint frames, and
 /// elastic parameters.
 pub const MAX_PARAMETERS: usize = Parameter::count(MAX_JOINTS);
 
@@ -149,7 +149,7 @@ pub struct Robot {
     pub solids: Vec<LinkSolid>,
     /// Number of solids that belong to the tool.
     pub tool_solids: usize,
-    /// Masses of the links and of the tool; a robot without masses has no torques by gravity.
+    /// Masses of the links and of the tool; a robot without masses has no gravity torques.
     pub masses: Vec<LinkMass>,
     pub self_collision: SelfCollision,
     /// Time from rest to full speed of the joints whose acceleration is unknown, s; None if the file states

@@ -13,7 +13,7 @@ pub struct TitleBlock {
     pub date: Option<String>,
     pub author: Option<String>,
     pub approved_by: Option<String>,
-    /// General tolerance of the dimensions without a tolerance of their own.
+    /// General tolerance, which applies to dimensions without an individual tolerance.
     pub general_tolerance: Option<String>,
     pub projection: Projection,
 }

@@ -1,4 +1,4 @@
-//! Cost of a tolerance: what it costs to hold one parameter within plus or minus a half width.
+//! Cost of a tolerance: the cost of holding one parameter within plus or minus a half width.
 //!
 //! The tolerance is given as the scale `u = t / t0`, where `t0` is the tolerance of the error set.
 
@@ -65,7 +65,7 @@ impl ToleranceCost {
     }
 
     /// Returns the cost at the scale `u`. For grades, this is the cost of the loosest grade that is not
-    /// looser than `u`. If all grades are looser, it is the cost of the tightest grade.
+    /// looser than `u`. If all grades are looser, the result is the cost of the tightest grade.
     pub fn cost(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Reciprocal { at, power: 1.0 } => at / u,
@@ -75,7 +75,7 @@ impl ToleranceCost {
         }
     }
 
-    /// Returns the index of the loosest grade that is not looser than `u`; None without such a grade.
+    /// Returns the index of the loosest grade that is not looser than `u`; None if there is no such grade.
     pub fn grade(&self, u: f64) -> Option<usize> {
         self.grades().iter().rposition(|g| g.scale <= u * (1.0 + SAME_SCALE))
     }
@@ -89,7 +89,8 @@ impl ToleranceCost {
     }
 
     /// Returns the scale to order for the scale `u`: `u` clamped to the range, or the scale of the loosest
-    /// grade that is not looser than `u`. If all grades are looser, it is the scale of the tightest grade.
+    /// grade that is not looser than `u`. If all grades are looser, the result is the scale of the tightest
+    /// grade.
     pub fn ordered(&self, u: f64) -> f64 {
         match &self.law {
             CostLaw::Grades(grades) => grades.get(self.grade(u).unwrap_or(0)).map_or(u, |g| g.scale),

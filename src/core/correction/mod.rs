@@ -1,14 +1,15 @@
-//! Correction of a programme: the joint coordinates with which a robot with errors lands on a target.
+//! Correction of a program: the joint coordinates with which a robot with errors reaches a target.
 //!
-//! Let T(q) be the nominal pose of the TCP at the joint coordinates q, and E(q) the error of this pose by the
-//! nonlinear model. The correction solves `E(q) T(q) = T*` for a target T*. The pose command is then the
-//! nominal pose T(q). If a controller without calibration receives this command, the robot lands on T*.
+//! Let T(q) be the nominal pose of the TCP at the joint coordinates q, and E(q) the error of this pose
+//! according to the nonlinear model. The correction solves `E(q) T(q) = T*` for a target T*. The pose command
+//! is then the nominal pose T(q). If a controller without calibration receives this command, the robot
+//! reaches T*.
 //!
 //! Newton's method uses the geometric Jacobian of the nominal arm. The relative difference between this
-//! Jacobian and that of the arm with errors is about 0.001. So each step multiplies the remaining error by
-//! about 0.001, or by a larger factor near a singular posture. Position has priority over orientation. An arm
-//! with fewer than six joints attains the position with the nearest possible orientation, by least squares in
-//! the null space of the position.
+//! Jacobian and the Jacobian of the arm with errors is about 0.001. So each step multiplies the remaining
+//! error by about 0.001, or by a larger factor near a singular posture. Position has priority over
+//! orientation. An arm with fewer than six joints attains the position with the nearest possible orientation,
+//! by least squares in the null space of the position.
 
 mod step;
 

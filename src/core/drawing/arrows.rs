@@ -95,7 +95,7 @@ impl Arrow {
     /// Returns three orthogonal unit vectors. The first is along the arrow, and the second is horizontal.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let along = (self.tip - self.tail).try_normalize(0.0).unwrap_or_else(Vector3::z);
-        // Every direction perpendicular to a vertical arrow is horizontal, so x is taken.
+        // Every direction perpendicular to a vertical arrow is horizontal, so the x axis is used.
         let level = Vector3::z().cross(&along).try_normalize(1e-6).unwrap_or_else(Vector3::x);
         [along, level, along.cross(&level)]
     }

@@ -14,7 +14,8 @@ pub struct Rings {
     pub at_work: Vec<Vec<Vector3<f64>>>,
     /// Outlines of the horizontal sections at other heights, and of a vertical section through the base axis.
     ///
-    /// The azimuth of the vertical section is that of the TCP when every joint is in the middle of its range.
+    /// The azimuth of the vertical section is the azimuth of the TCP when every joint is in the middle of its
+    /// range.
     pub around: Vec<Vec<Vector3<f64>>>,
 }
 

@@ -146,7 +146,8 @@ impl Field {
         self.nodes.iter().enumerate().filter(|(_, n)| n.is_ok()).map(|(k, _)| k)
     }
 
-    /// Returns the least and the greatest value of the usable nodes, m or rad.
+    /// Returns the least and the greatest value of the usable nodes, m or rad; None if no usable node has a
+    /// value.
     ///
     /// The index `take` into [`Self::takes`] selects the model and the reading. The index `sense` into
     /// [`Self::senses`] selects the sense.
@@ -160,8 +161,8 @@ impl Field {
 /// Returns the error maps of a layout for pictures, with the model and reading of each entry of
 /// [`Field::takes`].
 ///
-/// The maps are made under the model and reading of the cell. If [`Detail::lenses`] is true, they are also
-/// made under the other combinations that [`lenses`] returns.
+/// The maps are computed under the model and reading of the cell. If [`Detail::lenses`] is true, the maps are
+/// also computed under the other combinations that [`lenses`] returns.
 pub(super) fn fields(a: &Assessment<'_>, detail: &Detail) -> Result<(Vec<ErrorView>, Vec<Field>), String> {
     let lenses = if detail.lenses { lenses(a.cell) } else { vec![ErrorView::of(a.cell)] };
     let mut fields: Vec<Field> = (0..a.maps.len()).map(|k| field(a, k, detail)).collect();

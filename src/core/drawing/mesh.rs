@@ -122,7 +122,7 @@ fn bar(a: &Vector3<f64>, b: &Vector3<f64>, radius: f64, round: bool) -> Surface 
     let axis = (b - a).try_normalize(1e-12).unwrap_or_else(Vector3::z);
     let across = axis.cross(&axis.map(|c| if c.abs() == axis.amax() { 0.0 } else { 1.0 })).normalize();
     let turned = Matrix3::from_columns(&[across, axis.cross(&across), axis]);
-    // The rings run from the end at `a` to the end at `b`. Each has a radius and a centre.
+    // The rings run from the end at `a` to the end at `b`. Each ring has a radius and a centre.
     let cap = if round { SIDES / 4 } else { 1 };
     let lift = |k: usize| if round { FRAC_PI_2 * k as f64 / cap as f64 } else { 0.0 };
     let mut rings: Vec<(f64, Vector3<f64>)> = Vec::new();

@@ -72,7 +72,7 @@ fn explained(e: tobj::LoadError, geometry: &str, read: usize) -> MeshFault {
     let last = geometry[..read].lines().count().checked_sub(1);
     match e {
         tobj::LoadError::PositionParseError => (last, "a vertex needs three numbers".into()),
-        tobj::LoadError::FaceParseError => (last, "a face needs the whole numbers of its vertices".into()),
+        tobj::LoadError::FaceParseError => (last, "a face must refer to its vertices by integers".into()),
         tobj::LoadError::FaceVertexOutOfBounds => {
             let count = geometry.lines().filter(|l| l.starts_with('v')).count() as u64;
             let is_none = |i: i64| i == 0 || i.unsigned_abs() > count;

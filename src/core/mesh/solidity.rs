@@ -4,7 +4,7 @@ use super::triangles::Triangles;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// Whether a surface bounds a solid, and the fault if it does not.
+/// Result of the check whether a surface bounds a solid, with the fault if the surface does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solidity {
     Solid,

@@ -18,7 +18,7 @@ const TRIANGLE: usize = 50;
 pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFault> {
     let promised = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     let promised = promised.map(|count| count as usize);
-    // The title of a binary file may begin like that of a text file, so the size is checked first.
+    // The title of a binary file may begin like the title of a text file, so the size is checked first.
     if promised.is_some_and(|n| n.checked_mul(TRIANGLE).is_some_and(|size| HEADER + size == bytes.len())) {
         return triangles_of(binary(bytes)?, scale, |k| (None, format!(", in triangle {}", k + 1)));
     }
@@ -32,7 +32,7 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
     Err((
         None,
         match promised {
-            Some(n) => format!("its header promises {n} triangles, but the file has room for {has}"),
+            Some(n) => format!("the header states {n} triangles, but the file can hold {has}"),
             None => format!("a file of {} bytes is not an STL file", bytes.len()),
         },
     ))
@@ -42,7 +42,8 @@ pub fn parse(bytes: &[u8], scale: f64) -> Result<(Vertices, Triangles), MeshFaul
 /// precision.
 ///
 /// # Errors
-/// Returns the message of the STL writer if it fails, which is not expected because it writes to memory.
+/// Returns the message of the STL writer if the writer fails. The writer writes to memory, so no failure is
+/// expected.
 pub fn to_stl(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<u8>, String> {
     let single = |v: Vector3<f64>| stl_io::Vector::new(v.cast::<f32>().into());
     let facet = |t: &[u32; 3]| {
@@ -130,7 +131,7 @@ fn plain(bytes: &[u8]) -> Result<String, MeshFault> {
         last = if first.is_empty() { last } else { Some(first) };
     }
     if last.as_deref() != Some(b"endsolid") {
-        return Err((None, "it is cut off: the last line is not `endsolid`".into()));
+        return Err((None, "the file is truncated: its last line is not `endsolid`".into()));
     }
     text.push_str("endsolid\n");
     Ok(text)

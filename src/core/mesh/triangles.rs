@@ -38,7 +38,7 @@ pub fn too_many() -> String {
 pub fn merged((vertices, mut triangles): (Vertices, Triangles)) -> Result<(Vertices, Triangles), MeshFault> {
     // The addition of 0 gives -0 and 0 the same bits.
     let bits = |i: u32| vertices[i as usize].map(|c| (c + 0.0).to_bits()).data.0[0];
-    // Sorting saves memory. A hash map of all places would take more memory than everything else.
+    // Sorting saves memory. A hash map of all places would use more memory than everything else.
     let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
     order.sort_unstable_by_key(|&i| (bits(i), i));
     let mut first = vec![0; vertices.len()];
@@ -56,7 +56,7 @@ pub fn merged((vertices, mut triangles): (Vertices, Triangles)) -> Result<(Verti
     triangles.iter_mut().for_each(|t| *t = t.map(|i| index[i as usize]));
     triangles.retain(|[a, b, c]| a != b && b != c && c != a);
     match triangles.len() {
-        0 => Err((None, "it has no triangles".into())),
+        0 => Err((None, "the file has no triangles".into())),
         n if n > MAX_TRIANGLES => Err((None, too_many())),
         _ => Ok((kept, triangles)),
     }

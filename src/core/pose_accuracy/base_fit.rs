@@ -33,7 +33,7 @@ impl BaseFit {
             .sum();
         let inertia = inertia / POSTURES as f64;
         // Points on one line leave the rotation about this line undetermined. The pseudo-inverse then gives
-        // no rotation about it.
+        // no rotation about the line.
         let inverse = inertia.pseudo_inverse(1e-12 * inertia.norm()).unwrap_or_else(|_| Matrix3::zeros());
         Self { frames, centre, inverse }
     }

@@ -20,19 +20,20 @@ pub enum GuessFault {
     NotFound { nearest: f64 },
 }
 
-/// Tolerances with which the predicted pose accuracy is that of a data sheet.
+/// Tolerances with which the predicted pose accuracy equals the pose accuracy on a data sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorGuess {
     /// Spreads in the order of [`crate::cell::Parameter::of_robot`].
     pub spreads: Vec<Spread>,
-    /// Factor by which the tolerances that were given are multiplied.
+    /// Factor by which the given tolerances are multiplied.
     pub scale: f64,
-    /// Number of predictions that the search for the factor took.
+    /// Number of predictions that the search for the factor needed.
     pub steps: usize,
-    /// Predicted pose accuracy with the scaled tolerances. It does not depend on the random errors of the
-    /// joints.
+    /// Predicted pose accuracy with the scaled tolerances. This accuracy does not depend on the random errors
+    /// of the joints.
     pub accuracy: PoseAccuracy,
-    /// Standard deviations of the joint coordinates of one robot, rad or m; None without a repeatability.
+    /// Standard deviations of the joint coordinates of one robot, rad or m; None if no repeatability was
+    /// given.
     pub scatter: Option<JointVector>,
 }
 

@@ -35,7 +35,7 @@ pub const PRESETS: [ErrorPreset; 7] = [
         zero_mm: 0.1,
         length_mm: 0.8,
         twist_deg: 0.08,
-        source: "the predicted AP of a UR10 is 0.9 mm, and the measured mean errors of one were 0.7 to 1.0 mm (C. Landgraf et al., A Hybrid Neural Network Approach for Increasing the Absolute Accuracy of Industrial Robots, CASE 2021); the ratios are our estimate",
+        source: "the predicted AP of a UR10 is 0.9 mm, and the measured mean errors of one UR10 were 0.7 to 1.0 mm (C. Landgraf et al., A Hybrid Neural Network Approach for Increasing the Absolute Accuracy of Industrial Robots, CASE 2021); the ratios are our estimate",
     },
     ErrorPreset {
         name: "small",
@@ -97,7 +97,7 @@ impl ErrorPreset {
     /// Returns the spreads of a robot in the order of [`Parameter::of_robot`].
     ///
     /// Only parameters that a calibration can distinguish have a spread other than 0. Between parallel axes,
-    /// the fifth parameter takes the place of the axial offset.
+    /// the fifth parameter replaces the axial offset.
     pub fn spreads(&self, robot: &Robot, chain: &Chain) -> Vec<Spread> {
         let known = identifiable(chain, ParameterSet::FiveParameter);
         let last = robot.axes().saturating_sub(1);

@@ -44,10 +44,10 @@ impl TestCube {
     /// Returns the largest cube in the working space of the robot; None if no cube fits.
     ///
     /// The corners of the cube and the five poses are reachable within the joint limits with one orientation
-    /// of the tool. The cube is beside the robot base. Among the possible centres of a cube of this size, the
-    /// one nearest to their mean is chosen. A cube of a size in the standard is preferred to any smaller
+    /// of the tool. The cube is beside the robot base. If a cube of this size fits at several centres, the
+    /// centre nearest to their mean is chosen. A cube of a size in the standard is preferred to any smaller
     /// cube. Among the sizes of the standard, and among the smaller sizes, a cube above the base plane is
-    /// preferred to any cube that extends below it.
+    /// preferred to any cube that extends below the base plane.
     pub fn largest(robot: &Robot, chain: &Chain, inverse: &Inverse) -> Option<Self> {
         let search = CubeSearch { robot, chain, inverse };
         let sizes = |above: bool, edges: &'static [f64]| edges.iter().map(move |edge| (above, *edge));
@@ -122,7 +122,7 @@ impl CubeSearch<'_> {
         front: (f64, f64),
         attitudes: &ToolAttitudes,
     ) -> Vec<Vector3<f64>> {
-        // Arms with a redundant joint or numeric inverse kinematics take long for each point.
+        // Arms with a redundant joint or numeric inverse kinematics need much time for each point.
         let count = match self.inverse.cost() {
             Cost::Low | Cost::Middle => 24,
             Cost::High => 8,

@@ -1,7 +1,7 @@
 //! Stroke font: letters as polylines, so that pictures have text without font files.
 //!
-//! Each letter is drawn on a grid. The baseline is at height 3. Small letters reach up to 9, capitals up to
-//! 12 (hexadecimal c), and descenders down to 0. Two hexadecimal digits give a point: the distance to the
+//! Each letter is drawn on a grid. The baseline is at height 3. Lower-case letters reach up to 9, capitals up
+//! to 12 (hexadecimal c), and descenders down to 0. Two hexadecimal digits give a point: the distance to the
 //! right, then the height. A stroke that begins with ~ is a curve, and a stroke of one point is a dot.
 
 use nalgebra::Vector2;

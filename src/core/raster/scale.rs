@@ -60,8 +60,8 @@ impl Show {
 pub struct ErrorScale {
     /// Names of the senses whose values the colours show.
     pub senses: Vec<String>,
-    /// Least and greatest value of the shown error maps (m, rad, or a share from 0 to 1); None without
-    /// usable nodes.
+    /// Least and greatest value of the shown error maps (m, rad, or a share from 0 to 1); None if there are
+    /// no usable nodes.
     pub range: Option<(f64, f64)>,
     pub unit: Unit,
 }
@@ -106,16 +106,16 @@ pub fn sense(field: &Field, shot: &Shot) -> usize {
     shot.sense.as_deref().and_then(named).unwrap_or(field.sense)
 }
 
-/// Returns the value of a node in the sense, model and reading that the picture shows; None without a
-/// usable posture.
+/// Returns the value of a node in the sense, model and reading that the picture shows; None if the node has
+/// no usable posture.
 pub fn value(field: &Field, shot: &Shot, node: usize) -> Option<f64> {
     *field.takes.get(shot.take)?.values[sense(field, shot)].get(node)?
 }
 
 /// Returns the best node in the sense that the picture shows.
 ///
-/// If the picture shows the sense of the operation, the best node is the spot. For any other sense, it is the
-/// usable node of least value.
+/// If the picture shows the sense of the operation, the best node is the spot. For any other sense, the best
+/// node is the usable node of least value.
 pub fn best(field: &Field, shot: &Shot) -> Option<usize> {
     if sense(field, shot) == field.sense {
         return field.takes.get(shot.take)?.best;

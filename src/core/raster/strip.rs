@@ -45,9 +45,11 @@ impl LegendSign {
 pub struct LegendTexts {
     pub title: String,
     pub line: String,
-    /// Texts of the colour scale (heading, least value and greatest value); None without a colour scale.
+    /// Texts of the colour scale (heading, least value and greatest value); None if the picture has no colour
+    /// scale.
     pub colours: Option<[String; 3]>,
-    /// Scale bar of the arrows, with its length (m in the world) and its text; None without arrows.
+    /// Scale bar of the arrows, with its length (m in the world) and its text; None if the picture has no
+    /// arrows.
     pub arrows: Option<(f64, String)>,
     pub signs: Vec<LegendSign>,
 }
@@ -180,7 +182,7 @@ fn sign_table(
 ) -> Vec<LegendItem> {
     let rows = if signs.len() <= 6 { 3 } else { MAX_ROWS };
     let columns: Vec<&[LegendSign]> = signs.chunks(rows).collect();
-    // A sign takes 3 heights of capitals, and the gap between two columns is 1.5 heights wide.
+    // A symbol is 3 capital heights wide, and the gap between two columns is 1.5 capital heights wide.
     let wide = |column: &&[LegendSign]| {
         4.5 + column.iter().map(|sign| font::width(sign.label(), 1.0)).fold(0.0, f64::max)
     };

@@ -77,8 +77,8 @@ fn area(ring: &[GridPoint]) -> f64 {
 
 /// Returns a ring with fewer points (Douglas and Peucker 1973).
 ///
-/// The ring is first split at its leftmost point and at the point farthest from this point. If several
-/// points are leftmost, the uppermost of them is taken, because it is always a corner.
+/// The ring is first split at its leftmost point and at the point farthest from this point. If several points
+/// are leftmost, the uppermost of these points is used, because it is always a corner.
 fn simplified(ring: &[GridPoint], tolerance: f64) -> Vec<GridPoint> {
     let Some(start) = (0..ring.len()).min_by_key(|k| ring[*k]) else { return Vec::new() };
     let ring: Vec<GridPoint> = ring[start..].iter().chain(&ring[..=start]).copied().collect();

@@ -2,7 +2,8 @@
 
 use crate::layout::Workcell;
 
-/// Resolution of a region, and of an estimate of the room of a piece.
+/// Resolution of a region, and of an estimate of the room of a piece (the largest displacement in every
+/// direction).
 #[derive(Debug, Clone, Copy)]
 pub struct RegionEffort {
     /// Spacing of the fine lattice, and step of a scan along z, mm.
@@ -15,7 +16,7 @@ pub struct RegionEffort {
     pub directions: usize,
     /// Number of directions in which the room is estimated.
     pub estimated: usize,
-    /// Largest number of layouts that a search evaluates to find one with a large room.
+    /// Largest number of layouts that a search evaluates to find a layout with a large room.
     pub evaluations: u64,
     /// Largest number of layouts whose rooms a search compares accurately.
     pub compared: usize,

@@ -1,4 +1,4 @@
-//! Regions: the placements that each piece of a found layout may have instead.
+//! Regions: the alternative placements of each piece of a found layout.
 //!
 //! A placement belongs to the region of a piece if two conditions hold. The layout must stay feasible and
 //! keep every limit within the placement tolerances, and the objective may grow by at most the indifference.
@@ -7,7 +7,7 @@
 //!
 //! The room of a piece is the largest distance by which it may be displaced in every direction in plan.
 //!
-//! A layout file without search variables has regions, too. In this case, every piece with a placement
+//! A layout file without search variables also has regions. In this case, every piece with a placement
 //! tolerance has a region within a window around its placement.
 //!
 //! | file | content |
@@ -51,7 +51,7 @@ impl MovableBody {
     }
 }
 
-/// Reason that limits the room of a piece.
+/// Reason that limits the room of a piece, which is the largest displacement in every direction.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoomEnd {
     /// The piece reaches an end of the range of a search variable.
@@ -62,7 +62,7 @@ pub enum RoomEnd {
 }
 
 impl RoomEnd {
-    /// Describes the reason with the names of the cell, as the words that follow "limited by".
+    /// Describes the reason with the names of the cell. The text continues the words "limited by".
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::Range => "the range of the search".into(),
@@ -121,7 +121,7 @@ impl Regions {
     }
 }
 
-/// Settings of an estimate of the room.
+/// Settings of an estimate of the room of a layout ([`estimated_room`]).
 pub struct RoomScale {
     /// Room below which the estimate need not be accurate, m.
     pub poor: f64,
@@ -132,7 +132,7 @@ pub struct RoomScale {
     pub is_rough: bool,
 }
 
-/// Estimates the room of a layout, m: the least room of its pieces.
+/// Estimates the room of a layout, m: the displacement in every direction that each piece permits.
 ///
 /// Every operation keeps its spot, and the objective may grow by the indifference of the cell.
 pub fn estimated_room(held: &HeldLayout<'_>, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {

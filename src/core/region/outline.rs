@@ -36,15 +36,15 @@ impl Domain {
 /// Lattices on which a region is traced.
 pub struct TwoLattices {
     pub domain: Domain,
-    /// A point inside the region.
+    /// Known point inside the region.
     pub origin: PlanePoint,
     /// Spacing of the fine lattice, m.
     pub step: f64,
-    /// Spacing of the coarse lattice, in steps of the fine one.
+    /// Spacing of the coarse lattice, in steps of the fine lattice.
     pub coarse: i32,
 }
 
-/// Test of whether a point is inside the region; each thread has a memory of its own.
+/// Test of whether a point is inside the region. Each thread has its own working memory.
 pub trait Inside: Sync {
     type Memory: Default;
 
@@ -84,7 +84,8 @@ impl TwoLattices {
         (self.origin.0 + f64::from(i) * self.step, self.origin.1 + f64::from(j) * self.step)
     }
 
-    /// Returns the vertex with the least indices and the one with the greatest; both lie outside the domain.
+    /// Returns the vertices with the least and with the greatest indices. Both vertices lie outside the
+    /// domain.
     fn ends(&self) -> (Vertex, Vertex) {
         let end = |limit: f64, origin: f64| (limit - origin) / self.step;
         let Domain { x, y } = self.domain;

@@ -19,12 +19,12 @@ const MAX_STEPS: f64 = 10_000.0;
 const BISECTIONS: usize = 8;
 /// Relative accuracy of an estimate of the room.
 const ESTIMATE_SHARE: f64 = 0.02;
-/// Room, m, below which the room counts as 0. The reason that limits a room is looked for at least this
+/// Room, m, below which the room counts as 0. The reason that limits a room is determined at least this
 /// distance beyond the room.
 const OVERSHOOT: f64 = 1e-4;
 /// Factor by which the room is multiplied until the layout is accepted in all directions.
 const SHRINK: f64 = 0.98;
-/// Factor of the room that gives the distance at which the limiting reason is looked for.
+/// Distance at which the limiting reason is determined, as a multiple of the room.
 const BEYOND: f64 = 1.02;
 
 /// Returns the bodies that the search places or, if the search places none, the bodies with a placement
@@ -35,7 +35,7 @@ pub fn movable(cell: &Cell) -> Vec<MovableBody> {
 }
 
 /// Returns the interval in which a coordinate of a body may lie, and the reason that limits the interval;
-/// None if the coordinate is fixed.
+/// None if the coordinate may not vary over an interval.
 fn domain(cell: &Cell, body: MovableBody, axis: usize) -> Option<((f64, f64), RoomEnd)> {
     let (coordinates, tolerance) = match body {
         MovableBody::Base => (&cell.base, &cell.base_tolerance),
@@ -129,7 +129,8 @@ impl<'a> MovablePiece<'a> {
         }
     }
 
-    /// Returns the interval in which a coordinate may lie; None if it is fixed.
+    /// Returns the interval in which a coordinate may lie; None if the coordinate may not vary over an
+    /// interval.
     fn variable(&self, axis: usize) -> Option<(f64, f64)> {
         domain(&self.held.workcell().cell, self.body, axis).map(|(interval, _)| interval)
     }
@@ -218,7 +219,8 @@ impl<'a> MovablePiece<'a> {
         (0.0, ended.unwrap_or(RoomEnd::Range))
     }
 
-    /// Checks the layout with the piece at a point in plan; with `uncarried`, the result is an estimate.
+    /// Checks the layout with the piece at a point in plan. If `uncarried` is given, the result is an
+    /// estimate.
     fn in_plan(
         &self,
         at: PlanePoint,
@@ -236,8 +238,8 @@ impl<'a> MovablePiece<'a> {
 }
 
 impl MovablePiece<'_> {
-    /// Estimates the room, m: the largest displacement that the layout allows in all tried directions. It is
-    /// at most the field `widest` of `scale`.
+    /// Estimates the room, m: the largest displacement that the layout allows in all tried directions. The
+    /// estimate is at most the field `widest` of `scale`.
     ///
     /// Only single displacements are checked, not all smaller ones, so the estimate may exceed the room.
     pub fn estimated_room(&self, scale: &RoomScale, memory: &mut HeldMemory) -> f64 {

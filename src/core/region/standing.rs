@@ -32,7 +32,7 @@ struct MovedPiece<'a> {
 /// Returns the region in which the frame origin of a piece of equipment may be placed, world frame, m.
 ///
 /// The region is given by closed rings; a point is inside if it lies in an odd number of rings. Height and
-/// yaw do not change. With `is_refined`, the outline is finer and takes longer.
+/// yaw do not change. If `is_refined` is true, the outline is finer, but its computation takes longer.
 pub fn standing(
     workcell: &Workcell,
     layout: &Layout,

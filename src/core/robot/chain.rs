@@ -37,7 +37,7 @@ impl Link {
 
 /// One configuration of the chain: cosine, sine and axial offset `r` (m) of every D-H row.
 ///
-/// The cosine and sine are those of the joint angle theta of the row.
+/// The cosine and sine belong to the joint angle theta of the row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Posture {
     pub cos: [f64; MAX_JOINTS],
@@ -62,7 +62,7 @@ impl Default for Frames {
     }
 }
 
-/// A serial chain with joint coupling and tool.
+/// Serial chain with joint coupling and tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
     /// Pose of D-H frame 0 in the base frame of the robot.
@@ -167,7 +167,7 @@ impl Chain {
         posture
     }
 
-    /// Returns the posture whose D-H coordinates (theta or r) are those of `posture` plus `by` (rad or m).
+    /// Returns `posture` with `by` (rad or m) added to its D-H coordinates (theta or r).
     pub fn displaced(&self, posture: &Posture, by: &JointVector) -> Posture {
         let mut displaced = *posture;
         for (i, link) in self.links.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::Frames;
 use super::loads::Loads;
 use nalgebra::Vector3;
 
-/// Standard acceleration of gravity, m/s2 (ISO 80000-3).
+/// Standard acceleration of gravity, m/s^2 (ISO 80000-3).
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Returns the horizontal lever of a link about the axis of a joint, m: `z . (l x g)`.

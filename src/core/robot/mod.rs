@@ -4,8 +4,8 @@
 //! `q_i` is the joint angle theta of the link. `R` is a rotation about the named axis, and `T` is a
 //! translation along the named axis. A chain of N links has the transform `T_N = A_1 A_2 ... A_N`, eq. (2).
 //!
-//! A [`Posture`] holds sines and cosines instead of angles. An inverse kinematics that computes sines and
-//! cosines directly calls no trigonometric function.
+//! A [`Posture`] holds sines and cosines instead of angles. A solver of the inverse kinematics that computes
+//! sines and cosines directly needs no trigonometric function.
 
 mod chain;
 mod gravity;

@@ -1,4 +1,4 @@
-//! One measured position beside its prediction.
+//! Measured position with its prediction.
 
 use crate::cell::JointVector;
 use nalgebra::Vector3;

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 /// Least standard deviation of a measured position per axis, m; no instrument is more accurate.
 const FINEST: f64 = 1e-6;
 
-/// Measured errors of one session beside the predicted ones.
+/// Measured and predicted errors of one session.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredComparison {
     /// Name of the session.
@@ -47,7 +47,7 @@ impl MeasuredComparison {
     /// Compares a session with predicted errors. Poses within `spot` (m) of each other are one spot.
     ///
     /// # Errors
-    /// Returns why base and reflectors cannot be fitted.
+    /// Returns the reason why base and reflectors cannot be fitted.
     pub fn new(errors: &PredictedErrors, session: &MeasuringSession, spot: f64) -> Result<Self, String> {
         let measured = &session.measured;
         let (known, unknown) = (3 * measured.len(), SessionFrames::unknowns(measured));

@@ -3,11 +3,11 @@
 //! Only the commanded joints and the measured positions are known. The pose of the robot base in the frame of
 //! the instrument and the places of the reflectors are fitted with the nominal arm. This fit absorbs a part
 //! of the errors, so the same part must be removed from the prediction. Let `p_i` be the measured positions
-//! in the fitted base frame, and `n_i` the nominal ones:
+//! in the fitted base frame, and `n_i` the nominal positions:
 //!
 //! ```text
 //! measured    m_i = p_i - n_i
-//! predicted   d_i = e_i - M e             e_i = position error of the mean errors, M e = part that the fit absorbs
+//! predicted   d_i = e_i - M e       e_i = position error of the mean errors, M e = part that the fit absorbs
 //! covariance  C_i = (J_i - F_i K) C (J_i - F_i K)^T + s_i^2 I
 //! ```
 //!

@@ -192,7 +192,7 @@ fn a_collada_mesh_is_left_out_with_the_command_that_converts_it() {
 #[test]
 fn a_mesh_that_cannot_be_read_is_left_out_with_its_reason() {
     for (bytes, why) in
-        [("solid x\nfacet normal 0 0 0\nouter loop\n", "cut off"), ("q,w\n1,2\n", "a table of data")]
+        [("solid x\nfacet normal 0 0 0\nouter loop\n", "truncated"), ("q,w\n1,2\n", "a table of data")]
     {
         let shop = with_package(&arm());
         shop.write("ws/own_arm/meshes/base.stl", bytes);
