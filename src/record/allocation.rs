@@ -31,7 +31,7 @@ pub struct AllocationDocument {
     /// Share of random arms that must keep each limit; null unless the quantity is the yield.
     pub demanded_yield: Option<f64>,
     pub status: AllocationStatus,
-    /// Cost of the tolerances of the error set.
+    /// Cost of the tolerances in the error set.
     pub cost_before: f64,
     /// Least cost found; null if the limits cannot be kept.
     pub cost: Option<f64>,
@@ -49,7 +49,7 @@ pub struct AllocationDocument {
     pub requirements: Vec<AllocationRequirement>,
     /// Limits that even the tightest tolerances exceed.
     pub shortfalls: Vec<ShortfallEntry>,
-    /// How the full error model judges the tolerances; null if infeasible.
+    /// Judgement of the tolerances by the full error model; null if infeasible.
     pub judgement: Option<JudgementEntry>,
 }
 
@@ -71,7 +71,7 @@ pub enum AllocationStatus {
 pub struct UniformEntry {
     pub scale: f64,
     pub cost: f64,
-    /// How much less the cheapest tolerances cost, percent.
+    /// Saving of the cheapest tolerances compared with the uniform tightening, percent.
     pub saving_percent: f64,
 }
 
@@ -103,7 +103,7 @@ pub struct AllocatedEntry {
     pub before: f64,
     /// Half width of the cheapest tolerance; null if infeasible.
     pub after: Option<f64>,
-    /// `after` divided by `before`.
+    /// `after` divided by `before`; null if infeasible.
     pub scale: Option<f64>,
     /// Least and greatest permitted scale.
     pub scale_range: [f64; 2],
@@ -111,7 +111,7 @@ pub struct AllocatedEntry {
     pub cost: Option<f64>,
     /// Name of the chosen grade; null for a continuous cost.
     pub grade: Option<String>,
-    /// End of the permitted range at which the tolerance is; null between the ends.
+    /// End of the permitted range at which the tolerance lies; null if the tolerance lies between the ends.
     pub at_end: Option<ToleranceEnd>,
 }
 
@@ -123,7 +123,7 @@ pub struct AllocationRequirement {
     pub node: [usize; 2],
     pub unit: Unit,
     pub limit: f64,
-    /// Figure with the tolerances of the error set.
+    /// Figure with the tolerances in the error set.
     pub before: f64,
     /// Figure with the cheapest tolerances, judged by the error model of the cell; null if infeasible.
     pub after: Option<f64>,
@@ -175,7 +175,7 @@ pub struct JudgementEntry {
     pub sampled_rounds: usize,
     /// Largest excess over a limit at the end, percent; negative if all limits are kept.
     pub excess_percent: f64,
-    /// Number of cone programs that the last solution took.
+    /// Number of cone programs that were solved for the last solution.
     pub programs: usize,
 }
 
@@ -268,7 +268,7 @@ fn rounded_up(gap: f64) -> f64 {
     nine_digits((gap * 1e9).ceil() / 1e9)
 }
 
-/// Returns the end of a range at which a scale is, up to a relative distance of 1e-6.
+/// Returns the end of a range that is within a relative distance of 1e-6 of a scale; None if neither end is.
 fn end_of(u: f64, (low, high): (f64, f64)) -> Option<ToleranceEnd> {
     let near = |end: f64| (u - end).abs() <= 1e-6 * end;
     match (near(high), near(low)) {

@@ -96,7 +96,8 @@ pub struct ShareEntry {
     /// Linear position error of the TCP that the parameter causes, in the world frame. In the signed reading,
     /// the parameter has its signed value, otherwise the upper limit of its tolerance.
     pub linear_term_mm: [f64; 3],
-    /// Linear error in the sense of the operation if this parameter is at its tolerance and all others are 0.
+    /// Linear error in the sense of the operation if this parameter is at its tolerance and all other
+    /// parameters are 0.
     pub alone: f64,
     /// Share of the parameter in the linear worst case, from 0 to 1. Null if the errors are not tolerances.
     pub share_of_worst: Option<f64>,

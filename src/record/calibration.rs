@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `calibrate --json`.
 pub const CALIBRATION_SCHEMA: &str = "sweetspot/calibration/1";
 
-/// Share in an undetermined combination above which a parameter is named.
+/// Share of a parameter in an undetermined combination above which the parameter is named.
 const NAMED_SHARE: f64 = 0.3;
 
 /// Kinematic errors of a robot, identified from measured positions.
@@ -66,7 +66,7 @@ pub struct OutlierRow {
     pub distance_mm: f64,
 }
 
-/// File of measured positions in the fit.
+/// File of measured positions that was part of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibratedFile {
@@ -81,7 +81,7 @@ pub struct CalibratedFile {
     pub outliers: Vec<OutlierRow>,
 }
 
-/// File of measured positions outside the fit.
+/// File of measured positions that was not part of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TestedFile {

@@ -26,7 +26,7 @@ pub struct CheckDocument {
     /// Pairs of the robot's solids, with a reason if the two solids may touch. Empty if self-collision is not
     /// checked.
     pub self_collision: Vec<OwnPairEntry>,
-    /// How a search treats each operation. Empty if the cell is not valid.
+    /// Entries that state how a search treats each operation. Empty if the cell is not valid.
     #[serde(default)]
     pub operations: Vec<OperationOrderEntry>,
     /// Facts derived from a URDF; left out for a robot given by Denavit-Hartenberg rows.
@@ -34,7 +34,7 @@ pub struct CheckDocument {
     pub urdf: Option<UrdfEntry>,
 }
 
-/// How a search treats the postures of an operation.
+/// Statement of how a search treats the postures of an operation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OperationOrderEntry {
@@ -148,8 +148,8 @@ impl PoseEntry {
     }
 }
 
-/// Returns roll, pitch and yaw about the fixed axes x, y and z, rad. [`Pose::from_translation_rpy`] takes the
-/// same angles.
+/// Returns roll, pitch and yaw about the fixed axes x, y and z, rad. [`Pose::from_translation_rpy`] accepts
+/// the same angles.
 pub fn roll_pitch_yaw(pose: &Pose) -> Vector3<f64> {
     let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(pose.rotation).euler_angles();
     Vector3::new(roll, pitch, yaw)

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `compare --json`.
 pub const COMPARISON_SCHEMA: &str = "sweetspot/compare/1";
 
-/// Comparison of layouts; the first one is the reference.
+/// Comparison of layouts; the first layout is the reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparisonDocument {

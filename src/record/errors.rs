@@ -38,7 +38,7 @@ pub struct ErrorsDocument {
     pub wanted_rp_mm: Option<f64>,
     /// Factor by which the tolerances of the origin are multiplied.
     pub scale: f64,
-    /// Number of predictions that the search for the factor took.
+    /// Number of predictions that the search for the factor needed.
     pub steps: usize,
     /// Predicted pose accuracy AP from the constant errors alone.
     pub ap: AccuracyQuantiles,
@@ -68,7 +68,7 @@ pub enum ErrorOrigin {
 pub enum BaseChoice {
     /// The base frame is fitted to each robot over its working space.
     Fitted,
-    /// The base frame is the nominal one.
+    /// The base frame is the nominal base frame.
     Nominal,
 }
 

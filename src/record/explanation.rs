@@ -203,7 +203,7 @@ pub struct PostureGuardEntry {
     pub threshold_percent: f64,
     pub linear_off_percent: f64,
     pub second_order_off_percent: f64,
-    /// Discrepancy between the chosen error model and the nonlinear one, percent.
+    /// Discrepancy between the chosen error model and the nonlinear model, percent.
     pub off_percent: f64,
     pub trusted: bool,
 }

@@ -76,7 +76,7 @@ pub fn value(cell: &Cell, goal: Goal, si: f64) -> f64 {
     }
 }
 
-/// Converts the value of a goal from the unit that [`word`] names to SI.
+/// Converts the value of a goal to SI from the unit that [`word`] names.
 pub fn si(cell: &Cell, goal: Goal, value: f64) -> f64 {
     match goal {
         Goal::Error if cell.unit() == Unit::Angle => rad_from_deg(value),

@@ -50,12 +50,12 @@ pub struct MapDocument<'a> {
     /// Values that the cell file leaves out and that were assumed.
     pub assumed: Vec<AssumedEntry>,
     /// Whether the layout certainly works at every misplacement within its placement tolerances: true, or the
-    /// reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    /// reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
     pub certified: Option<CertifiedEntry>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,
     /// Motions between consecutive operations; empty if an overlap, a missing spot or a blocked motion
-    /// prevents them. Left out if the cell does not check motions.
+    /// prevents these motions. Left out if the cell does not check motions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfers: Option<Vec<TransferEntry>>,
     /// Cycle time of the layout; left out if the layout is not feasible.
@@ -236,7 +236,7 @@ impl StatusCounts {
     }
 }
 
-/// Check of the approximate error models against the nonlinear one over the usable nodes.
+/// Check of the approximate error models against the nonlinear model over the usable nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GuardEntry {
@@ -271,7 +271,7 @@ impl ExtrapolatedEntry {
     }
 }
 
-/// Discrepancy between one error model and the nonlinear one.
+/// Discrepancy between one error model and the nonlinear model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelGuardEntry {
@@ -355,7 +355,7 @@ pub struct TransferEntry {
 }
 
 /// Returns the motions between consecutive operations; empty if an overlap, a missing spot or a blocked
-/// motion prevents them.
+/// motion prevents these motions.
 fn transfers(a: &Assessment<'_>) -> Vec<TransferEntry> {
     let name = |k: usize| a.cell.operations[k].name.clone();
     let entry = |t: &Transfer| TransferEntry {

@@ -19,11 +19,11 @@ pub struct MeasuringPlanDocument {
     pub schema: String,
     pub cell: String,
     pub robot: String,
-    /// Poses in the layout as drawn, the most informative first.
+    /// Poses in the layout of the cell file, the most informative first.
     pub poses: Vec<PlannedPoseEntry>,
     pub expected: ExpectedEntry,
     pub tried: TriedEntry,
-    /// Number of unknowns of the calibration, including those of base and reflector.
+    /// Number of unknowns of the calibration, including the unknowns of base and reflector.
     pub unknowns: usize,
     /// Position of the reflector in the frame of the mechanical interface.
     pub reflector_mm: [f64; 3],

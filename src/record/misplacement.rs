@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `robust --json`.
 pub const ROBUST_SCHEMA: &str = "sweetspot/robust/1";
 
-/// Effect of misplaced equipment on the layout as drawn.
+/// Effect of misplaced equipment on the layout of the cell file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobustDocument {

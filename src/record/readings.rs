@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the document of `readings --json`.
 pub const READINGS_SCHEMA: &str = "sweetspot/readings/1";
 
-/// Results of evaluating the drawn layout under every reading and registration. Positions are in the world
+/// Results for the layout of the cell file under every reading and registration. Positions are in the world
 /// frame, mm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -32,7 +32,7 @@ pub struct RemediesDocument {
     pub seed: u64,
     /// Number of layouts that both searches evaluated.
     pub evaluations: u64,
-    /// One entry for each remedy: as drawn, calibrated, moved, both.
+    /// One entry for each remedy: none, calibrate, move, both.
     pub remedies: Vec<RemedyEntry>,
     /// Remedies each of which is sufficient alone; empty if no remedy helps.
     pub advised: Vec<Remedy>,
@@ -48,7 +48,7 @@ pub struct RemedyEntry {
     pub feasible: bool,
     /// Objective in the unit of the document; null if the layout is not feasible.
     pub objective: Option<f64>,
-    /// Reduction of the objective relative to the layout as drawn, percent.
+    /// Reduction of the objective relative to the present layout, percent.
     pub gain_percent: Option<f64>,
     /// Whether every operation keeps its limit; null if no operation has one.
     pub within_limits: Option<bool>,

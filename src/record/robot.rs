@@ -83,8 +83,8 @@ pub struct RobotSheetDocument {
     /// Names of the solids of the links.
     pub solids: Vec<String>,
     pub errors: Vec<ErrorSetEntry>,
-    /// Size of the working envelope; null for a redundant arm and for numeric inverse kinematics. The command
-    /// `sweetspot envelope` computes the envelope of such an arm.
+    /// Size of the working envelope; null for a redundant arm and for an arm with numeric inverse kinematics.
+    /// The command `sweetspot envelope` computes the envelope of such an arm.
     pub envelope: Option<EnvelopeSize>,
 }
 

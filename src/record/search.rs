@@ -20,9 +20,9 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the result of a search.
 pub const SEARCH_SCHEMA: &str = "sweetspot/search/1";
 
-/// Result of a search: the best layout found, the layout as drawn and the proven bound. Positions are in the
-/// world frame, mm; angles are in degrees. The document is the same, byte for byte, for every number of
-/// threads.
+/// Result of a search: the best layout found, the layout before the search and the proven bound. Positions
+/// are in the world frame, mm; angles are in degrees. The document is the same, byte for byte, for every
+/// number of threads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SearchResult {
@@ -34,11 +34,11 @@ pub struct SearchResult {
     /// Objective of the best layout, in `unit`; null if no layout is feasible.
     pub objective_value: Option<f64>,
     pub unit: Unit,
-    /// Reduction of the objective from the layout as drawn to the best layout, percent.
+    /// Reduction of the objective from the layout before the search to the best layout, percent.
     pub gain_percent: Option<f64>,
     /// Proven lower bound of the objective of every layout, in `unit`.
     pub bound: Option<f64>,
-    /// Gap: how far the best layout lies above the bound, in percent of the bound.
+    /// Gap: excess of the objective of the best layout over the bound, in percent of the bound.
     pub gap_percent: Option<f64>,
     pub proof: ProofEntry,
     /// Number of layouts evaluated.
@@ -71,16 +71,16 @@ pub struct SearchResult {
     pub pareto: Option<Vec<Goal>>,
     /// Number of layouts to keep; null if the cell states none.
     pub keep: Option<usize>,
-    /// Whether the layout need only work exactly as drawn.
+    /// Whether every piece stands exactly at its placement, so that placement tolerances do not count.
     pub ideal: bool,
     /// Values that the cell file leaves out and that were assumed.
     pub assumed: Vec<AssumedEntry>,
     /// Whether the best layout certainly works at every misplacement within its placement tolerances: true,
-    /// or the reason why not. Null if no body has a tolerance, or if the layout need only work as drawn.
+    /// or the reason why not. Null if no body has a tolerance, or if the cell requests an ideal layout.
     pub certified: Option<CertifiedEntry>,
     /// Least objective found, in `unit`. Among the layouts within `indifference_percent` of this objective,
-    /// the best layout is one whose equipment has much room to be displaced. Null if no layout is feasible
-    /// and keeps every limit.
+    /// the search chooses a layout whose equipment can be displaced far. Null if no layout is feasible and
+    /// keeps every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
     /// Regions in which each piece that the search places may stand instead.
@@ -106,9 +106,10 @@ pub struct SearchResult {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycle_time: Option<CycleTimeEntry>,
     pub start: StartEntry,
-    /// Pareto front or shortlist of layouts; null if the search was not asked to keep layouts.
+    /// Pareto front or shortlist of layouts; null if the cell requests neither.
     pub front: Option<Vec<AlternativeEntry>>,
-    /// Improvements of the best layout: number of evaluations so far, and objective in `unit`.
+    /// Improvements of the best layout during the search: the number of evaluations so far, and the objective
+    /// in `unit`.
     pub trace: Vec<(u64, f64)>,
     /// Searches with successive seeds that were merged into this result. Present for `search --islands`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -123,8 +124,8 @@ pub struct SearchResult {
 #[serde(deny_unknown_fields)]
 pub struct IslandEntry {
     pub seed: u64,
-    /// Whether this island found the best layout, the one with the least objective. Among equals, the first
-    /// island counts.
+    /// Whether this island found the best layout, the one with the least objective. If several islands are
+    /// equally good, the first one counts.
     pub is_best: bool,
     /// Least objective found, in `unit`; null if no layout is feasible and keeps every limit.
     pub least_value: Option<f64>,
@@ -169,7 +170,7 @@ pub struct ProvenOperation {
     pub boxes: u64,
 }
 
-/// Layout as drawn, from which the search started.
+/// Layout from which the search started.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StartEntry {
@@ -203,7 +204,8 @@ pub struct AlternativeEntry {
 }
 
 impl SearchResult {
-    /// Makes the result of a search from two assessed layouts: `start`, the layout as drawn, and `best`.
+    /// Makes the result of a search from two assessed layouts: `start`, the layout before the search, and
+    /// `best`.
     pub fn new(
         record: &SearchRecord,
         proof: &Proof,
@@ -264,8 +266,8 @@ impl SearchResult {
         }
     }
 
-    /// Makes the result of a search from a comparison of two layouts: the layout as drawn and the best
-    /// layout.
+    /// Makes the result of a search from a comparison of two layouts: the layout before the search and the
+    /// best layout.
     ///
     /// Returns None if the comparison does not have two layouts.
     pub fn of_comparison(record: &SearchRecord, proof: &Proof, comparison: &Comparison<'_>) -> Option<Self> {
@@ -343,7 +345,7 @@ impl StartEntry {
 }
 
 impl AlternativeEntry {
-    /// Makes one entry per kept layout; None if the search was not asked to keep layouts.
+    /// Makes one entry per kept layout; None if the cell requests neither a Pareto front nor a shortlist.
     fn all(cell: &Cell, record: &SearchRecord) -> Option<Vec<Self>> {
         if cell.search.keep == 0 && cell.search.pareto.is_empty() {
             return None;

@@ -24,7 +24,7 @@ pub struct ResolvedSettings {
     pub seed: u64,
     /// Largest number of layouts to evaluate.
     pub budget: u64,
-    /// Whether the layout need only work exactly as drawn.
+    /// Whether every piece stands exactly at its placement, so that placement tolerances do not count.
     pub ideal: bool,
     /// Whether the worst case over the placement tolerances is minimized.
     pub robust: bool,

@@ -35,7 +35,7 @@ pub struct SpotEntry {
     pub joints_deg: Option<Vec<f64>>,
     /// Spot refined between the nodes of the grid.
     pub refined: Option<RefinedEntry>,
-    /// Effect of misplacement on the operation, if it was computed.
+    /// Effect of misplacement on the operation; null if the effect was not computed.
     pub robustness: Option<RobustnessEntry>,
     pub error_mm: Option<[f64; 3]>,
     pub error_sense_mm: Option<f64>,
@@ -59,11 +59,11 @@ pub type OptionBySense = super::placement::ByName<Option<f64>>;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RequirementEntry {
-    /// Largest allowed value of the operation. If the objective is a cost, the cost of the tightest
-    /// tolerances.
+    /// Largest allowed value of the operation. If the objective is a tolerance cost, this is the cost of the
+    /// tightest tolerances.
     pub limit: f64,
     /// Limit minus the value of the operation; negative if the value exceeds the limit. If the layout must
-    /// withstand misplacements, `worst` takes the place of the value.
+    /// withstand misplacements, `worst` replaces the value.
     pub margin: f64,
     /// Whether the limit is kept. The limit counts as missed if `worst` is needed but no bound is known.
     pub met: bool,

@@ -30,7 +30,7 @@ pub struct SweepPlan {
     pub cell: PathBuf,
     /// Name and folder of each ROS package that the option `--package` gives.
     pub packages: Vec<(String, PathBuf)>,
-    /// Whether a search runs for every combination; otherwise the layout as drawn is mapped.
+    /// Whether a search runs for every combination. If false, the layout of the cell file is mapped.
     pub search: bool,
     pub sets: Vec<Choices>,
     /// Flags of `search --islands`, which apply to every seed of `sets`. Absent in the plan of a sweep.
@@ -221,7 +221,7 @@ pub struct SweepTable {
     pub rows: Vec<SweepRow>,
 }
 
-/// Whether a sweep searched for the layout of every combination, or mapped the layout as drawn.
+/// Whether a sweep searched for the layout of every combination, or mapped the layout of the cell file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SweepMode {
@@ -264,8 +264,8 @@ impl SweepTable {
     }
 }
 
-/// Returns the feasible row with the least objective, the first one among equals. Returns None if no row is
-/// feasible, or if feasible rows have objectives in different units.
+/// Returns the feasible row with the least objective. If several rows are equally good, returns the first
+/// one. Returns None if no row is feasible, or if feasible rows have objectives in different units.
 fn best_row<'a>(rows: impl Iterator<Item = &'a SweepRow> + Clone) -> Option<&'a SweepRow> {
     let feasible = rows.filter(|r| r.feasible);
     let unit = feasible.clone().next()?.unit;

@@ -18,8 +18,8 @@ pub struct SweepStatus {
     pub free: usize,
     pub running: Vec<RunningCombination>,
     pub failed: Vec<FailedCombination>,
-    /// Estimated time until the last combination is done, if the workers that run now go on. Null if no worker
-    /// runs, or if none has finished a combination yet.
+    /// Estimated time until the last combination is done, if the running workers continue. Null if no worker
+    /// is running, or if no worker has finished a combination.
     pub seconds_left: Option<f64>,
     /// Work that each host has done. Only workers of `sweep --claim` leave this information.
     pub hosts: Vec<HostWork>,
@@ -40,8 +40,8 @@ pub struct RunningCombination {
     pub seconds_since_heartbeat: f64,
 }
 
-/// Combination that its last worker did not finish. A worker that looks for work takes the combination over,
-/// unless it is given up.
+/// Combination that its last worker did not finish. The next free worker takes over the combination, unless
+/// the combination is given up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FailedCombination {
@@ -65,7 +65,8 @@ pub struct HostWork {
 }
 
 impl SweepStatus {
-    /// Returns the mean time of a finished combination; None if no worker of `sweep --claim` has finished one.
+    /// Returns the mean time of a finished combination; None if no worker of `sweep --claim` has finished a
+    /// combination.
     pub fn mean_seconds(&self) -> Option<f64> {
         let finished: usize = self.hosts.iter().map(|host| host.combinations.len()).sum();
         let seconds: f64 = self.hosts.iter().map(|host| host.seconds).sum();

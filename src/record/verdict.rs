@@ -24,7 +24,7 @@ pub struct VerdictDocument {
     pub answer: VerdictAnswer,
     pub headline: String,
     pub feasible: bool,
-    /// Reason why the search ended; null for a layout as drawn.
+    /// Reason why the search ended; null if no search ran.
     pub ended: Option<SearchEnd>,
     pub unit: Unit,
     /// Name of the figure that the search minimizes.
@@ -60,7 +60,7 @@ pub struct VerdictDocument {
 pub enum VerdictSubject {
     /// Result of a search.
     Search,
-    /// Layout as drawn.
+    /// Layout of the cell file.
     Layout,
 }
 
@@ -109,7 +109,7 @@ pub enum FactMood {
 pub struct RunnerUpEntry {
     pub kind: RunnerUpKind,
     /// Objective of the runner-up, in the `unit` of the verdict. For a node, this is the objective if one
-    /// operation moves to the node and all others keep their spots.
+    /// operation moves to the node and all other operations keep their spots.
     pub value: f64,
     pub text: String,
     pub note: String,
@@ -123,7 +123,8 @@ pub enum RunnerUpKind {
     Node,
 }
 
-/// Placement of a piece of equipment, seen from the robot base, and the room to displace and rotate it.
+/// Placement of a piece of equipment, seen from the robot base, and the room to displace and rotate the
+/// piece.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictPlacement {

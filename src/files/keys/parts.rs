@@ -84,8 +84,7 @@ pub const fn word<W: Word>(name: &'static str, help: &'static str) -> Key {
 
 /// Returns the key `from`, which names the file from which a table takes the keys that it lacks.
 pub const fn from(example: &'static str) -> Key {
-    let help =
-        "File that supplies the keys left out here; a list given here replaces the list of that file.";
+    let help = "File that supplies the keys left out here; a list given here replaces the list of that file.";
     Key::new("from", ValueKind::Path, help).example(example)
 }
 
