@@ -201,7 +201,8 @@ fn shortfall(cell: &Cell, outcome: &Outcome) -> f64 {
         Outcome::Unreachable { gap } if gap.reach > 0.0 => {
             OUT_OF_REACH_PENALTY + gap.reach.min(INFEASIBLE_PENALTY)
         }
-        // The excess of revolute joints is a sum of cosines. The factor `reach` makes it a length.
+        // The excess of revolute joints is a sum of cosines. The factor `reach` converts this sum to a
+        // length.
         Outcome::Unreachable { gap } => {
             JOINT_LIMIT_PENALTY + (gap.limits.min(4.0) / 4.0) * cell.robot.reach().min(1.0)
         }

@@ -1,8 +1,8 @@
 //! Held layout: a layout whose operations keep their spots while the robot base or equipment is placed
 //! elsewhere.
 //!
-//! The node and the branch of every operation do not change, so that a drawing with the spots remains
-//! valid. An operation at every node keeps no posture: each of its nodes takes its best posture.
+//! The node and the branch of every operation do not change, so that a drawing with the spots remains valid.
+//! An operation at every node keeps no posture: at each of its nodes, the best posture of the node is used.
 
 use super::certify::is_between_solids;
 use super::evaluation::{Evaluation, evaluate};
@@ -17,7 +17,8 @@ use crate::error_map::{Demand, HeldPosture, MapperWorkspace, Outcome, PlacedLayo
 use crate::motion::Blocked;
 use crate::safe_text::shown;
 
-/// Reason why a layout with held spots is infeasible, misses a limit or has too large an objective.
+/// Reason why a layout with held spots is infeasible, misses a limit or exceeds the largest allowed
+/// objective.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
     /// The objective exceeds the largest objective that is allowed.
@@ -38,7 +39,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// Describes the reason with the names of the cell, as a clause.
+    /// Describes the reason as a clause, with the names of operations, joints and solids in the cell.
     pub fn in_words(&self, cell: &Cell) -> String {
         let of = |k: &usize, why: String| format!("{}: {why}", shown(&cell.operations[*k].name));
         match self {
@@ -179,8 +180,8 @@ impl<'a> HeldLayout<'a> {
         self.kept_objective(&self.values(layout, most, Some(known), memory)?, most)
     }
 
-    /// Returns the values of the operations that do not depend on a piece of equipment. The values are those
-    /// in the layout whose spots are kept. Returns None if this layout is infeasible.
+    /// Returns the values of the operations that do not depend on a piece of equipment. The values belong to
+    /// the layout whose spots are kept. Returns None if this layout is infeasible.
     pub fn uncarried(&self, equipment: usize, memory: &mut HeldMemory) -> Option<Uncarried> {
         let cell = &self.workcell.cell;
         let (values, _) = self.values(self.layout, f64::INFINITY, None, memory).ok()?;

@@ -97,8 +97,8 @@ impl Workcell {
         maps
     }
 
-    /// Returns the data from which the errors of one posture in a map are computed. They are the context of
-    /// the operation and the link frames.
+    /// Returns the context of the operation and the link frames, from which the errors of one posture in a
+    /// map are computed.
     ///
     /// # Errors
     /// Returns the reason if the errors cannot be computed in this layout.

@@ -34,8 +34,8 @@ pub struct ToleranceBoxes {
 }
 
 impl ToleranceBoxes {
-    /// Separates the placement tolerances of the bodies on which an operation depends from those of all other
-    /// bodies.
+    /// Separates the placement tolerances of the bodies on which an operation depends from the placement
+    /// tolerances of all other bodies.
     pub fn of(cell: &Cell, operation: usize) -> Self {
         let operation = &cell.operations[operation];
         let pick = operation.relative_to.map(|pick| cell.operations[pick].equipment);

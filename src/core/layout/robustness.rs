@@ -9,10 +9,10 @@
 //! robot touches the taught points also change.
 //!
 //! - Worst corner: all corners of the box of tolerances are checked if it has at most 8 dimensions. For a
-//!   larger box, the corners of the box of each body are checked, with the other bodies as drawn. The
-//!   corner of the whole box that is worst to first order is also checked. A corner is called lost if the
-//!   posture cannot be used there, or if floor spaces overlap. The corners of the box of every other body
-//!   are also checked, because this body may get in the way.
+//!   larger box, the corners of the box of each body are checked, while the other bodies are not misplaced.
+//!   The corner of the whole box that is worst to first order is also checked. A corner is called lost if the
+//!   posture cannot be used there, or if floor spaces overlap. The corners of the box of every other body are
+//!   also checked, because this body may get in the way.
 //! - Gradient: the derivatives are computed by central differences.
 //! - Largest allowed misplacement: there are three separate sizes. They are a multiple of the tolerance
 //!   box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces
@@ -91,7 +91,8 @@ pub struct Largest {
 /// Tolerance analysis of one operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robustness {
-    /// Value of the operation in the layout as drawn (m, rad, share of failures, or cost of tolerances).
+    /// Value of the operation in the layout without misplacements (m, rad, share of failures, or cost of
+    /// tolerances).
     pub value: f64,
     /// Placement tolerances of the bodies on which the operation depends: coordinates and half widths.
     ///
@@ -122,12 +123,12 @@ impl Robustness {
     /// misplacement inside the tolerances.
     pub fn holds(&self) -> bool {
         let scale = self.scale.as_ref().is_none_or(|scale| scale.most >= 1.0);
-        // Without tolerances, `shift` shows whether the layout as drawn is allowed.
+        // Without tolerances, `shift` shows whether the layout without misplacements is allowed.
         self.lost.is_empty() && scale && self.shift.most > 0.0
     }
 }
 
-/// Query of a held posture. It returns a value, or the status that prevents the posture.
+/// Function that queries a held posture. It returns a value, or the status that prevents the posture.
 type AskHeld = fn(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>;
 
 /// One operation with the postures that it keeps while bodies are misplaced.
@@ -156,8 +157,8 @@ impl Workcell {
         all.collect()
     }
 
-    /// Computes the value of an operation if bodies are misplaced, given the maps of the layout as drawn.
-    /// The spot and the branch do not change.
+    /// Computes the value of an operation if bodies are misplaced, given the maps of the layout without
+    /// misplacements. The spot and the branch do not change.
     ///
     /// # Errors
     /// Returns the status if floor spaces overlap, or if the posture cannot be used at the misplacement.

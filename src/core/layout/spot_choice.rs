@@ -1,14 +1,14 @@
 //! Choice of the spot of one operation, for evaluation and maps alike.
 //!
 //! If the layout must withstand misplacements, only certified spots are used. At a certified spot, the
-//! operation works at every misplacement ([`crate::certificate`]). The value as drawn is the value without
-//! misplacements. The certified spot with the least value as drawn is chosen.
+//! operation works at every misplacement ([`crate::certificate`]). The nominal value is the value without
+//! misplacements. The certified spot with the least nominal value is chosen.
 //!
-//! A robust search chooses the certified spot with the least bound of its value instead. Spots are judged
-//! in ascending order of their value as drawn. The bound is never below the value as drawn. The search
-//! therefore ends when the value as drawn of the next spot reaches the least bound found. If no bound of
-//! the value is known, the greatest value at the corners of the placement tolerances takes its place. At
-//! most [`MAX_NODES`] nodes are judged. If the search ends at this number, a better spot may exist.
+//! A robust search chooses the certified spot with the least bound of its value instead. Spots are judged in
+//! ascending order of their nominal values. The bound is never below the nominal value. The search therefore
+//! ends when the nominal value of the next spot reaches the least bound found. If no bound of the value is
+//! known, the greatest value at the corners of the placement tolerances replaces the bound. At most
+//! [`MAX_NODES`] nodes are judged. If the search ends at this number, a better spot may exist.
 
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
 use super::workcell::Workcell;
@@ -165,7 +165,8 @@ impl<'a, 'm> Judge<'a, 'm> {
         Self { query, demand, memory }
     }
 
-    /// Returns the value of the operation at the spots `at`. `drawn` is its value in the layout as drawn.
+    /// Returns the value of the operation at the spots `at`. `drawn` is the nominal value, without
+    /// misplacements.
     pub fn value(&mut self, drawn: f64, at: &[Spot]) -> SpotValue {
         let SpotQuery { workcell, placed, operation, spots } = *self.query;
         let mut most = Vec::with_capacity(at.len());
@@ -176,7 +177,7 @@ impl<'a, 'm> Judge<'a, 'm> {
             }
         }
         let over = workcell.cell.operations[operation].over;
-        // A bound cannot be below the value as drawn, except by rounding.
+        // A bound cannot be below the nominal value, except by rounding.
         let bound = (most.len() == at.len()).then(|| over.of(&mut most).max(drawn));
         if !workcell.cell.search.robust {
             return SpotValue::Kept { value: drawn, most: bound.unwrap_or(f64::INFINITY) };
@@ -211,7 +212,7 @@ impl<'a> Corners<'a> {
         Self { query, layouts: corners.iter().map(misplaced).collect() }
     }
 
-    /// Computes the worst of the value as drawn and the values at the corners of the placement tolerances.
+    /// Computes the greatest of the nominal value and the values at the corners of the placement tolerances.
     ///
     /// The points and postures in `held` do not change.
     ///

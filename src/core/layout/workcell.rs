@@ -18,9 +18,10 @@ pub struct Workcell {
     /// Greatest speeds and accelerations of the joints, or the indices of the joints whose greatest speed
     /// is not known.
     pub(super) rates: Result<RateBounds, Vec<usize>>,
-    /// Floor plan with room for misplacements.
+    /// Floor plan whose floor spaces have room for misplacements.
     pub(super) wide: Arc<FloorPlan>,
-    /// Upper bound of the value of each operation over all misplacements, or the reason why there is none.
+    /// Upper bound of the value of each operation over all misplacements, or the reason why there is no
+    /// bound.
     pub(super) value_bounds: Vec<Result<ValueBound, NoValueBound>>,
 }
 

@@ -34,7 +34,7 @@ impl Inverse {
         }
         if exact && !arm.rolls() && matches!(attitude.spin, Spin::At(_)) {
             return Some(
-                "the arm has no axis that rotates the tool about the tool axis, so spin_deg cannot be chosen: \
+                "the arm has no axis that rotates the tool about its own axis, so spin_deg cannot be chosen: \
                  omit spin_deg, or set a tolerance_deg above 0"
                     .into(),
             );

@@ -1,6 +1,6 @@
 //! CMA-ES as an argmin solver: the (mu/mu_w, lambda) evolution strategy with covariance matrix adaptation.
 //!
-//! Formulas and default parameters are those of N. Hansen, "The CMA Evolution Strategy: A Tutorial",
+//! Formulas and default parameters come from N. Hansen, "The CMA Evolution Strategy: A Tutorial",
 //! arXiv:1604.00772. Equations, sections and Table 1 have the numbers of that tutorial.
 //!
 //! The steps depend on the rank of each cost in its generation, not on the costs themselves. So the jumps of
@@ -17,8 +17,8 @@ use rand_chacha::ChaCha8Rng;
 ///
 /// The local polish refines the result.
 const TOL_X: f64 = 1e-5;
-/// Convergence limit of the best costs of the last generations: the difference between the largest and the
-/// least, divided by the least.
+/// Relative difference between the largest and the least of the best costs of the last generations, below
+/// which a run has converged.
 const TOL_COST: f64 = 1e-5;
 /// Condition number of the covariance above which a run ends.
 const MAX_CONDITION: f64 = 1e14;
@@ -54,8 +54,8 @@ pub struct CmaEs {
 impl CmaEs {
     /// Prepares a run from `mean` with the initial step size `sigma`.
     ///
-    /// The parameters are those of Table 1 of N. Hansen, arXiv:1604.00772, with `scale` times the population
-    /// of that table.
+    /// The parameters come from Table 1 of N. Hansen, arXiv:1604.00772. The population is `scale` times the
+    /// population in that table.
     pub fn new(mean: Vec<f64>, sigma: f64, scale: u32, rng: ChaCha8Rng) -> Self {
         let n = mean.len() as f64;
         let lambda = (4 + (3.0 * n.ln()).floor() as usize) * scale as usize;

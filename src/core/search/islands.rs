@@ -1,8 +1,7 @@
 //! Islands: searches of one cell that differ only in their seeds, merged into one result.
 //!
-//! The result depends only on the islands and on the order of their seeds. It does not depend on when or
-//! where the search of each island ran. The result of one island is the result of a plain search with its
-//! seed.
+//! The result depends only on the islands and on the order of their seeds, not on when or where the search of
+//! each island ran. The result of a single island equals the result of a search with its seed alone.
 
 use super::pareto_front::{MAX_MEMBERS, Member, ParetoFront, differ};
 use super::problem::LOSS_DIGITS;
@@ -76,7 +75,8 @@ impl Island {
     }
 }
 
-/// Returns the index of the best island, the first one among equals; None if there is no island.
+/// Returns the index of the best island, or of the first of several equally good islands; None if there is no
+/// island.
 pub fn best_island(islands: &[Island]) -> Option<usize> {
     let rank = |k: &usize| islands[*k].rank();
     (0..islands.len()).min_by(|a, b| {
@@ -88,10 +88,10 @@ pub fn best_island(islands: &[Island]) -> Option<usize> {
 /// Merges islands, which must be in the order of their seeds, into the result of one search. `bound` is the
 /// proven lower bound of the objective, m or rad. Returns None if there is no island.
 ///
-/// The best layout and the reason why the search ended are those of the best island ([`best_island`]).
-/// Evaluations are added, and the trace is that of islands searched one after the other. Pareto fronts are
-/// merged into the front of all their members. Shortlists are merged into the best layouts that differ from
-/// each other.
+/// The best layout and the reason why the search ended come from the best island ([`best_island`]). The
+/// numbers of evaluations are added. The trace is the trace of a search of all islands, one after the other.
+/// Pareto fronts are merged into the front of all their members. Shortlists are merged into the best layouts
+/// that differ from each other.
 pub fn merged(workcell: &Workcell, islands: &[Island], bound: Option<f64>) -> Option<SearchRecord> {
     let best = &islands[best_island(islands)?];
     let settings = &workcell.cell.search;
@@ -127,8 +127,8 @@ fn trace(islands: &[Island]) -> Vec<(u64, f64)> {
     all
 }
 
-/// Returns the members of all fronts that no member of another front dominates, spread over the front. The
-/// first of equal members is kept.
+/// Returns the members of all fronts that no member of another front dominates, spread over the front. If
+/// several members are equal, the first of them is kept.
 fn front<'i>(workcell: &Workcell, islands: &'i [Island]) -> Vec<&'i IslandLayout> {
     let settings = &workcell.cell.search;
     let space = SearchSpace::new(&workcell.cell);
@@ -153,7 +153,8 @@ fn shortlist<'i>(
     let space = SearchSpace::new(&workcell.cell);
     let numbered = islands.iter().enumerate().flat_map(|(k, i)| i.alternatives.iter().map(move |a| (k, a)));
     let mut all: Vec<(usize, &IslandLayout)> = numbered.collect();
-    // The best layout was chosen for its room, so its objective may be slightly larger than that of others.
+    // The best layout was chosen for its room, so its objective may be slightly larger than the objectives of
+    // other layouts.
     let is_first = |a: &IslandLayout| best.alternatives.first().is_some_and(|b| std::ptr::eq(a, b));
     all.sort_by(|(_, a), (_, b)| is_first(b).cmp(&is_first(a)).then(a.cost.total_cmp(&b.cost)));
     let mut kept: Vec<(usize, Vec<f64>, &IslandLayout)> = Vec::new();

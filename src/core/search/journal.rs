@@ -3,7 +3,7 @@
 //! Every run of a solver is a function of the seed, the number of the run and the costs that the solver
 //! receives. So a checkpoint needs no state of a solver. The checkpoint holds the record at the start of the
 //! current run and the results of all evaluations since then. A resumed search starts the current run again.
-//! It takes the results of the first evaluations of this run from the journal and computes the later ones.
+//! It takes the results of the first evaluations of this run from the journal and computes the later results.
 
 use super::pareto_front::ParetoFront;
 use super::record::{Answer, Record};
@@ -105,7 +105,7 @@ pub struct SearchJournal {
     pub phase: Phase,
     /// Number of evaluations at which the current run, polish or local search ends.
     pub until: u64,
-    /// Whether the points that the resumed search has evaluated differ from those of its journal.
+    /// Whether the points that the resumed search has evaluated differ from the points in its journal.
     pub diverged: bool,
     checkpoint: Checkpoint,
     /// Number of evaluations in the current phase of the current run.
@@ -154,7 +154,7 @@ impl SearchJournal {
 
     /// Begins the next run of the global solver.
     pub fn begin_run(&mut self) {
-        // A run that ends before its journal does is not the run that was recorded.
+        // A run that ends before its journal ends is not the recorded run.
         self.diverged |= self.knows();
         let Checkpoint { run, record, explored, asked, .. } = &mut self.checkpoint;
         *run += 1;
@@ -167,7 +167,7 @@ impl SearchJournal {
 
     /// Begins the polish.
     pub fn begin_polish(&mut self) {
-        // With new rules the exploration may end before its journal does.
+        // With new stopping rules, the exploration may end before its journal ends.
         self.checkpoint.explored.truncate(self.told);
         self.checkpoint.asked[0] = self.hash;
         self.phase = Phase::Polish;

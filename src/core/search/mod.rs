@@ -13,7 +13,7 @@
 //! therefore of every checkpoint. At the end a local search explores the neighbours of the layouts in the
 //! front or shortlist. Polish and local search together use a quarter of the budget.
 //!
-//! At the end, a search for one layout selects the layout with the most room among those with nearly the
+//! At the end, a search for one layout selects a layout with much room among the layouts with nearly the
 //! least objective. This phase evaluates further layouts; their number is at most a quarter of the budget.
 //!
 //! Searches that differ only in their seeds ([`Island`]) can be merged into one result.
@@ -69,8 +69,7 @@ pub struct SearchRecord {
     pub start: EvaluatedLayout,
     /// Best feasible layout; if none was found, the layout that comes nearest to being feasible.
     ///
-    /// The best layout is chosen for the room of its pieces among the layouts with nearly the least
-    /// objective.
+    /// Among the layouts with nearly the least objective, a layout whose pieces have much room is chosen.
     pub best: EvaluatedLayout,
     /// Least objective found (m, rad or a share); None if no layout is feasible and keeps every limit.
     pub least: Option<f64>,
@@ -96,7 +95,7 @@ impl SearchRecord {
     }
 
     /// Returns the relative gap between the objective of the best layout and the lower bound: `objective /
-    /// bound - 1`.
+    /// bound - 1`. Returns None without a feasible layout or without a positive bound.
     pub fn gap(&self) -> Option<f64> {
         let best = self.best.evaluation.objective?;
         self.bound.filter(|b| *b > 0.0).map(|bound| best / bound - 1.0)
@@ -185,7 +184,7 @@ pub fn search_job(
         if let Some(settled) = settle::settled(workcell, &space, settings, watch, found) {
             let at = alternatives.iter().position(|a| a.candidate.layout == best.layout);
             best = candidate(workcell, settled);
-            // The best layout heads the shortlist.
+            // The best layout must remain in the shortlist.
             if let Some(at) = at {
                 alternatives.splice(at..=at, alternative(workcell, best.layout.clone()));
             }

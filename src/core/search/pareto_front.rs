@@ -47,8 +47,8 @@ impl ParetoFront {
         Self { goals, members: Vec::new() }
     }
 
-    /// Returns the front of the members `all`, whose number is not limited. The first of equal members is
-    /// kept.
+    /// Returns the front of the members `all`, whose number is not limited. If several members are equal, the
+    /// first of them is kept.
     pub fn of_all(goals: Goals, all: &[Member]) -> Self {
         let is_better = |a: usize, b: usize| {
             covers(&all[a].losses, &all[b].losses) && (a < b || !covers(&all[b].losses, &all[a].losses))
@@ -138,7 +138,7 @@ impl ParetoFront {
             let end = self.members.iter().min_by(|a, b| a.losses[k].total_cmp(&b.losses[k]));
             chosen.extend(end.filter(|m| fits(&chosen, m)));
         }
-        // Squared distance of every member from the chosen ones.
+        // Squared distance of every member from the nearest chosen member.
         let mut far: Vec<f64> = self.members.iter().map(|m| to_nearest(m, &chosen, &apart)).collect();
         while let Some(k) = (0..far.len())
             .filter(|&k| fits(&chosen, &self.members[k]))

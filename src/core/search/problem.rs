@@ -40,7 +40,7 @@ pub struct Watch<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// Time at which the state of a search is reported.
+/// Point in a search at which the state of the search is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moment {
     /// The search has not yet evaluated a layout.
@@ -57,7 +57,7 @@ pub type Keep<'a> = &'a (dyn Fn(&Checkpoint, Moment) + Sync);
 /// Cost function on the unit cube, with a budget of evaluations.
 ///
 /// Once the budget is used up, every point costs minus infinity, which stops every argmin solver. A returned
-/// error would stop the solvers, too, but the Nelder-Mead solver of argmin panics at an error. The record
+/// error would stop the solvers, too, but the Nelder-Mead solver of argmin panics on an error. The record
 /// keeps the best layouts.
 pub struct Problem<'a> {
     workcell: &'a Workcell,
@@ -203,7 +203,8 @@ impl<'a> Problem<'a> {
 
     /// Returns the point of the front that has the least cost for the scalarization of the current run.
     ///
-    /// The candidates are the members of the front at the start of the run.
+    /// The candidates are the members of the front at the start of the run. Returns None if there are none,
+    /// or if the current run minimizes no scalarization.
     pub fn best_for_scalarization(&self) -> Option<Vec<f64>> {
         let (journal, scalarization) = (locked(&self.journal), locked(&self.scalarization));
         let (front, scalarization) = (journal.checkpoint().front()?, scalarization.as_ref()?);

@@ -1,10 +1,10 @@
-//! Last phase of a search: among the layouts with nearly the least objective, the search selects one with
-//! much room.
+//! Last phase of a search: among the layouts with nearly the least objective, the search selects a layout
+//! with much room.
 //!
 //! At the layout with the least objective, a piece often cannot be displaced at all. Layouts whose objective
-//! is larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among them
-//! ([`estimated_room`]), and polls of the neighbours follow. The result is the layout with the most clearance
-//! among those with nearly the most room.
+//! is larger by at most the indifference are equally good to the user. CMA-ES maximizes the room among these
+//! layouts ([`estimated_room`]), and polls of the neighbours follow. The result is the layout with the most
+//! clearance among the layouts with nearly the most room.
 //!
 //! The phase is a pure function of cell, settings and best layout, so a resumed search repeats it.
 
@@ -31,13 +31,13 @@ const SHARE: f64 = 0.25;
 const RUNS: [(f64, u32); 3] = [(0.01, 2); 3];
 /// Largest number of generations of a run.
 const GENERATIONS: u64 = 70;
-/// First step of the polls, as a share of the search range. Each step is half the previous one.
+/// First step of the polls, as a share of the search range. Each step is half the previous step.
 const POLL: f64 = 1.0 / 256.0;
 /// Number of polling steps.
 const POLLS: i32 = 4;
 /// Upper limit of an estimated room, m.
 const WIDEST: f64 = 0.25;
-/// Upper limit of an estimated room at first, m. This limit grows with the largest room found so far, up to
+/// Initial upper limit of an estimated room, m. This limit grows with the largest room found so far, up to
 /// [`WIDEST`].
 const FIRST_WIDEST: f64 = 0.02;
 /// Share of the largest room so far below which a room is not estimated accurately.
@@ -68,7 +68,8 @@ struct RoomState {
     most: f64,
 }
 
-/// Returns the layout of a search that has the most room among those with nearly the least objective.
+/// Returns a layout with nearly the most room among the layouts with nearly the least objective. Among
+/// several such layouts, the function returns the layout with the most clearance.
 ///
 /// `best` is the point with the least objective, `least`. If `bound` is given, it is a further upper limit of
 /// the objective. The result is None for an ideal layout, for an indifference of 0, for a Pareto search, and
@@ -107,7 +108,7 @@ pub fn settled(
 }
 
 impl RoomProblem<'_> {
-    /// Returns the point with the most room so far.
+    /// Returns the point with the most room so far, or `otherwise` if no point is usable.
     fn roomiest(&self, otherwise: &[f64]) -> Vec<f64> {
         let state = locked(&self.state);
         let most = state.rooms.iter().find(|(room, _)| *room == state.most);
@@ -129,7 +130,8 @@ impl RoomProblem<'_> {
         }
     }
 
-    /// Returns the layout with the most clearance among those with nearly the most room.
+    /// Returns the layout with the most clearance among the layouts with nearly the most room; None if no
+    /// point is usable.
     fn clearest(&self) -> Option<Layout> {
         let mut roomy = locked(&self.state).rooms.clone();
         roomy.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -181,7 +183,7 @@ impl RoomProblem<'_> {
     /// Returns the room of a point, m.
     ///
     /// # Errors
-    /// Returns a cost if the layout cannot be used or has too large an objective.
+    /// Returns a cost if the layout cannot be used, or if its objective is too large.
     fn room(
         &self,
         point: &[f64],

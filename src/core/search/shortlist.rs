@@ -14,7 +14,7 @@ pub const REALLY_DIFFERENT: f64 = 0.05;
 /// More layouts are stored than requested, because one better layout may replace several.
 const RESERVE_FACTOR: usize = 4;
 
-/// Best layouts seen, each of which differs from every better one by more than [`REALLY_DIFFERENT`].
+/// Best layouts seen, each of which differs from every better layout by more than [`REALLY_DIFFERENT`].
 ///
 /// A layout that was replaced by a similar, better layout does not return. This holds even if the better
 /// layout is itself replaced later.
@@ -36,7 +36,7 @@ impl Shortlist {
     /// The new layout replaces all similar layouts of greater cost. If the shortlist is too long, it drops
     /// the layout of greatest cost.
     pub fn take(&mut self, point: &[f64], cost: f64) {
-        // Among layouts of equal cost, the first one is kept.
+        // If two layouts have equal costs, the first of them is kept.
         let place = self.members.partition_point(|m| m.0 <= cost);
         let full = place >= RESERVE_FACTOR * self.keep;
         if full || self.members[..place].iter().any(|m| !differ(&m.1, point, REALLY_DIFFERENT)) {

@@ -15,8 +15,8 @@ use rand_chacha::ChaCha8Rng;
 const SIGMA_FROM_FILE: f64 = 0.15;
 /// Initial step size of a global run of CMA-ES, as a share of the search range.
 const SIGMA: f64 = 0.3;
-/// Period of the restarts of CMA-ES. The first restart of each period is global, and the others are local
-/// (see [`restart`]).
+/// Period of the restarts of CMA-ES. The first restart of each period is global, and the other restarts are
+/// local (see [`restart`]).
 const RESTART_PERIOD: u64 = 3;
 /// Number of particles of a swarm.
 const PARTICLES: usize = 40;
@@ -44,11 +44,12 @@ pub fn explore(problem: &Problem<'_>, settings: &SearchSettings, start: Vec<f64>
     loop {
         let run = problem.run();
         if run == 0 {
-            // The layout in the file is the first candidate, so that the result is never worse.
+            // The layout in the file is the first candidate, so that the result is never worse than this
+            // layout.
             problem.try_point(&start);
         }
-        // Every run has its own random stream, so that one run does not change the random numbers of the
-        // next.
+        // Every run has its own random stream, so that one run does not change the random numbers of the next
+        // run.
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(run);
         let random = |rng: &mut ChaCha8Rng| (0..problem.dimensions()).map(|_| rng.random()).collect();
@@ -114,7 +115,7 @@ pub fn polish(problem: &Problem<'_>) {
         return;
     }
     let best = problem.best_point();
-    // The edges point inwards, so that no corner is mirrored back onto another.
+    // The edges point inwards, so that no corner is mirrored back onto another corner.
     let corner = |k: usize| {
         let mut corner = best.clone();
         corner[k] += if corner[k].rem_euclid(2.0) < 0.5 { SIMPLEX_EDGE } else { -SIMPLEX_EDGE };

@@ -91,7 +91,7 @@ pub struct Stopping {
 }
 
 impl Stopping {
-    /// Returns the stopping rules that search settings give.
+    /// Returns the stopping rules of search settings, with a proven lower bound (m or rad) if there is one.
     pub fn new(settings: &SearchSettings, bound: Option<f64>) -> Self {
         let SearchSettings { budget, gap, stagnation, pareto, keep, .. } = *settings;
         Self { budget, gap, bound, stagnation, pareto, keep }

@@ -1,5 +1,5 @@
-//! Closed form of the first three joints of most industrial arms: a yaw, then two parallel axes
-//! perpendicular to the yaw axis. The arm may have offsets along its axes and between them.
+//! Closed form of the first three joints of most industrial arms: a yaw axis, then two parallel axes
+//! perpendicular to it. The arm may have offsets along its axes and between them.
 //!
 //! M. Brandstoetter, A. Angerer, M. Hofbaur, "An analytical solution of the inverse kinematics problem of
 //! industrial serial manipulators with an ortho-parallel basis and a spherical wrist", 2014.
@@ -32,7 +32,7 @@ pub(in crate::reach) struct Anthropomorphic {
 }
 
 impl Anthropomorphic {
-    /// Returns the closed form of the first three D-H rows; None if the arm is of another kind.
+    /// Returns the closed form of the first three D-H rows; None if the joints have another geometry.
     ///
     /// `tip` is the wrist centre, m, in frame 2 rotated by theta_3 about its z axis.
     pub fn new([a, b, c]: &[Link; 3], tip: &Vector3<f64>) -> Option<Self> {
@@ -58,7 +58,7 @@ impl Anthropomorphic {
     /// Calls `found` with every solution (branch index, theta_1 to theta_3) for the wrist centre `p`.
     ///
     /// `p` is in frame 0, m. Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if
-    /// the arm leans back over its base. If the wrist centre lies on axis 1, theta_1 is free and becomes 0.
+    /// the arm leans back over its base. If the wrist centre lies on axis 1, theta_1 is free and is set to 0.
     ///
     /// Returns the distance from `p` to the nearest reachable point, m; 0 if there is a solution. If `fast`
     /// is set, the function returns a lower bound of the distance.
@@ -119,8 +119,9 @@ impl Anthropomorphic {
     /// `radius` is the distance of the target from axis 1. `height` is the height of the target above the
     /// origin of frame 1, negated if alpha_1 is -90 degrees.
     ///
-    /// In the plane of the arm, the wrist centre is between two circles. The nearest point is on one of them,
-    /// or where the arm is nearest to axis 1. The inner circle matters only to a target inside it.
+    /// In the plane of the arm, the wrist centre is between two circles. The nearest point is on one of these
+    /// circles, or where the wrist centre is nearest to axis 1. The inner circle matters only for a target
+    /// inside it.
     fn missing(&self, radius: f64, height: f64) -> f64 {
         let (least, most) = self.links.range();
         if self.lateral == 0.0 {
@@ -147,11 +148,12 @@ impl Anthropomorphic {
     /// Returns the distance (m) from a target to the nearest position of the wrist centre that is at the
     /// distance `size` (m) from axis 2.
     ///
-    /// Newton's method narrows every local minimum of a scan over the angle in this plane. The interval
-    /// always contains a minimum, because the derivative has different signs at the ends.
+    /// A scan over the angle about axis 2 brackets the local minima, and Newton's method refines each of
+    /// them. A bracket always contains a minimum, because the derivative has different signs at its ends.
     fn distance_from_circle(&self, size: f64, radius: f64, height: f64) -> f64 {
         const MAX_STEPS: usize = 60;
-        // Distance of the target, and two derivatives of half its square with respect to the angle.
+        // Components of the distance from the target, then the first and second derivative of half the
+        // squared distance with respect to the angle.
         let at = |(c, s): (f64, f64)| {
             let (u, du, up) = (self.l1 + size * c, -size * s, size * s - height);
             let r = (u * u + self.lateral * self.lateral).sqrt().max(f64::MIN_POSITIVE);
@@ -186,14 +188,14 @@ impl Anthropomorphic {
     }
 }
 
-/// Number of directions in which [`Anthropomorphic::distance_from_circle`] looks for local minima.
+/// Number of directions that [`Anthropomorphic::distance_from_circle`] scans for local minima.
 const ANGLES: usize = 32;
 
-/// Cosine and sine of the directions, with the first one also at the end.
+/// Cosine and sine of each scanned direction; the first direction is repeated at the end.
 static DIRECTIONS: LazyLock<[(f64, f64); ANGLES + 1]> =
     LazyLock::new(|| std::array::from_fn(|k| (angle(k).cos(), angle(k).sin())));
 
-/// Returns the angle of a direction, rad.
+/// Returns the angle of the direction with index `k`, rad.
 fn angle(k: usize) -> f64 {
     TAU * k as f64 / ANGLES as f64
 }

@@ -1,11 +1,11 @@
 //! Six-axis arms whose wrist has an offset: axes 4 and 5 intersect, but axis 6 does not pass through their
 //! intersection.
 //!
-//! The pose of the flange fixes axis 6. If theta_6 were known, axis 5 would be known, too, and with it the
-//! intersection P of the axes 4 and 5. The first three joints put P in place, in up to four ways for most
-//! arms. For each way, the angle between the axes 4 and 5 must equal the D-H twist alpha_4. This is one
-//! equation for theta_6, whose roots are found by a scan. A scan over one angle with closed forms for the
-//! other joints is the "1D search" of A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using
+//! The pose of the flange fixes axis 6. A value of theta_6 also determines axis 5, and the intersection P of
+//! axes 4 and 5. The first three joints move P to its place, with up to four solutions for most arms. For
+//! each solution, the angle between axes 4 and 5 must equal the D-H twist alpha_4. This condition is one
+//! equation for theta_6, and a scan finds its roots. A scan over one angle with closed forms for the other
+//! joints is the "1D search" of A. J. Elias, J. T. Wen, "IK-Geo: Unified robot inverse kinematics using
 //! subproblem decomposition" (2022).
 
 use super::positioning_arm::PositioningArm;
@@ -17,7 +17,7 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::Vector3;
 
-/// Least sine of the twists alpha_4 and alpha_5.
+/// Least absolute sine of the twists alpha_4 and alpha_5.
 const LEAST_SINE: f64 = 1e-3;
 
 /// Inverse kinematics of an arm with an offset wrist; lengths in m.
@@ -26,15 +26,18 @@ pub struct OffsetWrist {
     /// D-H rows from base to flange, or the rows of the reversed chain.
     links: [Link; 6],
     arm: PositioningArm,
-    /// Variant of `arm` that computes lower bounds of distances.
+    /// Variant of `arm` that computes only lower bounds of distances.
     fast: PositioningArm,
-    /// Constant part `Tx(l_6) Rx(alpha_6)` of the last D-H row, if the arm is solved from flange to base.
+    /// Constant part `Tx(l_6) Rx(alpha_6)` of the last D-H row, if the arm is solved from flange to base;
+    /// otherwise None.
     lead: Option<Pose>,
 }
 
-/// Axis 6 as the pose of the flange fixes it, in frame 0.
+/// Axis 6 in frame 0, which the pose of the flange determines.
 struct FixedAxis {
-    /// Axis x of frame 6, and axis y before the twist alpha_6.
+    /// Axis x of frame 6.
+    ///
+    /// The field `y6` is axis y of frame 6 before the rotation by the twist alpha_6.
     x6: Vector3<f64>,
     y6: Vector3<f64>,
     /// Direction of axis 6.
@@ -49,12 +52,14 @@ struct PlacedAxis {
     z4: Vector3<f64>,
     /// Axis x of frame 5.
     x5: Vector3<f64>,
-    /// Intersection of the axes 4 and 5, m.
+    /// Intersection of axes 4 and 5, m.
     centre: Vector3<f64>,
 }
 
 impl OffsetWrist {
-    /// Returns the solver of an arm with an offset wrist, or of an arm that is one from flange to base.
+    /// Returns the solver of an arm with an offset wrist, or with an offset shoulder.
+    ///
+    /// An arm with an offset shoulder is solved from flange to base.
     ///
     /// # Errors
     /// Returns the reason if the chain is not such an arm.
@@ -84,13 +89,13 @@ impl OffsetWrist {
 
     /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
-    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed
-    /// D-H values of the chain. The branch index numbers the solutions of this pose. It is not kept while the
-    /// pose moves, because solutions appear and vanish.
+    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed D-H
+    /// values of the chain. The branch index numbers the solutions of this pose. A solution may change its
+    /// index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
-    /// reach: the least distance of P from the reach of the first three joints, or else the error of the
-    /// angle between the axes 4 and 5 times the length of the forearm.
+    /// reach. If the first three joints cannot reach P, the measure is their least distance from P. Otherwise
+    /// it is the least cosine error of the angle between axes 4 and 5, times the forearm length r_4.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)
@@ -120,7 +125,7 @@ impl OffsetWrist {
         }
     }
 
-    /// Returns the axis 6 that belongs to a pose of the flange in frame 0.
+    /// Returns axis 6 for a pose of the flange in frame 0.
     fn fixed_axis(&self, flange: &Pose) -> FixedAxis {
         let last = &self.links[5];
         let [x6, y6, z5] = before_twist(&flange.rotation, (last.cos_alpha, last.sin_alpha));
@@ -135,8 +140,8 @@ impl OffsetWrist {
         PlacedAxis { z4, x5, centre: axis.origin - z4 * e.r - x5 * e.l }
     }
 
-    /// Returns, for each branch of the first three joints, the cosine of the angle between the axes 4 and 5
-    /// minus its required value.
+    /// Returns, for each branch of the first three joints, the cosine of the angle between axes 4 and 5 minus
+    /// its required value.
     fn misses(&self, axis: &FixedAxis, turn: Angle, scratch: &mut Posture) -> CircleValues {
         let placed = self.placed_axis(axis, turn);
         let mut values = CircleValues::NONE;
@@ -149,7 +154,7 @@ impl OffsetWrist {
         values
     }
 
-    /// Returns a vector of frame 0 in frame 3.
+    /// Converts a vector from frame 0 to frame 3.
     fn behind_arm(&self, vector: &Vector3<f64>, posture: &Posture) -> Vector3<f64> {
         let links = self.links[..3].iter().enumerate();
         links.fold(*vector, |v, (k, link)| {
@@ -170,7 +175,7 @@ impl OffsetWrist {
         (posture.cos[5], posture.sin[5]) = theta6;
     }
 
-    /// Returns the least distance (m), over a scan of theta_6, of P from the reach of the first three joints.
+    /// Returns the least distance (m) of P from the reach of the first three joints, over a scan of theta_6.
     fn distance(&self, axis: &FixedAxis, scratch: &mut Posture) -> f64 {
         const ANGLES: usize = 16;
         let turns = (0..ANGLES).map(|k| (std::f64::consts::TAU * k as f64 / ANGLES as f64).sin_cos());

@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 
 /// Coordinates of the point that three joints move, as linear forms in the variable of joint 3; lengths in m.
 ///
-/// A form has three coefficients. For a revolute joint 3 they multiply 1, cos theta_3 and sin theta_3. For a
-/// prismatic joint 3 the first two multiply 1 and the D-H offset r_3, and the third is 0.
+/// A form has three coefficients. For a revolute joint 3, the coefficients multiply 1, cos theta_3 and sin
+/// theta_3. For a prismatic joint 3, the first two multiply 1 and the D-H offset r_3, and the third is 0.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reach) struct PointForms {
     pub kinds: [JointKind; 3],
@@ -27,14 +27,14 @@ pub(in crate::reach) struct PointForms {
     pub v: Quadratic,
     /// Coordinate z of the point in frame 1. If joint 2 is prismatic, the D-H offset r_2 is left out.
     pub h: Quadratic,
-    /// Two forms F and G; `F + G^2` is the squared distance of the point from the origin of frame 1. They are
-    /// used only if joint 2 is revolute.
+    /// Two forms F and G; `F + G^2` is the squared distance of the point from the origin of frame 1. The
+    /// forms are used only if joint 2 is revolute.
     pub distance2: (Quadratic, Quadratic),
 }
 
 /// Target of the point that three joints move.
 ///
-/// Besides the position in frame 0, it holds quantities that do not change with joint 1.
+/// The struct contains the position in frame 0, and quantities that joint 1 cannot change.
 pub(in crate::reach) struct PointTarget {
     /// Target in frame 0, m.
     pub p: Vector3<f64>,
@@ -65,7 +65,8 @@ pub(in crate::reach) struct Path {
 impl Path {
     /// Returns the polynomial `f[0] * one + f[1] * a + f[2] * b` of the parameter t.
     ///
-    /// Divided by `one`, it is the value of the linear form `f` (see [`PointForms`]) on this path.
+    /// This polynomial divided by `one` is the value of the linear form `f` (see [`PointForms`]) on this
+    /// path.
     fn on(&self, f: &Quadratic) -> Quadratic {
         std::array::from_fn(|k| f[0] * self.one[k] + f[1] * self.a[k] + f[2] * self.b[k])
     }

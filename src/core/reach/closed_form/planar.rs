@@ -1,7 +1,8 @@
-//! Closed form of the arm of the seed paper: a base yaw, then three parallel axes that move the tool in a
-//! vertical plane. An optional fifth axis rolls the tool about its own axis.
+//! Closed form of the planar arm: a base yaw, then three parallel axes that move the tool in a vertical
+//! plane. An optional fifth axis rolls the tool about its own axis.
 //!
-//! Palletizers belong to this family: their third parallel axis is passive.
+//! The robot of the seed paper (Hitachi PW 10-II) belongs to this family. Palletizers belong to it, too:
+//! their third parallel axis is passive.
 //!
 //! Let s be the signed horizontal distance of the TCP from the base axis in the vertical plane: positive in
 //! front, negative behind. Let z be the height of the TCP, and phi the angle of the last parallel link. Let
@@ -23,7 +24,7 @@ use crate::reach::tool_attitudes::{PlanarAttitude, ToolAttitudes};
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Excess over 1 up to which the cosine of the elbow angle counts as 1.
+/// Largest excess over 1 at which the cosine of the elbow angle still counts as 1.
 ///
 /// Rounding would otherwise lose the solution of a stretched arm. A target with
 /// `lateral^2 <= d^2 (1 + STRETCHED)` counts as far enough from the base axis. Here d is the distance of the
@@ -69,16 +70,18 @@ impl PlanarArm {
     /// Returns the reason if the chain is not a planar arm.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, ref rest @ ..] = chain.links[..] else {
-            return Err(format!("it has {} axes, not 4 or 5", chain.axes()));
+            return Err(format!("the chain has {} axes, not 4 or 5", chain.axes()));
         };
         if rest.len() > 1 {
-            return Err(format!("it has {} axes, not 4 or 5", chain.axes()));
+            return Err(format!("the chain has {} axes, not 4 or 5", chain.axes()));
         }
         if chain.links.iter().any(|l| l.kind != JointKind::Revolute) {
-            return Err("it has a prismatic joint".into());
+            return Err("the chain has a prismatic joint".into());
         }
         if a.cos_alpha.abs() > 1e-12 {
-            return Err("the second axis is not perpendicular to the first (alpha_1 is not +-90)".into());
+            return Err(
+                "the second axis is not perpendicular to the first (alpha_1 is not +-90 degrees)".into()
+            );
         }
         if [b, c].iter().any(|l| l.sin_alpha.abs() > 1e-12 || l.cos_alpha < 0.0) {
             return Err("axes 2, 3 and 4 are not parallel (alpha_2 and alpha_3 are not 0)".into());
@@ -87,7 +90,7 @@ impl PlanarArm {
             return Err("an arm link has no length (l_2 or l_3 is 0)".into());
         }
         if (chain.mount.rotation.column(2) - Vector3::z()).norm() > IN_PLACE {
-            return Err("its first axis is not vertical".into());
+            return Err("the first axis is not vertical".into());
         }
         let (tip, axis, roll) = match rest {
             [e] => {
@@ -150,10 +153,11 @@ impl PlanarArm {
     /// Calls `found` with every branch that puts the TCP at `target` (frame 0, m); joint limits are ignored.
     ///
     /// Bit 0 of the branch index distinguishes the two elbow solutions. Bit 1 is set if the arm leans back
-    /// over the base. Bits 2 to 5 number the attitudes in the plane of the arm. A tilted tool has two
-    /// attitudes for each elevation: it points along the heading theta_1 or opposite to it. The bits from 6
-    /// on number the spins; a rolling arm takes only the first spins of `attitudes`, as many as `spins`
-    /// holds.
+    /// over the base. Bits 2 to 5 hold the index of the attitude in the plane of the arm. A tilted tool has
+    /// two attitudes for each elevation: it points along the heading theta_1 or opposite to it. The bits from
+    /// 6 on hold the index of the spin.
+    ///
+    /// `spins` holds the first spins of `attitudes`, rad; an arm without a roll axis ignores them.
     ///
     /// Returns the least distance, m, by which a branch misses the target; 0 if a branch reaches it.
     #[inline]
@@ -228,7 +232,8 @@ impl PlanarArm {
 }
 
 impl Roll {
-    /// Calls `found` for each of `spins` (rad), with the last axis rotated so that the tool has that spin.
+    /// Calls `found` for each spin in `spins` (rad), with the last axis rotated so that the tool has this
+    /// spin.
     fn turn(
         &self,
         set: &AttitudeSet,

@@ -13,7 +13,7 @@ pub(in crate::reach) enum PositioningArm {
 }
 
 impl PositioningArm {
-    /// Number of branch indices: those of [`Self::solve`] are below this number.
+    /// Number of branch indices: every index from [`Self::solve`] is below this number.
     pub const BRANCHES: usize = 8;
 
     /// Returns the solver for the point on axis 4 at a distance `r4` (m) from the origin of frame 3.

@@ -8,7 +8,7 @@ pub(in crate::reach) type Quadratic = [f64; 3];
 
 /// Largest absolute value of the polynomial at an extremum that counts as a double root.
 ///
-/// It is a share of the sum of the absolute values of the polynomial's terms at the extremum.
+/// The limit is relative to the sum of the absolute values of the polynomial's terms at the extremum.
 const DOUBLE_ROOT: f64 = 1e-7;
 
 /// Up to four real roots in ascending order.
@@ -81,7 +81,7 @@ pub(in crate::reach) fn real_roots(p: &Polynomial) -> Roots {
 ///
 /// `leading` is the leading coefficient of `p`, and `critical` holds the real roots of the derivative of `p`.
 fn between(p: &Polynomial, leading: f64, critical: &Roots) -> Roots {
-    // Cauchy's bound of the roots.
+    // Cauchy's bound of the absolute values of the roots.
     let bound = 1.0 + p.iter().fold(0.0f64, |m, c| m.max((c / leading).abs()));
     let mut roots = Roots { x: [0.0; 4], count: 0 };
     let mut crossed = false;

@@ -32,7 +32,7 @@ pub(super) struct ReachSection {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SectionCell {
-    /// Number of the sampled posture whose point is in the nearest cell that is not empty.
+    /// Index of a sampled posture whose point is in the nearest cell that is not empty.
     sample: u32,
     /// Lower bound of the distance from the centre of this cell to the reachable points, m.
     bound: f64,
@@ -60,8 +60,8 @@ impl ReachSection {
             samples[section.cell_at(place)] = k;
         }
         let nearest = nearest_filled(&samples, section.count);
-        // A point of the cell may be half a diagonal away from the centre. A reachable point may be away from
-        // the nearest sampled point by the motion that half a step of both angles causes.
+        // A point of the cell may be half a diagonal away from the centre. The distance of a reachable point
+        // from the nearest sampled point is at most the motion that half a step of both angles causes.
         let slack = side / 2f64.sqrt() + point.travel() * TAU / ANGLES as f64 / 2.0;
         for (k, &from) in nearest.iter().enumerate() {
             let apart = section.centre(k).0 - section.centre(from).0;
@@ -81,7 +81,7 @@ impl ReachSection {
 
     /// Returns the postures from which a search for the reachable point nearest to `p` starts.
     ///
-    /// They are the sampled postures of the cell of `p` and of its four diagonal neighbours.
+    /// The postures are the samples of the cell that contains `p` and of its four diagonal neighbours.
     pub fn starts<'a>(
         &'a self,
         point: &'a ThreeJointPoint,
@@ -96,26 +96,27 @@ impl ReachSection {
         (0..samples.len()).filter(is_new).map(move |k| at(point, samples[k]))
     }
 
-    /// Returns the number of the cell that contains a place (radius, height), or of the nearest cell.
+    /// Returns the index of the cell that contains a place (radius, height), or of the nearest cell if no
+    /// cell contains the place.
     fn cell_at(&self, place: (f64, f64)) -> usize {
         let along = |at: f64, from: f64, count: usize| (((at - from) / self.side) as usize).min(count - 1);
         along(place.0, self.corner.0, self.count.0)
             + self.count.0 * along(place.1, self.corner.1, self.count.1)
     }
 
-    /// Returns radius and height of the centre of a cell.
+    /// Returns radius and height of the centre of a cell, m.
     fn centre(&self, cell: usize) -> (f64, f64) {
         let along = |k: usize, from: f64| from + (k as f64 + 0.5) * self.side;
         (along(cell % self.count.0, self.corner.0), along(cell / self.count.0, self.corner.1))
     }
 }
 
-/// Returns the sampled posture with the number `sample`.
+/// Returns the sampled posture with the index `sample`.
 fn at(point: &ThreeJointPoint, sample: u32) -> ThreeJointState {
     point.on_grid([sample as usize % ANGLES, sample as usize / ANGLES], ANGLES)
 }
 
-/// Returns, for each cell, the number of the nearest cell that is not empty.
+/// Returns, for each cell, the index of the nearest cell that is not empty.
 fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize> {
     let far = (width + height).pow(2) as f64;
     let mut nearest: Vec<usize> = (0..samples.len()).collect();
@@ -132,11 +133,12 @@ fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize
 /// Computes the distance transform along one line of cells: the lower envelope of the parabolas over the
 /// cells.
 ///
-/// For each cell, `square` holds the squared distance to the nearest filled cell, in cells, and `nearest`
-/// holds the number of that cell. `cell` returns the number of the cell at a place of the line.
+/// For each cell, `square` holds the squared distance to the nearest filled cell, in units of the cell side,
+/// and `nearest` holds the index of that cell. `cell` returns the index of the cell at a position on the
+/// line.
 fn transform(square: &mut [f64], nearest: &mut [usize], cell: impl Fn(usize) -> usize, count: usize) {
     let known: Vec<(f64, usize)> = (0..count).map(|k| (square[cell(k)], nearest[cell(k)])).collect();
-    // Parabolas of the envelope: apex, and the place from which the parabola is the lowest one.
+    // Parabolas of the envelope: the apex, and the position from which this parabola is the lowest.
     let mut envelope: Vec<(usize, f64)> = Vec::with_capacity(count);
     for k in 0..count {
         let mut from = f64::NEG_INFINITY;

@@ -4,28 +4,30 @@ use crate::pose::Pose;
 use crate::robot::{Chain, Link, Posture};
 use nalgebra::{Matrix3, Vector3};
 
-/// Returns the solver that `new` makes of the rows of a six-axis chain or, if it fails, of the reversed
-/// chain.
+/// Returns the solver that `new` makes from the D-H rows of a six-axis chain. If `new` fails, it is called
+/// again with the rows of the reversed chain.
 ///
-/// The second argument of `new` is None, or the constant part `Tx(l_6) Rx(alpha_6)` of the last row if the
-/// rows are those of the reversed chain.
+/// The second argument of `new` is None for the chain itself. For the reversed chain, it is the constant part
+/// `Tx(l_6) Rx(alpha_6)` of the last row of the chain.
 ///
 /// # Errors
-/// Returns the reasons of both if neither succeeds, or if the chain does not have six axes.
+/// Returns the reasons for both directions if both fail, or states that the chain does not have six axes.
 pub(in crate::reach) fn in_either_direction<T>(
     chain: &Chain,
     new: impl Fn([Link; 6], Option<Pose>) -> Result<T, String>,
 ) -> Result<T, String> {
     let links: [Link; 6] =
-        chain.links[..].try_into().map_err(|_| format!("it has {} axes, not 6", chain.axes()))?;
+        chain.links[..].try_into().map_err(|_| format!("the chain has {} axes, not 6", chain.axes()))?;
     new(links, None).or_else(|forward| {
         let (rows, lead) = reversed(&links);
         new(rows, Some(lead)).map_err(|back| format!("{forward}; with base and flange exchanged, {back}"))
     })
 }
 
-/// Calls `solve` with a pose of the flange and a posture, or with those of the reversed chain if `lead` is
-/// the constant part of the last row. Every posture found is passed to `found` as one of the chain.
+/// Calls `solve` with the pose `flange` and the posture of a chain, and `found` with every posture found.
+///
+/// If `lead` is given, `solve` solves the reversed chain, and this function converts poses and postures
+/// between the two chains. `lead` is the constant part of the last row of the chain.
 #[inline]
 pub(in crate::reach) fn solve_either_direction(
     lead: Option<&Pose>,
@@ -45,7 +47,7 @@ pub(in crate::reach) fn solve_either_direction(
 /// Returns the D-H rows of the reversed chain, and the constant part `Tx(l_6) Rx(alpha_6)` of the last row of
 /// the chain.
 ///
-/// The reversed chain reaches the constant part times the inverse of a pose where the chain reaches the pose.
+/// If the chain reaches a pose, the reversed chain reaches the constant part times the inverse of this pose.
 ///
 /// Row k (from 1) is `Rz(-theta) Tz(-r)` of joint 7 - k, then `Tx(-l) Rx(-alpha)` of row 6 - k. Row 6 has
 /// only the first part.

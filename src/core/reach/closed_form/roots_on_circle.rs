@@ -1,4 +1,4 @@
-//! Roots of several functions of one angle, each of which exists on a part of the circle only.
+//! Roots of several functions of one angle. Each function may exist only on a part of the circle.
 //!
 //! The circle is scanned adaptively. An interval is halved until every function in it is nearly linear, or
 //! too far from zero to have a root. Between two neighbouring angles, a function then has one root if its
@@ -18,12 +18,13 @@ const MAX_ROOTS: usize = 16;
 const LEAST_WIDTH: f64 = 1e-5;
 /// Width of an interval, rad, below which the end of a function is known precisely.
 const LEAST_WIDTH_AT_END: f64 = 1e-9;
-/// Factor of the second difference of three values. A function that is farther than this from zero at all
-/// three angles has no root between them. A parabola would need the factor 1/8.
+/// Factor that multiplies the second difference of a function at three angles. If the absolute values at all
+/// three angles exceed the product, the function has no root between the angles. For a parabola, the factor
+/// 1/8 would be enough.
 const NEAR_ZERO: f64 = 2.0;
 /// Largest second difference of a nearly linear function, as a share of the change of its value.
 const NEARLY_LINEAR: f64 = 0.5;
-/// Largest squared change of the other coordinates of a curve between two neighbouring angles.
+/// Largest squared change of [`CircleValues::aside`] between two neighbouring angles.
 const MAX_SWING: f64 = 0.2;
 /// Largest absolute value at an accepted root.
 const ACCURACY: f64 = 1e-9;
@@ -39,13 +40,13 @@ const MAX_SLOW_STEPS: usize = 3;
 pub(super) struct CircleValues {
     /// Value of each function; NaN if the function does not exist.
     pub functions: [f64; COUNT],
-    /// Other two coordinates of the curve of which the function is one coordinate.
+    /// Two more coordinates of a curve whose first coordinate is the function.
     pub aside: [(f64, f64); COUNT],
     /// Measure of the distance to an angle at which a function exists; 0 if a function exists here.
     pub gap: f64,
 }
 
-/// Angle, rad, and the values there.
+/// Angle, rad, and the values of the functions at this angle.
 type Sample = (f64, CircleValues);
 
 /// Roots found so far.
@@ -116,8 +117,9 @@ impl CircleRoots {
         }
     }
 
-    /// Adds the root of function `k` in an interval, given by angle and value at its ends, if the function is
-    /// continuous there.
+    /// Adds the root of function `k` in an interval, if the function is continuous in this interval.
+    ///
+    /// `low` and `high` contain the angle (rad) and the function value at the ends of the interval.
     ///
     /// The method is the false position of N. Anderson and A. Bjorck, "A new high order method of regula
     /// falsi type for computing a root of an equation", BIT 13, 1973. After slow steps, the interval is
@@ -166,9 +168,10 @@ impl CircleRoots {
     }
 }
 
-/// Returns whether function `k` may have roots between three neighbouring angles that its signs do not show.
+/// Returns whether function `k` may have roots between three neighbouring angles that the signs of its values
+/// do not show.
 ///
-/// `width` is the distance of the outer angles, rad.
+/// `width` is the distance between the outer angles, rad.
 fn hides_roots(samples: [&Sample; 3], k: usize, width: f64) -> bool {
     let values @ [a, b, c] = samples.map(|sample| sample.1.functions[k]);
     match values.iter().filter(|value| value.is_nan()).count() {
@@ -191,7 +194,8 @@ fn hides_roots(samples: [&Sample; 3], k: usize, width: f64) -> bool {
     is_near || swing(first, middle) > MAX_SWING || swing(middle, last) > MAX_SWING
 }
 
-/// Returns whether functions may exist only between three neighbouring angles, none of which has a function.
+/// Returns whether a function may exist between three neighbouring angles although no function exists at
+/// these angles.
 fn hides_functions([low, middle, high]: [&Sample; 3]) -> bool {
     let (a, b, c) = (low.1.gap, middle.1.gap, high.1.gap);
     let least = a.min(b).min(c);

@@ -13,7 +13,8 @@ use nalgebra::{Complex, ComplexField};
 /// Vector in the plane normal to the axes, as a complex number.
 type Plane = Complex<f64>;
 
-/// Excess over 1 up to which the absolute cosine of the elbow angle counts as 1: a stretched or folded arm.
+/// Largest excess over 1 at which the absolute cosine of the elbow angle still counts as 1 (stretched or
+/// folded arm).
 const STRETCHED_ELBOW: f64 = 1e-12;
 
 /// Closed form of a SCARA; lengths in m.
@@ -45,11 +46,11 @@ impl Scara {
         let of = |kind| (0..kinds.len()).filter(|&i| kinds[i] == kind).collect::<Vec<_>>();
         let (turning, sliding) = (of(JointKind::Revolute), of(JointKind::Prismatic));
         let ([a, b, c], [sliding]) = (&turning[..], &sliding[..]) else {
-            return Err("it does not have three revolute joints and one prismatic joint".into());
+            return Err("the chain does not have three revolute joints and one prismatic joint".into());
         };
         // The last row is checked, too, although its twist would rotate only the flange.
         if chain.links.iter().any(|l| l.sin_alpha != 0.0) {
-            return Err("its axes are not all parallel".into());
+            return Err("the axes are not all parallel".into());
         }
         let mut arm = Self {
             turning: [*a, *b, *c],

@@ -1,8 +1,8 @@
 //! Six-axis arms whose last or first three axes meet in one point: a spherical wrist or shoulder.
 //!
 //! The first three joints position the wrist centre, and the last three set the orientation (Pieper 1968). An
-//! arm with a spherical shoulder is solved as the reversed chain, from flange to base. In that chain the
-//! shoulder takes the place of the wrist.
+//! arm with a spherical shoulder is solved as the reversed chain, from flange to base. In the reversed chain,
+//! the shoulder takes the place of the wrist.
 
 use super::positioning_arm::PositioningArm;
 use super::reversed_chain::{in_either_direction, solve_either_direction};
@@ -62,8 +62,8 @@ impl SphericalWrist {
     ///
     /// For other arms, bit 1 distinguishes the two solutions for joint 2. Bit 2 is set if the polynomial of
     /// Pieper's equation increases at the solution for joint 3. If two roots of this equation have the same
-    /// bit 2, bit 3 is set for the second of the two. The order is ascending in theta_3 from -180 degrees, or
-    /// in r_3 if joint 3 is prismatic.
+    /// bit 2, bit 3 is set for the second of the two. The roots are in ascending order of theta_3 from -180
+    /// degrees, or of r_3 if joint 3 is prismatic.
     ///
     /// The index of a posture in continuous motion changes only at a singularity or at theta_3 = 180 degrees.
     /// No better numbering exists for a cuspidal arm, which can change posture without passing a singularity.
@@ -88,8 +88,8 @@ impl SphericalWrist {
         Self { arm: self.arm.fast(), ..self.clone() }
     }
 
-    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. Computing the bound is much
-    /// cheaper than a solution.
+    /// Returns a lower bound of the distance, m, that [`Self::solve`] returns. The bound is much cheaper to
+    /// compute than a solution.
     #[inline]
     pub fn bound(&self, flange: &Pose) -> f64 {
         let centre = match &self.reversed {
@@ -111,8 +111,8 @@ impl SphericalWrist {
 
     /// Calls `found` with each solution for theta_4 to theta_6 that reaches the required orientation.
     ///
-    /// The orientation is given by the unit vectors `x` and `z` in frame 0. They are axes x and z of frame 6
-    /// before the rotation by the D-H twist alpha_6. `posture` holds theta_1 to theta_3.
+    /// The orientation is given by the unit vectors `x` and `z` in frame 0. These vectors are axes x and z of
+    /// frame 6 before the rotation by the D-H twist alpha_6. `posture` holds theta_1 to theta_3.
     #[inline]
     fn turn(
         &self,

@@ -9,13 +9,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Excess over 1 up to which a cosine counts as 1; rounding could otherwise lose a target at the edge of
-/// the reach.
+/// Largest excess over 1 at which a cosine still counts as 1. Without this tolerance, rounding could reject a
+/// target at the edge of the reach.
 pub(in crate::reach) const BOUNDARY: f64 = 1e-12;
 
 /// Sine below which two axes count as aligned, because their common normal has no reliable direction.
 ///
-/// It is also the distance (m) from an axis below which a point counts as lying on the axis.
+/// The value is also the distance (m) from an axis below which a point counts as lying on the axis.
 pub(in crate::reach) const ALIGNED: f64 = 1e-12;
 
 /// Cosine and sine of an angle.
@@ -76,7 +76,7 @@ impl TwoLinks {
     }
 }
 
-/// Solver for the rotation about the middle one of three axes, given the angle between the outer axes.
+/// Solver for the rotation about the middle axis of three axes, given the angle between the outer axes.
 ///
 /// `first` is the D-H twist between the first and the middle axis. `second` is the twist between the middle
 /// and the last axis (IK-Geo, subproblem 4).

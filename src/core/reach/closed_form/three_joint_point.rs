@@ -99,7 +99,8 @@ impl ThreeJointPoint {
         (q.x.hypot(q.y), q.z)
     }
 
-    /// Returns how far the point moves at most if joints 2 and 3 rotate by a unit angle each, m/rad.
+    /// Returns an upper bound of the distance that the point moves per unit rotation of joints 2 and 3
+    /// together, m/rad.
     pub fn travel(&self) -> f64 {
         let [_, second, third] = &self.links;
         let about_third = third.l.hypot(third.sin_alpha * self.r4);
@@ -146,8 +147,9 @@ impl ThreeJointPoint {
     /// Moves the point towards `p` by Newton's method with damping; returns the remaining distance, m, and
     /// the joints.
     ///
-    /// The Hessian matrix of half the squared distance includes the curvature of the point's path. Far from
-    /// the reach, the method therefore takes few steps, unlike a method that uses only the Jacobian.
+    /// The Hessian matrix of half the squared distance includes the curvature of the point's path. For a
+    /// target far out of reach, the method therefore needs few steps, unlike a method that uses only the
+    /// Jacobian.
     pub fn approached(&self, p: &Vector3<f64>, mut joints: ThreeJointState) -> (f64, ThreeJointState) {
         const MAX_STEPS: usize = 100;
         const LEAST_DAMPING: f64 = 1e-14;
@@ -186,7 +188,7 @@ impl ThreeJointPoint {
     ///
     /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m. The
     /// derivative of column i with respect to joint j is `z_j x moves_i` for a revolute joint j <= i, and 0
-    /// for a prismatic one.
+    /// for a prismatic joint j.
     fn hessian(&self, joints: &ThreeJointState, moves: &Matrix3<f64>, off: &Vector3<f64>) -> Matrix3<f64> {
         let mut hessian = moves.tr_mul(moves);
         let mut axis = Vector3::z();
@@ -207,7 +209,7 @@ impl ThreeJointPoint {
         hessian
     }
 
-    /// Returns the rotation of D-H row `k`.
+    /// Returns the rotation matrix of D-H row `k`.
     fn rotation(&self, k: usize, joints: &ThreeJointState) -> Matrix3<f64> {
         let ((c, s), ca, sa) = (joints.theta[k], self.links[k].cos_alpha, self.links[k].sin_alpha);
         Matrix3::new(c, -s * ca, s * sa, s, c * ca, -c * sa, 0.0, sa, ca)

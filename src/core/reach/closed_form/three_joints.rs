@@ -72,7 +72,10 @@ impl ThreeJoints {
             return Err("l_1, sin alpha_1 or cos alpha_1 is nearly, but not exactly, 0".into());
         }
         if !self.point.moves_in_space() {
-            return Err("the first three joints cannot put the wrist centre anywhere in space".into());
+            return Err(
+                "the first three joints cannot move the wrist centre in all directions anywhere in space"
+                    .into(),
+            );
         }
         Ok(())
     }
@@ -81,8 +84,8 @@ impl ThreeJoints {
     ///
     /// `p` is in frame 0, m. Bit 0 of the branch index distinguishes the two solutions for joint 2. Bit 1 is
     /// set if the polynomial of Pieper's equation increases at the solution for joint 3. If two roots of this
-    /// equation have the same bit 1, bit 2 is set for the second of the two. The order is ascending in
-    /// theta_3 from -180 degrees, or in r_3 if joint 3 is prismatic. The index of a solution in continuous
+    /// equation have the same bit 1, bit 2 is set for the second of the two. The roots are in ascending order
+    /// of theta_3 from -180 degrees, or of r_3 if joint 3 is prismatic. The index of a solution in continuous
     /// motion changes only at a singularity or at theta_3 = 180 degrees.
     ///
     /// If the point lies on the axis of a joint, the angle theta of that joint is 0.
@@ -242,8 +245,8 @@ impl ThreeJoints {
         (angles.map(|theta| (theta, r2)), count)
     }
 
-    /// Returns the values of all three joints. A revolute joint 1 rotates the point to the heading of the
-    /// target. A prismatic joint 1 moves the point to the height of the target.
+    /// Returns the D-H variables of all three joints. A revolute joint 1 rotates the point to the heading of
+    /// the target. A prismatic joint 1 moves the point to the height of the target.
     fn joints(&self, target: &PointTarget, third: &Third, theta2: Angle, r2: f64) -> ThreeJointState {
         let links = &self.point.links;
         let (theta3, r3) = match self.forms.kinds[2] {
@@ -257,8 +260,8 @@ impl ThreeJoints {
     }
 }
 
-/// Returns up to two rotations, and how many of them are valid. Each rotates the vector (u, v) so that its
-/// coordinates become `x` and `y`.
+/// Returns up to two rotations, and the number of valid rotations. A rotation turns the vector (u, v) so that
+/// its coordinates become `x` and `y`.
 ///
 /// A coordinate that is None is not prescribed.
 ///

@@ -71,10 +71,10 @@ impl ThreeParallel {
     /// 5 and 6 intersecting.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, e, f] = chain.links[..] else {
-            return Err(format!("it has {} axes, not 6", chain.axes()));
+            return Err(format!("the chain has {} axes, not 6", chain.axes()));
         };
         if chain.links.iter().any(|l| l.kind != JointKind::Revolute) {
-            return Err("it has a prismatic joint".into());
+            return Err("the chain has a prismatic joint".into());
         }
         if [b, c].iter().any(|l| l.sin_alpha.abs() > 1e-15) {
             return Err("axes 2, 3 and 4 are not exactly parallel (alpha_2, alpha_3)".into());
@@ -111,8 +111,8 @@ impl ThreeParallel {
     /// 2 distinguishes the two solutions for theta_1.
     ///
     /// If axis 6 is parallel to axis 2, theta_6 is free and bit 1 is 0. The solver sets theta_6 to 0 if the
-    /// arm then reaches the target. If not, theta_6 puts the distance between axes 2 and 4 in the middle of
-    /// its possible range.
+    /// arm then reaches the target. Otherwise, the solver chooses theta_6 so that the distance between axes 2
+    /// and 4 is in the middle of its possible range.
     ///
     /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free. In that
     /// case bit 2 is 0, and theta_1 is the first angle of a scan that has a solution.
@@ -228,7 +228,7 @@ impl ThreeParallel {
         missing
     }
 
-    /// Returns the given theta_5 and theta_6 with the quantities that follow from them.
+    /// Returns theta_5 and theta_6, and the quantities that follow from these angles.
     #[inline]
     fn wrist(&self, [x6, y6, z6]: [&Vector3<f64>; 3], theta5: Angle, theta6: Angle) -> WristAngles {
         let (ce, se) = self.twists.second;
