@@ -205,7 +205,7 @@ impl Study {
     /// Returns the cell prepared for evaluation, for use with the other modules of the library.
     ///
     /// # Errors
-    /// Fails if the robot cannot do what the cell asks.
+    /// Fails if the robot does not suit the cell, for example because it cannot hold a required attitude.
     pub fn workcell(&self) -> Result<Workcell, StudyError> {
         let made = Workcell::remembering(self.cell().clone(), &mut remember);
         made.map_err(|why| {
@@ -217,7 +217,8 @@ impl Study {
     /// Evaluates the layout as drawn in the cell file.
     ///
     /// # Errors
-    /// Fails if the robot cannot do what the cell asks. A layout that is not feasible is not an error.
+    /// Fails if the robot does not suit the cell, for example because it cannot hold a required attitude. A
+    /// layout that is not feasible is not an error.
     pub fn evaluate(&self) -> Result<EvaluatedStudy, StudyError> {
         let workcell = self.workcell()?;
         let assessment = Assessment::new("as drawn", &workcell, workcell.cell.start());
@@ -233,7 +234,7 @@ impl Study {
     /// Searches for the best layout with the settings of the table `[search]`.
     ///
     /// # Errors
-    /// Fails if the robot cannot do what the cell asks.
+    /// Fails if the robot does not suit the cell, for example because it cannot hold a required attitude.
     pub fn search(&self) -> Result<SearchedStudy, StudyError> {
         self.search_until(&AtomicBool::new(false), &|_| ())
     }
@@ -242,7 +243,7 @@ impl Study {
     /// with the progress of the search.
     ///
     /// # Errors
-    /// Fails if the robot cannot do what the cell asks.
+    /// Fails if the robot does not suit the cell, for example because it cannot hold a required attitude.
     pub fn search_until(
         &self,
         stop: &AtomicBool,

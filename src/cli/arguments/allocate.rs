@@ -35,7 +35,7 @@ pub struct AllocateArguments {
     /// Print the allocation as JSON on stdout
     #[arg(long, conflicts_with = "toml")]
     pub json: bool,
-    /// Draw a picture of the tolerances before and after the allocation
+    /// Write a picture of the tolerances before and after the allocation
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     /// Print the tolerances as tables for the robot and cell files

@@ -11,8 +11,8 @@ pub struct CalibrateArguments {
     /// Name of a built-in robot, a robot file (TOML), or a nominal URDF; with --plan, a cell file
     pub robot: PathBuf,
     /// Tables of measured positions (CSV or text, or compressed as .csv.gz), one for each set-up of the
-    /// instrument; or one file that states a calibration: the YAML file of the ROS driver of Universal
-    /// Robots, the calibration.conf of their controller, or a calibrated URDF
+    /// instrument; or one file that states a calibration: the YAML file of the Universal Robots ROS driver,
+    /// the calibration.conf of a Universal Robots controller, or a calibrated URDF
     #[arg(required_unless_present = "plan")]
     pub data: Vec<PathBuf>,
     /// Judge the calibration by a table that is not part of the fit; can be given several times

@@ -21,7 +21,7 @@ pub struct CorrectArguments {
     /// Cell file (TOML), or a result folder of `search`, whose best layout is corrected
     #[arg(value_name = "RESULT|CELL")]
     pub of: PathBuf,
-    /// Correct only this operation [default: all operations]
+    /// Correct only this operation [default: all operations; with --targets, the first operation]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
     /// Correct every usable node instead of the spot alone

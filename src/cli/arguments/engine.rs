@@ -29,17 +29,17 @@ pub struct EngineFlags {
         requires = "shared"
     )]
     pub lease: u16,
-    /// Submit the combinations or islands to this batch system, follow them, and write the result
+    /// Submit the combinations or islands to this batch system, wait for them, and write the result
     #[arg(long, value_name = "ENGINE")]
     pub on: Option<BatchEngine>,
     /// Partition of the cluster [default: the partition that the cluster chooses]
     #[arg(long, value_name = "NAME", value_parser = partition, requires = "on")]
     pub partition: Option<String>,
-    /// Number of cores of a task, which processes that many combinations or islands in parallel
+    /// Number of cores per task; a task processes this many combinations or islands in parallel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024), requires = "on")]
     pub cpus: u16,
-    /// Number of combinations or islands of a task, or auto: as many as take about a minute, measured on
-    /// this machine
+    /// Number of combinations or islands per task, or auto: as many as take about a minute, measured on this
+    /// machine
     #[arg(long, value_name = "CHUNK", default_value = "auto", value_parser = chunk, requires = "on")]
     pub chunk: ChunkSize,
     /// Largest number of tasks of an array job
@@ -73,6 +73,6 @@ fn chunk(text: &str) -> Result<ChunkSize, String> {
     match text.parse() {
         _ if text == "auto" => Ok(ChunkSize::Auto),
         Ok(count) if count > 0 => Ok(ChunkSize::Combinations(count)),
-        _ => Err("expected auto, or a number of combinations or islands of at least 1".into()),
+        _ => Err("expected auto, or a whole number of at least 1".into()),
     }
 }

@@ -25,10 +25,10 @@ pub struct ErrorsArguments {
     /// Take the tolerances from this error set of the robot [default: its first set of tolerances]
     #[arg(long, value_name = "NAME")]
     pub errors: Option<String>,
-    /// Scale the tolerances until the predicted pose accuracy AP is that of the data sheet
+    /// Scale the tolerances so that the predicted pose accuracy AP equals this value from the data sheet
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub ap: Option<f64>,
-    /// Add random errors of the joints that give the pose repeatability RP of the data sheet
+    /// Add random joint errors that give this pose repeatability RP from the data sheet
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub rp: Option<f64>,
     /// Frame to which the pose accuracy refers

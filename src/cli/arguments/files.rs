@@ -14,7 +14,7 @@ pub fn kinds() -> impl Iterator<Item = &'static str> {
 
 #[derive(Args)]
 pub struct SchemaArguments {
-    /// Kind of input file, or of document that a command writes
+    /// Kind of an input file, or of a document that a command writes
     #[arg(
         value_name = "KIND",
         default_value = FileKind::Cell.name(),
@@ -50,7 +50,7 @@ pub struct InitArguments {
     pub packages: PackageFolders,
 }
 
-/// Parses `NAME:=VALUE`.
+/// Parses an argument of a xacro file, written as `NAME:=VALUE`.
 fn xacro_argument(text: &str) -> Result<String, String> {
     match text.split_once(":=") {
         Some((name, _)) if name.chars().all(|c| c.is_alphanumeric() || c == '_') && !name.is_empty() => {

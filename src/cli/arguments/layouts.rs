@@ -35,7 +35,7 @@ pub struct MapArguments {
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     /// Write map.json, map.csv, map.svg, discrepancy.svg and manifest.json to this new folder; with
-    /// --measured also measured.csv, measured.svg and residuals.svg
+    /// --measured, also measured.csv, measured.svg and residuals.svg
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

@@ -25,7 +25,7 @@ pub struct MeasuredFlags {
     pub spot: Option<f64>,
 }
 
-/// Parses `QUANTITY=NAME`.
+/// Parses a quantity and the name of its column, written as `QUANTITY=NAME`.
 pub fn column(text: &str) -> Result<(String, String), String> {
     let parts = text.split_once('=').ok_or("write QUANTITY=NAME, for example q1=shoulder")?;
     Ok((parts.0.trim().to_string(), parts.1.trim().to_string()))

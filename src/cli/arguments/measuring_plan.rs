@@ -34,7 +34,7 @@ pub struct MeasuringPlanFlags {
     /// postures of all rows]
     #[arg(long = "for", value_name = "CELL", requires = "choose")]
     pub task: Option<PathBuf>,
-    /// State the position of the tracker in the world frame, mm; only poses at which it sees the
+    /// State the position of the tracker in the world frame, mm; only poses at which the tracker sees the
     /// reflector are planned
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "plan")]
     pub tracker: Option<[f64; 3]>,
@@ -43,13 +43,13 @@ pub struct MeasuringPlanFlags {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub reflector: Option<[f64; 3]>,
     /// State the direction in which the reflector opens, in the frame of the mechanical interface [default:
-    /// it is visible from every side]
+    /// the reflector is visible from every side]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "tracker")]
     pub opening: Option<[f64; 3]>,
     /// State the largest angle between the direction of --opening and the line of sight, deg
     #[arg(long, value_name = "DEG", value_parser = measure, default_value = "30", requires = "opening")]
     pub opening_angle: f64,
-    /// Choose the poses among this many postures
+    /// Choose the poses among this many candidate postures
     #[arg(
         long,
         value_name = "N",

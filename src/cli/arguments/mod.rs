@@ -67,7 +67,7 @@ pub enum Command {
         before_help = "Example: sweetspot search cells/hitachi_cell.toml --seed 2 --out results/second-try"
     )]
     Search(SearchArguments),
-    /// Search or map a cell for every combination of the values given for some of its keys
+    /// Search or map a cell for every combination of given key values
     #[command(
         before_help = "Example: sweetspot sweep cells/hitachi_cell.toml --set errors=table-2,table-3 --set equipment.worktable.placement.z_mm=600,700"
     )]
@@ -77,10 +77,10 @@ pub enum Command {
         before_help = "Example: sweetspot compare cells/hitachi_cell.toml results/hitachi_cell-001 -o compare.html"
     )]
     Compare(CompareArguments),
-    /// Rank the error sources at a spot: which tolerance to tighten first
+    /// Rank the error sources at a spot, to show which tolerance to tighten first
     #[command(before_help = "Example: sweetspot budget cells/hitachi_cell.toml --operation assembly")]
     Budget(BudgetArguments),
-    /// Allocate tolerances: the cheapest set with which every operation keeps its limit
+    /// Allocate tolerances: find the cheapest set with which every operation keeps its limit
     #[command(before_help = "Example: sweetspot allocate cells/hitachi_cell.toml --limit 20")]
     Allocate(AllocateArguments),
     /// Show the error calculation of one posture step by step

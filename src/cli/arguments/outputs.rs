@@ -40,7 +40,7 @@ pub enum ExportFormat {
 }
 
 impl ExportFormat {
-    /// Returns the name of the format, as the option `--to` takes it.
+    /// Returns the name of the format, as written after the option `--to`.
     pub fn name(self) -> &'static str {
         match self {
             ExportFormat::Dxf => "dxf",
@@ -87,10 +87,11 @@ pub struct ExportArguments {
     /// Export the start layout of a result folder instead of its best layout
     #[arg(long)]
     pub start: bool,
-    /// Posture of the robot: at the spot of this operation, or `home` [default: the first spot]
+    /// Show the robot at the spot of this operation, or at `home` [default: at the first spot]
     #[arg(long, value_name = "OPERATION|home")]
     pub posture: Option<String>,
-    /// Prefix of the mesh files in a URDF, such as package://my_cell/meshes/ [default: their folder]
+    /// Prefix of the mesh files in a URDF, such as package://my_cell/meshes/ [default: the folder of the mesh
+    /// files]
     #[arg(long, value_name = "URI")]
     pub meshes: Option<String>,
     #[command(flatten)]

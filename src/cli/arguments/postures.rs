@@ -33,14 +33,14 @@ pub struct ExplainArguments {
     pub cell: PathBuf,
     #[command(flatten)]
     pub packages: PackageFolders,
-    /// Show this operation [default: the first]
+    /// Show this operation [default: the first operation]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
     /// Node of the grid: `best` (the node of least error), or its indices along x and y, counted from 0
     /// [default: best]
     #[arg(long, value_name = "best|I,J", value_parser = at, default_value = "best", hide_default_value = true, allow_hyphen_values = true)]
     pub at: NodeChoice,
-    /// Joint values (degrees or mm) that give the posture, instead of a node
+    /// Show the posture with these joint values (degrees or mm) instead of the posture at a node
     #[arg(
         long,
         value_name = "Q1,Q2,...",

@@ -46,8 +46,8 @@ pub struct QuestionFlags {
     pub registration: Option<String>,
 }
 
-/// Returns the setting that the flag called `name` states: the key `path` gets the text `value`. Returns
-/// None without a value.
+/// Returns the setting of the flag `--NAME`, where NAME is `name`: the key `path` is set to the text `value`.
+/// Returns None if `value` is None.
 pub fn word(name: &str, path: &str, value: Option<&String>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, toml_string(value)))
 }

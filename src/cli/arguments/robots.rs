@@ -31,7 +31,7 @@ pub struct EnvelopeArguments {
     /// Name of a built-in robot, a robot file or cell file (TOML), or a URDF or xacro file
     #[arg(value_name = "ROBOT|CELL")]
     pub of: PathBuf,
-    /// Hold the tool as in this operation of the cell [default: the first]
+    /// Hold the tool as in this operation of the cell [default: the first operation]
     #[arg(long, value_name = "NAME")]
     pub operation: Option<String>,
     /// Elevation of the tool axis in degrees: -90 points down, 0 is horizontal [default: the bend of the
@@ -39,7 +39,7 @@ pub struct EnvelopeArguments {
     #[arg(long, value_name = "DEG", value_parser = bend, allow_hyphen_values = true)]
     pub bend: Option<f64>,
     /// Draw the plan at this height above the robot base; can be given several times [default: the height of
-    /// the operation, or that of the widest reach]
+    /// the operation, or the height of the widest reach]
     #[arg(long, value_name = "MM", value_parser = measure, allow_hyphen_values = true)]
     pub height: Vec<f64>,
     /// Distance between sample points [default: depends on the robot]

@@ -26,11 +26,11 @@ pub struct SearchArguments {
     /// Seed of all random numbers; the same seed gives the same files, byte for byte
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Find the layout that works exactly as drawn: placement tolerances do not count, and clearance and
-    /// margins count only if the cell file states them
+    /// Assume that everything is placed exactly: ignore placement tolerances, and apply clearance and margins
+    /// only if the cell file states them
     #[arg(long)]
     pub ideal: bool,
-    /// Minimize the worst case over the placement tolerances instead of the value as drawn
+    /// Minimize the worst case over the placement tolerances instead of the value at the nominal placements
     #[arg(long)]
     pub robust: bool,
     /// Find the Pareto front of two or more goals: error, clearance, joint-limits, singularity, travel,
@@ -52,8 +52,8 @@ pub struct SearchArguments {
     pub solver: Option<String>,
     #[command(flatten)]
     pub rules: StoppingFlags,
-    /// Search with N successive seeds (islands), each with the whole budget, and merge them into one
-    /// result; repeating the command with the same folder processes only the missing islands
+    /// Search with N successive seeds (islands), each with the whole budget, and merge the islands into one
+    /// result; if the command is repeated with the same folder, it processes only the missing islands
     #[arg(
         long,
         value_name = "N",
@@ -79,8 +79,8 @@ pub struct SearchArguments {
     /// Number of threads; the result does not depend on it [default: all cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), conflicts_with = "on")]
     pub threads: Option<u16>,
-    /// Write the result to this new folder; with --islands, a folder of the same islands may exist [default:
-    /// results/CELL-NNN]
+    /// Write the result to this new folder; with --islands, the folder may already contain the same islands
+    /// [default: results/CELL-NNN]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Resume the search or the islands that were stopped in this folder
@@ -90,7 +90,7 @@ pub struct SearchArguments {
     /// stopped
     #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "5", allow_hyphen_values = true)]
     pub checkpoint: f64,
-    /// Progress on stderr [default: a bar on a terminal, otherwise one line of JSON per second]
+    /// Form of the progress on stderr [default: a bar on a terminal, otherwise one line of JSON per second]
     #[arg(long, value_parser = PossibleValuesParser::new(["bar", "json", "none"]))]
     pub progress: Option<String>,
     /// Print the result as JSON on stdout
@@ -115,8 +115,8 @@ pub struct StoppingFlags {
     pub time: Option<f64>,
 }
 
-/// Returns the setting that the flag called `name` states: the key `path` gets the whole number `value`.
-/// Returns None without a value.
+/// Returns the setting of the flag `--NAME`, where NAME is `name`: the key `path` is set to the whole number
+/// `value`. Returns None if `value` is None.
 pub fn whole(name: &str, path: &str, value: Option<u64>) -> Option<Setting> {
     value.map(|value| Setting::of_flag(&format!("--{name} {value}"), path, value.to_string()))
 }

@@ -19,8 +19,8 @@ pub struct SweepArguments {
     pub cell: Option<PathBuf>,
     #[command(flatten)]
     pub packages: PackageFolders,
-    /// A key of the cell file and its values; text needs no quotes, and commas inside brackets do not
-    /// separate values; can be given several times
+    /// Set a key of the cell file to each of these values; text needs no quotes, and commas inside brackets
+    /// do not separate values; can be given several times
     #[arg(
         long = "set",
         value_name = "PATH=A,B,...",
@@ -29,7 +29,7 @@ pub struct SweepArguments {
         requires = "cell"
     )]
     pub sets: Vec<String>,
-    /// Map the layout as drawn instead of searching
+    /// Instead of searching, map the layout as drawn for every combination
     #[arg(long, conflicts_with = "resume", requires = "cell")]
     pub map: bool,
     /// Seed of all random numbers of every combination [default: the seed of the cell]
@@ -49,15 +49,15 @@ pub struct SweepArguments {
     /// Number of combinations to process in parallel; the result does not depend on it [default: all cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), conflicts_with = "on")]
     pub jobs: Option<u16>,
-    /// Write to this folder: a new one, or the folder of the same sweep, which is then resumed [default:
+    /// Write to this folder: a new folder, or the folder of the same sweep, which is then resumed [default:
     /// results/CELL-NNN]
     #[arg(long, value_name = "DIR", conflicts_with = "resume")]
     pub out: Option<PathBuf>,
     /// Resume the sweep in this folder
     #[arg(long, value_name = "DIR")]
     pub resume: Option<PathBuf>,
-    /// Process only these combinations (numbered from 0), for example 0-9,17, and write no table, as
-    /// array jobs on a cluster need; --resume writes the table afterwards
+    /// Process only these combinations (numbered from 0), for example 0-9,17, as a task of an array job does;
+    /// the table is not written, but --resume writes it afterwards
     #[arg(long, value_name = "INDICES", value_parser = IndexRanges::parse, conflicts_with = "on")]
     pub only: Option<IndexRanges>,
     /// Write the plan and its inputs to --out and process nothing, so that workers can begin with --claim
@@ -73,8 +73,8 @@ pub struct SweepArguments {
     /// (1 day and 12 hours) [default: the limit of the partition]
     #[arg(long, value_name = "TIME", value_parser = slurm_time, requires = "on")]
     pub time: Option<String>,
-    /// Show which combinations in this folder are done, which are running and where, which have failed, and
-    /// the time left
+    /// Show the state of the sweep in this folder: which combinations are done, running (and where) or
+    /// failed, and the time left
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "resume", "claim", "only", "on", "jobs"])]
     pub status: Option<PathBuf>,
     /// Print the table, or the status, as JSON on stdout

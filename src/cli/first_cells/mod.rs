@@ -1,6 +1,6 @@
 //! First cells: the text of a commented cell file for each built-in robot.
 //!
-//! Lengths are in mm and angles in degrees here, as in the file that is written.
+//! In this module, lengths are in mm and angles in degrees, as in the file that is written.
 
 mod own_cell;
 mod sketches;
@@ -28,7 +28,7 @@ pub struct Sketch {
     few_spins: bool,
 }
 
-/// Equipment of a first cell: its start placement, and how far from the origin it may be placed.
+/// Equipment of a first cell: its start placement, and the greatest |x| and |y| at which it may be placed.
 struct SketchedEquipment {
     file: &'static str,
     x: i32,
@@ -51,12 +51,12 @@ impl SketchedEquipment {
     }
 }
 
-/// Returns the [`Sketch`] whose own name or whose robot's name is `name`.
+/// Returns the [`Sketch`] whose name, or whose robot, is `name`; None if there is none.
 pub fn find(name: &str) -> Option<&'static Sketch> {
     SKETCHES.iter().find(|s| s.name == name || s.robot == name)
 }
 
-/// Returns name and text of every first cell.
+/// Returns the name and the text of every first cell.
 #[doc(hidden)] // open for tests/maths
 pub fn texts() -> impl Iterator<Item = (&'static str, String)> {
     SKETCHES.iter().map(|sketch| (sketch.name, sketch.text()))

@@ -4,7 +4,7 @@ use super::text::SEARCH;
 use crate::files::toml_string;
 use crate::units::rad_from_deg;
 
-/// Place of the table in a first cell: whole mm and degrees.
+/// Place of the table in a first cell, in whole mm and degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TablePlace {
     /// Height of the robot base above the floor.
@@ -15,7 +15,7 @@ pub struct TablePlace {
     pub radius: i32,
     /// Azimuth of the table about the base axis.
     pub azimuth: i32,
-    /// Size of the table along the radius, and across it.
+    /// Size of the table along the radius and perpendicular to the radius.
     pub size: (i32, i32),
     pub standoff: i32,
     /// Elevation of the tool axis.
@@ -32,7 +32,7 @@ pub struct OwnCell<'a> {
     pub errors: &'a str,
     /// Note for the user on the errors.
     pub about_errors: &'a str,
-    /// Whether the error set holds the signed errors of one robot.
+    /// Whether the error set contains the signed errors of one robot.
     pub is_signed: bool,
     /// Whether the file allows only four spins about the tool axis, because the inverse kinematics of the arm
     /// takes long for each spin.
@@ -40,7 +40,7 @@ pub struct OwnCell<'a> {
     pub place: TablePlace,
 }
 
-/// Path of the file of the table in the folder of the cell.
+/// Path of the equipment file of the table in the folder of the cell.
 pub const TABLE: &str = "equipment/table.toml";
 
 impl OwnCell<'_> {
@@ -71,7 +71,7 @@ impl OwnCell<'_> {
 schema = "sweetspot/cell/1"
 units = {{ length = "mm", angle = "deg" }}
 name = {name}
-source = "the table is where the arm can reach it, chosen by sweetspot init; the robot file says where its numbers come from"
+source = "the table was placed by sweetspot init within the reach of the arm; the robot file states the sources of its numbers"
 
 # Error set of the robot; `sweetspot robot {robot}` lists all sets.
 {about_errors}
@@ -84,9 +84,9 @@ errors = "{errors}"
 # A distance below this counts as a collision.
 clearance_mm = 10
 
-# The robot, and the placement of its base. Keys here override those of its file: your own tool, for example, is
+# The robot, and the placement of its base. Keys here override the keys of its file. Your own tool, for example, is
 # tool = {{ position_mm = [0, 0, 120], axis = [0, 0, 1] }}.
-# A base above the floor stands on a pedestal; pedestal = false is for a wall or a gantry.
+# A base above the floor stands on a pedestal; set pedestal = false for a base on a wall or a gantry.
 [robot]
 from = "{robot}"
 base = {{ x_mm = 0, y_mm = 0, z_mm = {pedestal}, yaw_deg = 0 }}
@@ -109,7 +109,7 @@ grid = [4, 6]        # divisions along x and y: 5 x 7 nodes
 standoff_mm = {standoff}    # height of the TCP above the surface
 bend_deg = {bend}       # elevation of the tool axis: -90 points down, 0 is horizontal
 {spins}sense = "xyz"        # direction of the error that counts: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
-# limit_mm = 1       # largest error allowed: a search then reports whether it is met, and the margin
+# limit_mm = 1       # largest allowed error: a search then reports whether the limit is kept, and the margin
 
 {SEARCH}"#,
             range(x, aside),
@@ -121,7 +121,7 @@ bend_deg = {bend}       # elevation of the tool axis: -90 points down, 0 is hori
 }
 
 impl TablePlace {
-    /// Returns the text of the file of the table.
+    /// Returns the text of the equipment file of the table.
     pub fn table(&self) -> String {
         let (x, y) = self.size;
         let legs = [(-1, -1), (-1, 1), (1, -1), (1, 1)].iter().enumerate().map(|(k, (i, j))| {
@@ -135,7 +135,7 @@ impl TablePlace {
         });
         format!(
             "#:schema ../schemas/equipment.schema.json\n\
-             # A table, as large as suits the reach of the arm; its frame lies in the middle of the top.\n\
+             # A table whose size suits the reach of the arm; its frame is in the middle of its top.\n\
              schema = \"sweetspot/equipment/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\n\
              name = \"Table {x} x {y}\"\nsource = \"made up by sweetspot init\"\n\n\
              [surface]\nsize_mm = [{x}, {y}]\n\n\

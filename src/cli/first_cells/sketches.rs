@@ -73,7 +73,7 @@ const fn slow(mut sketch: Sketch) -> Sketch {
 
 /// First cells, one for every built-in robot.
 pub const SKETCHES: [Sketch; ROBOTS.len()] = [
-    hitachi("hitachi", "the 4-axis arm of the paper, worktable and conveyor", "hitachi_pw10"),
+    hitachi("hitachi", "the 4-axis arm of the seed paper, worktable and conveyor", "hitachi_pw10"),
     large_ur("ur10e", "six axes of Universal Robots, worktable and conveyor"),
     Sketch {
         standoff: 50,
@@ -127,10 +127,14 @@ pub const SKETCHES: [Sketch; ROBOTS.len()] = [
     ),
     hitachi(
         "hitachi-parallelogram",
-        "the paper's arm with a parallelogram, worktable and conveyor",
+        "the arm of the seed paper with a parallelogram, worktable and conveyor",
         "hitachi_pw10_parallelogram",
     ),
-    hitachi("hitachi-urdf", "the paper's arm from a URDF, worktable and conveyor", "hitachi_pw10_urdf"),
+    hitachi(
+        "hitachi-urdf",
+        "the arm of the seed paper from a URDF, worktable and conveyor",
+        "hitachi_pw10_urdf",
+    ),
     Sketch {
         standoff: 50,
         ..sketch(

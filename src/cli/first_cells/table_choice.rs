@@ -30,7 +30,7 @@ const LEAST_TOP: f64 = 300.0;
 /// Largest number of places for which a map is computed.
 const MAX_PLACES: usize = 12;
 
-/// Range of radii, m, at which an arm reaches one height, m.
+/// Range of radii, m, within which an arm reaches every sampled point at one height, m.
 struct ReachableStretch {
     height: f64,
     from: f64,

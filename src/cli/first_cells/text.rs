@@ -28,7 +28,7 @@ impl Sketch {
 schema = "sweetspot/cell/1"
 units = {{ length = "mm", angle = "deg" }}
 name = "First cell: {name}"
-source = "placements made up by sweetspot init; the robot file says where its numbers come from"
+source = "placements made up by sweetspot init; the robot file states the sources of its numbers"
 
 # Error set of the robot; `sweetspot robot {robot}` lists all sets.
 {what}
@@ -49,12 +49,12 @@ clearance_mm = 10
         let Self { robot, pedestal, .. } = self;
         let under = match *pedestal > 0 {
             true => {
-                "\n# A base above the floor stands on a pedestal; pedestal = false is for a wall or a gantry."
+                "\n# A base above the floor stands on a pedestal; set pedestal = false for a base on a wall or a gantry."
             }
             false => "",
         };
         format!(
-            r#"# The robot, and the placement of its base. Keys here override those of its file: your own tool,
+            r#"# The robot, and the placement of its base. Keys here override the keys of its file. Your own tool,
 # for example, is tool = {{ position_mm = [0, 0, 120], axis = [0, 0, 1] }}.{under}
 [robot]
 from = "robots/{robot}.toml"
@@ -81,14 +81,14 @@ base = {{ x_mm = 0, y_mm = 0, z_mm = {pedestal}, yaw_deg = 0 }}
             ""
         };
         format!(
-            r#"# Operations; the spot of each is chosen among the nodes of a grid on the work surface.
+            r#"# Operations; the spot of each operation is chosen among the nodes of a grid on the work surface.
 [operation.assembly]
 on = "{}"
 grid = [6, 4]        # divisions along x and y: 7 x 5 nodes
 standoff_mm = {standoff}{}# height of the TCP above the surface
 bend_deg = -90       # elevation of the tool axis: -90 points down
 {spin}sense = "xy"         # direction of the error that counts: x, y, z, xy, xyz, rx, ry, rz, rotation; xy@tool in tool axes
-# limit_mm = 1       # largest error allowed: a search then reports whether it is met, and the margin
+# limit_mm = 1       # largest allowed error: a search then reports whether the limit is kept, and the margin
 
 [operation.picking]
 on = "{}"
@@ -112,7 +112,7 @@ bend_deg = -90
 /// Text of the table `[search]` of a first cell.
 pub const SEARCH: &str = r#"[search]
 solver = "cma-es"
-objective = "sum" # of the errors of all operations; or "max", or "lexicographic" in the order of operations
+objective = "sum" # sum of the errors of all operations; or "max", or "lexicographic" in the order of operations
 budget = 2000     # layout evaluations; use 20000 for a final result
 seed = 1          # the same seed gives the same result
 "#;

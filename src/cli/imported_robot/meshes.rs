@@ -1,4 +1,4 @@
-//! Collision meshes of an imported robot: where they are, and which of them cannot be read.
+//! Collision meshes of an imported robot: search for the files, and reasons why some cannot be used.
 
 use super::ros_packages::folder_of;
 use crate::cli::loading;
@@ -53,7 +53,7 @@ impl MeshFiles {
         mesh.is_none_or(|name| self.kept.contains_key(name))
     }
 
-    /// Leaves out the meshes that a fault of the reader concerns; returns whether there are any.
+    /// Leaves out every mesh in which the reader found an error. Returns whether any mesh is left out.
     pub fn leave_out(&mut self, faults: &[Fault]) -> bool {
         let concerns = |file: &str, fault: &Fault| {
             let path = format!("meshes/{file}");
@@ -74,7 +74,7 @@ impl MeshFiles {
 
 type MeshRefusal = (String, String);
 
-/// Returns the path of the mesh that a URDF names.
+/// Returns the path of the mesh that a URDF names. Fails with the reason and a remedy.
 fn located(name: &str, urdf: &Path, given: &PackageFolders) -> Result<PathBuf, MeshRefusal> {
     let near = urdf.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let in_package = name.strip_prefix("package://").or_else(|| name.strip_prefix("model://"));
@@ -98,7 +98,8 @@ fn inside_of(folder: &Path, inside: &str) -> Result<PathBuf, MeshRefusal> {
     }
 }
 
-/// Returns the file name and the bytes of a mesh, or of a converted mesh in the same folder.
+/// Returns the file name and the bytes of a mesh or, for a COLLADA mesh, of a converted mesh in the same
+/// folder.
 fn taken(path: &Path) -> Result<(String, Vec<u8>), MeshRefusal> {
     let ending = path.extension().map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase());
     if ending == "dae" {

@@ -36,7 +36,7 @@ pub struct ImportedRobot {
     pub loaded: LoadedRobot,
     /// Path of the robot file in the folder of a cell.
     pub file: String,
-    /// Path in the folder of a cell, and bytes, of the robot file and every file that it names.
+    /// Robot file and every file that it names: path in the folder of a cell, and bytes.
     pub files: Vec<(String, Vec<u8>)>,
     /// Name of the preset from which the error set is guessed.
     pub preset: &'static str,
@@ -80,7 +80,7 @@ pub fn import(query: ImportQuery<'_>) -> Result<ImportedRobot, Exit> {
 
 /// Reads a robot file or a URDF, and everything that it refers to, without printing.
 ///
-/// The warnings of a URDF say what the command line prints about its import.
+/// The warnings about a URDF contain what the command line prints about its import.
 ///
 /// # Errors
 /// Returns the faults of the files.
@@ -101,7 +101,7 @@ pub fn read_robot_or_urdf(path: &Path, packages: &PackageFolders) -> Result<Load
 /// Imports a URDF with the text `text`.
 ///
 /// # Errors
-/// Returns the faults that are errors.
+/// Fails with all errors of the files, without the warnings.
 fn imported(query: ImportQuery<'_>, text: &str) -> Result<ImportedRobot, Vec<Fault>> {
     let refuse = |mut faults: Vec<Fault>| {
         // Warnings of an import that fails would hide its errors.
@@ -131,7 +131,7 @@ fn imported(query: ImportQuery<'_>, text: &str) -> Result<ImportedRobot, Vec<Fau
 }
 
 impl ImportedRobot {
-    /// Prints the warnings, what is guessed, and what is left out.
+    /// Prints the warnings, the guesses, and the collision shapes that are left out.
     pub fn tell(&self) {
         output::import_warnings(&self.warnings);
         let UrdfOutline { tip_link, last_joint, direction, joints, joints_off, .. } = &self.outline;
@@ -163,7 +163,7 @@ impl ImportedRobot {
         self.tell_left_out();
     }
 
-    /// Returns warnings that say what [`Self::tell`] prints; `file` is the path of the URDF.
+    /// Returns the messages of [`Self::tell`] as warnings. `file` is the path of the URDF.
     fn told(&self, file: &str) -> Vec<Fault> {
         let warning = |message: String, help: &str| Fault {
             severity: Severity::Warning,
@@ -186,7 +186,7 @@ impl ImportedRobot {
         }));
         if kept < all && self.left_out.is_empty() {
             let message = format!("{} of {all} collision shapes are left out", all - kept);
-            warnings.push(warning(message, "see sweetspot check for this file"));
+            warnings.push(warning(message, "run sweetspot check on this file"));
         }
         warnings
     }
@@ -259,7 +259,7 @@ impl Guesses {
     }
 }
 
-/// Returns the name of a preset, and what is guessed from it and from the reach.
+/// Returns the name of the guessed preset, and the guesses from this preset and from the reach.
 fn guesses(robot: &Robot) -> (&'static str, Guesses) {
     let chain = Chain::new(robot);
     let name = robot_file::guessed_preset(robot, &Inverse::new(&chain));
@@ -279,14 +279,15 @@ struct UrdfSource<'a> {
 }
 
 impl UrdfSource<'_> {
-    /// Reads the robot with these meshes, and with guesses for what the URDF does not state.
+    /// Reads the robot with these meshes, and with guesses for values that the URDF does not state.
     fn robot(&self, meshes: &MeshFiles, guesses: &Guesses) -> Result<LoadedRobot, Vec<Fault>> {
         let given = self.path.file_name().map_or(String::new(), |name| shown(&name.to_string_lossy()));
         let (stem, file) = (stem(self.path), file_path(self.path));
         let paths: HashMap<_, _> =
             meshes.kept.iter().map(|(name, (file, _))| (name.clone(), format!("meshes/{file}"))).collect();
-        let about =
-            format!("Lean copy of {given}, written by sweetspot: only the links and joints that it reads.");
+        let about = format!(
+            "Lean copy of {given}, written by sweetspot: only the links and joints that sweetspot reads."
+        );
         let urdf = lean_urdf(self.text, self.outline, &paths, &about).unwrap_or_default();
         let kept: HashMap<_, _> =
             meshes.kept.values().map(|(file, bytes)| (format!("robots/meshes/{file}"), bytes)).collect();

@@ -47,7 +47,7 @@ urdf = "{stem}.urdf"
 # Link that carries the tool. {guess}.
 tip_link = {}
 
-# GUESS: a tool of length 0 along the axis of {}. State your own: position_mm is its TCP in the tip link,
+# GUESS: a tool of length 0 along the axis of {}. State your own tool: position_mm is its TCP in the tip link,
 # and axis its working direction.
 tool = {{ position_mm = [0, 0, 0], axis = [{numbers}] }}
 {footprint}

@@ -9,7 +9,8 @@ const MAX_ABOVE: usize = 6;
 /// Largest size of a package.xml that is read, bytes.
 const MAX_MANIFEST: u64 = 1 << 20;
 
-/// Returns the folder of a package: as given, above or beside the folder `near`, or where ROS looks for it.
+/// Returns the folder of a package: the given folder, a folder above or beside `near`, or a folder in the
+/// search paths of ROS. Returns None if the package is not found.
 pub fn folder_of(name: &str, near: &Path, given: &PackageFolders) -> Option<PathBuf> {
     let stated = given.folders.iter().find(|(known, _)| known == name).map(|(_, folder)| folder.clone());
     let above = || {
@@ -21,7 +22,7 @@ pub fn folder_of(name: &str, near: &Path, given: &PackageFolders) -> Option<Path
     stated.or_else(above).or_else(|| of_ros(name))
 }
 
-/// Returns the nearest folder at or above `near` that is a ROS package.
+/// Returns the nearest folder at or above `near` that is a ROS package; None if there is none.
 pub fn package_above(near: &Path) -> Option<PathBuf> {
     folders_above(near).find(|folder| folder.join("package.xml").is_file())
 }
@@ -31,8 +32,8 @@ fn folders_above(near: &Path) -> impl Iterator<Item = PathBuf> {
     near.ancestors().take(MAX_ABOVE).map(Path::to_path_buf).collect::<Vec<_>>().into_iter()
 }
 
-/// Returns whether a folder is the package `name`. The name in its package.xml decides or, if no name is
-/// stated there, the name of the folder.
+/// Returns whether a folder is the package `name`. The name in package.xml decides. If package.xml states no
+/// name, the name of the folder decides.
 fn is_package(folder: &Path, name: &str) -> bool {
     let manifest = folder.join("package.xml");
     let small = manifest.metadata().is_ok_and(|about| about.is_file() && about.len() <= MAX_MANIFEST);
@@ -45,7 +46,8 @@ fn is_package(folder: &Path, name: &str) -> bool {
     stated.map_or(own, |stated| stated == name)
 }
 
-/// Returns the folder of a package in the paths of the environment of ROS.
+/// Returns the folder of a package in the search paths of ROS, which environment variables state. Returns
+/// None if the package is not found.
 fn of_ros(name: &str) -> Option<PathBuf> {
     let all = |variable: &str| std::env::var_os(variable).unwrap_or_default();
     let (ros1, ros2) = (all("ROS_PACKAGE_PATH"), all("AMENT_PREFIX_PATH"));

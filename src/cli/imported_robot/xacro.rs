@@ -1,5 +1,5 @@
-//! Expansion of xacro files by the program `xacro` or `xacrodoc`. Only commands to which the user gives
-//! a xacro file call such a program.
+//! Expansion of xacro files by the program `xacro` or `xacrodoc`. Only a command with a xacro file as its
+//! argument runs these programs.
 
 use super::ros_packages::package_above;
 use crate::cli::output::{path_word, word};
@@ -35,7 +35,7 @@ pub fn expanded(path: &Path, arguments: &[String]) -> Result<String, Exit> {
             Err(_) => {}
         }
     }
-    output::error(&format!("cannot expand {}, a xacro file", path_word(path)));
+    output::error(&format!("cannot expand the xacro file {}", path_word(path)));
     complaints.iter().for_each(|complaint| output::talk(&format!("  {complaint}")));
     if complaints.is_empty() {
         output::talk(

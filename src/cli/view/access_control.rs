@@ -1,10 +1,10 @@
 //! Access control of the local server: secret URL, checks of Host (DNS rebinding) and Origin (CSRF).
 //!
-//! The URL contains 128 random bits; a request without these bits gets status 404. A page of another site
-//! may make its own domain name resolve to 127.0.0.1 (DNS rebinding). The Host header must therefore name
-//! this server. Such a page may also post to this server from the user's browser (cross-site request
-//! forgery, CSRF). The Origin header of every POST must therefore be that of our page. All checks precede
-//! the reading of a body.
+//! The URL contains 128 random bits; a request without these bits gets status 404. A page of another site may
+//! make its own domain name resolve to 127.0.0.1 (DNS rebinding). The Host header must therefore name this
+//! server. A page of another site may also post to this server from the user's browser (cross-site request
+//! forgery, CSRF). The Origin header of every POST must therefore be the origin of our page. All checks
+//! precede the reading of a body.
 
 use super::http_response::HttpResponse;
 use hyper::body::Incoming;
@@ -61,7 +61,7 @@ impl AccessControl {
             Method::POST => {
                 // CSRF: a page of another origin must not change anything.
                 if !is_one_of(request, ORIGIN, &hosts.map(|host| format!("http://{host}"))) {
-                    return forbidden("the Origin header is not that of this page");
+                    return forbidden("the Origin header is not the origin of this page");
                 }
             }
             _ => {
@@ -81,7 +81,7 @@ fn is_one_of(request: &Request<Incoming>, name: HeaderName, values: &[String]) -
     only.to_str().is_ok_and(|only| values.contains(&only.trim().to_ascii_lowercase()))
 }
 
-/// Compares two texts in a time that does not depend on where they differ.
+/// Returns whether two texts are equal, in a time that does not depend on where they differ.
 fn same(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |differs, (a, b)| differs | (a ^ b)) == 0
 }

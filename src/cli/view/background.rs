@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use tokio::sync::Notify;
 
-/// Server of a live page in a thread of its own. The server ends when this value is dropped.
+/// Server of a live page, running in its own thread. The server ends when this value is dropped.
 pub struct BackgroundView {
     url: String,
     over: Arc<Notify>,
@@ -34,7 +34,7 @@ impl BackgroundView {
         &self.url
     }
 
-    /// Ends the server. Does nothing if it has ended.
+    /// Ends the server. Does nothing if the server has already ended.
     pub fn stop(&mut self) {
         self.over.notify_one();
         if let Some(thread) = self.thread.take() {

@@ -1,4 +1,4 @@
-//! Start of the user's browser.
+//! Opening of the page in the user's browser.
 //!
 //! All users of the machine can read command lines, so the command line of the browser must not contain the
 //! secret of the URL.
@@ -15,7 +15,7 @@ use tempfile::TempPath;
 /// # Errors
 /// Fails with the reason if the file cannot be written or no browser can be started.
 pub fn open_in_browser(url: &str) -> Result<TempPath, String> {
-    // tempfile gives such a file a random name and, on Unix, mode 0600.
+    // tempfile gives the file a random name and, on Unix, mode 0600.
     let file = tempfile::Builder::new().prefix("sweetspot-view-").suffix(".html").tempfile();
     let mut file = file.map_err(|e| format!("a temporary file cannot be made: {e}"))?;
     // The URL consists of letters, digits and `:/.`, so nothing needs an escape.

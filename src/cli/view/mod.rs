@@ -1,8 +1,8 @@
 //! `view`: a local web server with a page for editing a layout.
 //!
-//! The server, not the page, holds the session: undo history, evaluation settings and running search. Closing
-//! a page ends nothing, a reopened page continues, and all open pages show the same state. Every number comes
-//! from [`crate::layout::evaluate`] and the error maps, as in the other commands.
+//! The session is in the server, not in the page: undo history, evaluation settings and running search. The
+//! session continues after a page is closed, and all open pages show the same state. Every number comes from
+//! [`crate::layout::evaluate`] and the error maps, as in the other commands.
 
 mod access_control;
 mod background;
@@ -184,8 +184,8 @@ impl LiveView {
         Ok(json!({ "regions": RegionEntry::all(&a), "whole_cell": TurnEntry::new(&a) }))
     }
 
-    /// Returns the outlines, in plan and in mm, of the region in which a piece may stand. The rest of
-    /// the layout is unchanged.
+    /// Returns the outlines, in plan and in mm, of the region in which a piece of equipment may stand. The
+    /// rest of the layout is unchanged.
     fn standing(&self, asked: &StandingBody) -> Result<Value, String> {
         let (workcell, layout) = self.shown()?;
         if asked.equipment >= workcell.cell.equipment.len() {
@@ -243,8 +243,8 @@ impl LiveView {
         Ok(())
     }
 
-    /// Returns the revision of the session and the state of the search. Both may change without a request of
-    /// this page.
+    /// Returns the revision of the session and the state of the search. Both may change without a request
+    /// from this page.
     fn pulse(&self) -> Value {
         let search = locked(&self.job).as_ref().map(SearchThread::document);
         json!({ "revision": locked(&self.session).revision, "search": search })
@@ -255,7 +255,7 @@ fn drawn(a: &Assessment<'_>) -> Result<Value, String> {
     Ok(json::drawings(&[Drawing::new(a, &DETAIL)?]))
 }
 
-/// Assesses a layout for the page: spots at nodes only, without Monte Carlo samples and misplacement.
+/// Assesses a layout for the page: spots at nodes only, without Monte Carlo samples or misplacements.
 ///
 /// If `is_settled` is true and equipment overlaps, also finds the nearest layout without overlaps.
 fn assessed<'a>(workcell: &'a Workcell, layout: Layout, is_settled: bool) -> Assessment<'a> {

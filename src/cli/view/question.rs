@@ -10,7 +10,7 @@ const MAX_WORKCELLS: usize = 300;
 /// Evaluation settings of the page: sense, model and reading.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EvaluationSettings {
-    /// Name of the sense; None if the error of each operation is taken in its own sense.
+    /// Name of the sense; None if each operation keeps its own sense.
     pub sense: Option<String>,
     pub model: Model,
     pub reading: Reading,

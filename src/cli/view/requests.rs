@@ -17,7 +17,7 @@ pub struct SearchBody {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QuestionBody {
-    /// Name of the sense; None if the error of each operation is taken in its own sense.
+    /// Name of the sense; None if each operation keeps its own sense.
     pub sense: Option<String>,
     pub model: String,
     pub reading: String,

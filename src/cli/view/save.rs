@@ -9,7 +9,7 @@ use crate::files::shown;
 use crate::report;
 use std::path::{Path, PathBuf};
 
-/// Longest file name with its extension, bytes.
+/// Largest length of a file name with its extension, bytes.
 const MAX_NAME: usize = 100;
 /// Names that Windows reserves for devices, with any extension.
 const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
@@ -80,7 +80,7 @@ impl Origin {
     ) -> Result<PathBuf, Unsaved> {
         let name = file_name(asked).map_err(Unsaved::Refused)?;
         let path = self.folder().join(&name);
-        // Two names can mean one file: through a link, or on a file system that ignores case.
+        // Two names can denote the same file: through a link, or on a file system that ignores case.
         if let Ok(real) = path.canonicalize()
             && self.sources.iter().any(|s| s.canonicalize().is_ok_and(|s| s == real))
         {

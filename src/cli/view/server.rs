@@ -1,9 +1,8 @@
 //! Local web server with limits on connections, headers, bodies and time.
 //!
-//! Anybody on this machine can connect. A connection without the secret must therefore cost little: a
-//! head of limited size and time, no body, no thread. One thread accepts and serves all connections.
-//! The response to each admitted request is computed in a thread of its own, so a long computation delays no
-//! other request.
+//! Anybody on this machine can connect. A connection without the secret must therefore cost little: a head of
+//! limited size and time, no body, no thread. One thread accepts and serves all connections. The response to
+//! each admitted request is computed in a separate thread, so a long computation delays no other request.
 
 use super::LiveView;
 use super::access_control::AccessControl;
@@ -40,7 +39,7 @@ const HEAD_TIME: Duration = Duration::from_secs(5);
 const BODY_TIME: Duration = Duration::from_secs(10);
 /// Longest wait for a client that accepts no byte of a response.
 const SEND_TIME: Duration = Duration::from_secs(10);
-/// Pause after a connection could not be accepted, usually because too many files are open.
+/// Pause after a failure to accept a connection. The usual cause is too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// Session and access control that all connections share.
@@ -54,10 +53,10 @@ pub struct LocalServer {
 }
 
 impl LocalServer {
-    /// Listens on a port of 127.0.0.1; port 0 lets the operating system choose one.
+    /// Listens on a port of 127.0.0.1. Port 0 lets the operating system choose a port.
     ///
     /// # Errors
-    /// Fails if the port is taken, or if the operating system does not let this program open it.
+    /// Fails if the port is in use, or if this program may not open it.
     pub fn bind(port: u16) -> std::io::Result<Self> {
         let runtime = Builder::new_current_thread().enable_all().build()?;
         let listener = runtime.block_on(TcpListener::bind((Ipv4Addr::LOCALHOST, port)))?;
@@ -77,7 +76,7 @@ impl LocalServer {
     }
 }
 
-/// Accepts connections without end. Pauses after each failure, and reports only the first one.
+/// Accepts connections in an endless loop. Pauses after each failure, and reports only the first failure.
 async fn accept(listener: TcpListener, shared: Shared) {
     let slots = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let mut is_reported = false;
@@ -101,7 +100,7 @@ async fn accept(listener: TcpListener, shared: Shared) {
     }
 }
 
-/// Answers the requests of one connection until it ends or breaks a limit.
+/// Answers the requests of one connection until the connection ends or exceeds a limit.
 async fn connection(stream: TcpStream, shared: Shared, slot: OwnedSemaphorePermit) {
     // Without this option, Nagle's algorithm may delay the last packet of a response until an acknowledgement
     // arrives.
@@ -129,7 +128,7 @@ async fn answer(
     Ok(answer.unwrap_or_else(|refusal| refusal).into_http())
 }
 
-/// Admits a request, reads its body and computes the response in a thread of its own.
+/// Admits a request, reads its body and computes the response in a separate thread.
 ///
 /// The thread holds the slot of the connection, so a client cannot start more threads by disconnecting early.
 async fn computed(

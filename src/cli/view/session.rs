@@ -13,7 +13,7 @@ pub struct Step {
     pub what: String,
 }
 
-/// Undo history and evaluation settings of one `view`.
+/// Undo history and evaluation settings of one run of `sweetspot view`.
 pub struct Session {
     /// Number of changes in this session. A page compares this number to notice a change that another page
     /// made.
@@ -35,7 +35,7 @@ impl Session {
         &self.steps[self.at]
     }
 
-    /// Returns the step before the current one.
+    /// Returns the step before the current step; None if the current step is the first.
     pub fn before(&self) -> Option<&Step> {
         self.at.checked_sub(1).map(|k| &self.steps[k])
     }
@@ -45,7 +45,7 @@ impl Session {
         &self.steps[0].values
     }
 
-    /// Returns how many steps can be undone and redone.
+    /// Returns the number of steps that can be undone, and the number that can be redone.
     pub fn depth(&self) -> (usize, usize) {
         (self.at, self.steps.len() - 1 - self.at)
     }
@@ -64,7 +64,7 @@ impl Session {
         self.revision += 1;
     }
 
-    /// Goes one step back or forward, if there is one.
+    /// Goes one step back or forward. Does nothing if there is no such step.
     pub fn travel(&mut self, back: bool) {
         let to = if back { self.at.checked_sub(1) } else { Some(self.at + 1) };
         if let Some(to) = to.filter(|to| *to < self.steps.len()) {

@@ -49,8 +49,8 @@ impl LayoutValues {
         cell.layout(|slot, coordinate| self.get(slot).unwrap_or_else(|| coordinate.start()))
     }
 
-    /// Returns a cell with this layout as its start. If `frees` is true, a fixed coordinate with another
-    /// value becomes a range, as in [`Cell::starting_at`].
+    /// Returns a cell with this layout as its start. If `frees` is true, a fixed coordinate whose value
+    /// differs becomes a range, as in [`Cell::starting_at`].
     pub fn starting(&self, cell: &Cell, frees: bool) -> Cell {
         cell.starting_at(self.slots.iter().copied().zip(self.si.iter().copied()), frees)
     }
@@ -107,7 +107,7 @@ impl LayoutValues {
         self.slots.iter().position(|s| *s == slot)
     }
 
-    /// Describes the change from the layout `before`.
+    /// Returns the change from the layout `before`, in words.
     pub fn difference(&self, before: &Self, cell: &Cell) -> String {
         let pairs = self.slots.iter().zip(self.si.iter().zip(&before.si));
         let moved: Vec<String> = pairs
