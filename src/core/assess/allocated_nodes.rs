@@ -14,7 +14,7 @@ pub enum AllocatedNodes {
     Spots,
     /// Every usable node.
     Usable,
-    /// The node of each operation at which keeping its limit alone costs least.
+    /// For each operation, the node at which the tolerances that keep only this limit cost least.
     Cheapest,
     /// The node with these indices.
     Node(usize, usize),

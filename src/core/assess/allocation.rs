@@ -67,8 +67,9 @@ pub enum NoAllocation {
 impl<'a> CellAllocation<'a> {
     /// Prepares the problem of a layout with its maps, for all operations with a limit or for one of them.
     ///
-    /// # Errors Returns the reason if there is no requirement, no tolerance or no usable node, or if the
-    /// errors are not tolerances.
+    /// # Errors
+    /// Returns the reason if there is no requirement, no tolerance or no usable node, or if the errors are not
+    /// tolerances.
     pub fn new(
         workcell: &'a Workcell,
         layout: &'a Layout,
@@ -134,12 +135,12 @@ impl<'a> CellAllocation<'a> {
             "as tolerances, these errors would displace {name} by {:.0} mm, more than the arm reaches: they compensate each other in one calibrated arm",
             mm_from_m(first.before)
         );
-        let help = "choose an error set of tolerances with --errors; `sweetspot errors` makes one";
+        let help = "choose an error set of tolerances with --errors; `sweetspot errors` creates such a set";
         Err(NoAllocation::Question { why, help })
     }
 
-    /// Keeps for each operation only the node at which keeping its limit alone costs least, according to the
-    /// linear model.
+    /// Keeps only one node for each operation. This is the node at which the tolerances that keep only this
+    /// limit cost least, by the linear model.
     fn keep_cheapest_nodes(&mut self) -> Result<(), NoAllocation> {
         let costs: Vec<ToleranceCost> = self.parameters.iter().map(|p| p.cost.clone()).collect();
         let free: Vec<Parameter> = self.parameters.iter().map(|p| p.parameter).collect();

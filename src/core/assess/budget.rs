@@ -5,7 +5,8 @@ use super::posture_context::PostureContext;
 use crate::cell::{Parameter, Reading, Unit};
 use crate::reading::{Budget, ErrorEvaluator, EvaluatorScratch, PostureErrors, WorstCase};
 
-/// Number of parameters whose tolerances are halved in trials: those with the largest shares of the budget.
+/// Number of parameters whose tolerances are halved in trials: the parameters with the largest shares of the
+/// budget.
 const TIGHTENED: usize = 3;
 
 /// Result of a trial: the worst case or statistical quantity after the tolerances of `parameters` are halved.
@@ -30,10 +31,10 @@ pub struct BudgetReport<'a> {
     /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, or the
     /// worst case in any other reading. It is infinite if the errors are not tolerances.
     pub figure: f64,
-    /// Results of trials with halved tolerances. The trials concern up to three parameters: those with the
+    /// Results of trials with halved tolerances. The trials concern up to three parameters, which have the
     /// largest shares of the budget. Each trial halves the tolerance of one of these parameters. If there are
-    /// several parameters, a last trial halves the tolerances of all of them. There are no trials
-    /// if the errors are not tolerances.
+    /// several parameters, a last trial halves the tolerances of all of them. There are no trials if the
+    /// errors are not tolerances.
     pub tighter: Vec<Tighter>,
 }
 

@@ -6,7 +6,7 @@ use crate::allocation::{AllocationFailure, JudgedAllocation, LinearFigure, Toler
 use crate::cell::{Parameter, ToleranceCost};
 use crate::layout::Workcell;
 
-/// Largest number of allocations; after each of them, Monte Carlo samples may correct the limits.
+/// Largest number of allocations. After each allocation, Monte Carlo samples may correct the limits.
 const MAX_SAMPLED_ROUNDS: usize = 4;
 
 /// Cheapest tolerances of a cell.
@@ -55,7 +55,7 @@ impl CellAllocation<'_> {
 struct CellJudge<'p, 'a> {
     problem: &'p CellAllocation<'a>,
     /// Scales that were judged last. `scaled` is the workcell at these scales, and `values` are the figures
-    /// there.
+    /// at these scales.
     scales: Vec<f64>,
     scaled: Option<Workcell>,
     values: Vec<f64>,

@@ -25,8 +25,8 @@ impl<'a> Comparison<'a> {
         Ok(Self { columns })
     }
 
-    /// Returns a comparison of the layout as drawn with the best layout of a search. Regions are computed
-    /// only for the best layout.
+    /// Returns a comparison of the layout in the cell file with the best layout of a search. Regions are
+    /// computed only for the best layout.
     pub fn of_search(workcell: &'a Workcell, record: &SearchRecord) -> Self {
         let [start, best] = [("start", &record.start), ("best", &record.best)]
             .map(|(label, candidate)| Assessment::new(label, workcell, candidate.layout.clone()));

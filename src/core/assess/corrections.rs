@@ -97,7 +97,8 @@ impl<'a> OperationCorrector<'a> {
     }
 
     fn corrected(&self, nominal: &JointVector, target: &Pose, mut context: WorkContext) -> CorrectedTarget {
-        // The pick is corrected, too, so the placing must be correct by itself.
+        // The pick is corrected separately, so the error of the placing must not include the error of the
+        // pick.
         context.reference = None;
         let propagation = self.evaluator.propagation();
         let error = |frames: &_| propagation.error(&context, frames, &self.sample, Model::Nonlinear);

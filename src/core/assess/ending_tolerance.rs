@@ -1,5 +1,5 @@
-//! Placement tolerances that make a layout infeasible: without them, or with smaller ones, the layout would be
-//! feasible.
+//! Placement tolerances that make a layout infeasible: without these tolerances, or with smaller tolerances,
+//! the layout would be feasible.
 
 use crate::cell::{Cell, Layout, Slot};
 use crate::layout::{Workcell, evaluate};
@@ -16,7 +16,7 @@ const KEYS: [&str; 4] = ["x_mm", "y_mm", "z_mm", "yaw_deg"];
 ///
 /// Each tolerance is reduced alone. If no single tolerance suffices, all tolerances of each body (robot base
 /// or piece of equipment) are reduced together. If no single body suffices, the tolerances of all bodies are
-/// reduced together. The list is empty if the layout is infeasible even as drawn.
+/// reduced together. The list is empty if the layout is infeasible even without misplacements.
 pub fn ending_tolerances(workcell: &Workcell, layout: &Layout) -> Vec<String> {
     if !workcell.certifies() || evaluate(workcell, layout).is_accepted() {
         return Vec::new();

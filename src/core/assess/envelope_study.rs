@@ -48,7 +48,7 @@ impl EnvelopeQuery<'_> {
         self.step.unwrap_or_else(|| step_of(robot, inverse))
     }
 
-    /// Returns the number of points that the envelope samples, not counting those that refine a boundary by
+    /// Returns the number of points that the envelope samples, without the points that refine a boundary by
     /// bisection.
     pub fn work(&self, robot: &Robot, inverse: &Inverse) -> u64 {
         let envelope = Envelope::new(inverse, &self.attitude, self.yaw);

@@ -31,8 +31,8 @@ pub struct ParameterEffect {
     pub motions: Vec<ParameterMotion>,
     /// Value of the parameter in the explained sample (the signed sample or the worst corner), m or rad.
     pub value: f64,
-    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP. Registration is ignored, and so is
-    /// the error at the pick of the part.
+    /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP. Registration and the error at the pick
+    /// of the part are ignored.
     pub alone: Displacement,
     /// Effect of one unit (1 m or 1 rad) of the parameter on the TCP after registration. If the operation
     /// places a picked part, the effect at the pick is subtracted.

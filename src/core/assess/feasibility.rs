@@ -57,7 +57,7 @@ pub fn reasons<'m>(
     overlaps.chain(apart).chain(spotless).chain(blocked).chain(misplaced).collect()
 }
 
-/// Returns why a layout that works as drawn does not work at every misplacement, in words.
+/// Returns why a layout that works without misplacements does not work at every misplacement, in words.
 fn misplaced(cell: &Cell, evaluation: &Evaluation) -> Vec<String> {
     let within = "within the placement tolerances";
     let near = evaluation.near.iter().filter(|near| {

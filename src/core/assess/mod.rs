@@ -90,7 +90,7 @@ pub struct Assessment<'a> {
     pub certificate: Option<LayoutCertificate>,
     /// Regions in which each piece of equipment may stand.
     ///
-    /// None unless [`Self::with_regions`] was called, or if the layout is not feasible or misses a limit.
+    /// None if [`Self::with_regions`] was not called, or if the layout is not feasible or misses a limit.
     pub regions: Option<Regions>,
     /// Nearest layout found without overlaps; None if no equipment overlaps, or if no such layout was found.
     pub apart: Option<Layout>,
@@ -200,8 +200,8 @@ impl<'a> Assessment<'a> {
 
     /// Returns whether the Monte Carlo samples confirm the first-order figures at the spot of an operation.
     ///
-    /// If the samples do not confirm them, the figures of the samples replace the first-order figures.
-    /// Returns None if the operation has no samples.
+    /// If the samples do not confirm these figures, the figures of the samples replace them. Returns None if
+    /// the operation has no samples.
     pub fn first_order_holds(&self, operation: usize) -> Option<bool> {
         self.confirmed[operation]
     }
@@ -271,7 +271,7 @@ impl<'a> Assessment<'a> {
     pub fn worst(&self, operation: usize) -> Option<f64> {
         let certified = self.certificate.as_ref()?.operations.get(operation)?.as_ref()?;
         let most = certified.as_ref().ok()?.most?;
-        // A bound cannot be below the value as drawn, except by rounding.
+        // A bound cannot be below the nominal value, except by rounding.
         Some(self.maps[operation].value.map_or(most, |value| most.max(value)))
     }
 
@@ -280,8 +280,8 @@ impl<'a> Assessment<'a> {
         (0..self.maps.len()).filter_map(|k| self.requirement(k)).all(Requirement::is_met)
     }
 
-    /// Returns, in words, which placement tolerances make the layout infeasible; empty if it is feasible, or
-    /// infeasible even as drawn.
+    /// Returns, in words, which placement tolerances make the layout infeasible; empty if the layout is
+    /// feasible, or infeasible even without misplacements.
     pub fn ending_tolerances(&self) -> Vec<String> {
         if self.evaluation.objective.is_some() || self.evaluation.misfit.is_some() {
             return Vec::new();
@@ -289,7 +289,7 @@ impl<'a> Assessment<'a> {
         ending_tolerances(self.workcell, &self.layout)
     }
 
-    /// Returns why the layout is infeasible, in words; empty if it is feasible.
+    /// Returns why the layout is infeasible, in words; empty if the layout is feasible.
     pub fn reasons(&self) -> Vec<String> {
         let spotless = self.maps.iter().filter(|map| map.best.is_none());
         feasibility::reasons(self.cell, &self.layout, &self.evaluation, self.apart.as_ref(), spotless)
@@ -302,9 +302,11 @@ pub struct Requirement {
     pub limit: f64,
     /// Limit minus the error of the operation under the reading; negative if the limit is exceeded.
     ///
-    /// If the layout must withstand misplacements, the error is its upper bound over all of them.
+    /// If the layout must withstand misplacements, the error is replaced by an upper bound over all
+    /// misplacements.
     pub margin: f64,
-    /// Whether the upper bound is known. If not, the margin belongs to the layout as drawn.
+    /// Whether the upper bound is known. If not, the margin refers to the nominal error, without
+    /// misplacements.
     pub known: bool,
 }
 

@@ -48,7 +48,7 @@ impl OperationDifference {
     }
 
     /// Returns the number of nodes usable only in the other layout, and the number of nodes usable only in
-    /// the first.
+    /// the first layout.
     pub fn gained_and_lost(&self) -> (usize, usize) {
         let count = |gained: bool| {
             let one = |p: &&NodePair| p.other.is_some() == gained && p.first.is_some() != gained;
@@ -87,8 +87,8 @@ impl Comparison<'_> {
         .collect()
     }
 
-    /// Compares each later layout with the first in words. One sentence per operation says which of the two
-    /// layouts is better.
+    /// Compares each later layout with the first layout, in words. One sentence per operation says which of
+    /// the two layouts is better.
     pub fn in_words(&self) -> Vec<String> {
         let Some((first, others)) = self.columns.split_first() else { return Vec::new() };
         let all = others

@@ -162,7 +162,7 @@ impl PostureContext<'_> {
 }
 
 /// Returns the [`WorkContext`] of an operation that uses a taught frame or places a picked part. The taught
-/// frame and the pick are computed from postures other than that of the operation.
+/// frame and the pick are computed from other postures than the posture of the operation.
 fn situation_elsewhere(
     cell: &Cell,
     workcell: Result<&Workcell, &str>,

@@ -59,6 +59,7 @@ impl ReadingRow {
     }
 
     /// Returns the regret: [`Self::at_signed`] divided by the value of the best node ([`Self::value`]).
+    /// Returns None if either value is missing, or if the value of the best node is negligible.
     pub fn ratio(&self) -> Option<f64> {
         let value = self.value().filter(|v| *v > NEGLIGIBLE)?;
         Some(self.at_signed? / value).filter(|r| r.is_finite())
@@ -116,7 +117,7 @@ impl<'a> Readings<'a> {
     }
 
     /// Returns the largest regret: the index of the operation, the row and the regret itself
-    /// ([`ReadingRow::ratio`]).
+    /// ([`ReadingRow::ratio`]). Returns None if no row has a regret.
     pub fn largest_regret(&self) -> Option<(usize, &ReadingRow, f64)> {
         let all = self.operations.iter().enumerate().flat_map(|(k, rows)| rows.iter().map(move |r| (k, r)));
         let ratios = all.filter_map(|(k, row)| Some((k, row, row.ratio()?)));

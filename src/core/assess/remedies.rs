@@ -14,17 +14,17 @@ pub enum Remedy {
     Calibrated,
     /// The layout is the best of a search; no error is compensated.
     Moved,
-    /// The controller compensates the identified errors, and the layout is the best of a search with the remaining
-    /// errors.
+    /// The controller compensates the identified errors, and the layout is the best of a search with the
+    /// remaining errors.
     Both,
 }
 
 impl Remedy {
-    /// All remedies, the one with the least work first.
+    /// All remedies, in ascending order of the work that they need.
     pub const ALL: [Remedy; 4] = [Remedy::AsDrawn, Remedy::Calibrated, Remedy::Moved, Remedy::Both];
 }
 
-/// Share of the error as drawn below which a gain does not count.
+/// Least gain that counts, as a share of the error of the layout as drawn.
 const NO_GAIN: f64 = 0.01;
 
 /// The four remedies side by side.
@@ -60,7 +60,8 @@ impl<'a> Remedies<'a> {
         self.layout(remedy).evaluation.objective
     }
 
-    /// Returns the share of the objective as drawn by which a remedy reduces it; None if either layout is infeasible.
+    /// Returns the relative reduction of the objective by a remedy, compared with the layout as drawn; None
+    /// if either layout is infeasible.
     pub fn gain(&self, remedy: Remedy) -> Option<f64> {
         let drawn = self.objective(Remedy::AsDrawn).filter(|drawn| *drawn > 0.0)?;
         Some(1.0 - self.objective(remedy)? / drawn)
@@ -79,11 +80,11 @@ impl<'a> Remedies<'a> {
         self.objective(remedy).is_some() && (0..a.maps.len()).all(is_met)
     }
 
-    /// Returns the advised remedies, each of which is enough; empty if none helps.
+    /// Returns the advised remedies, each of which suffices alone; empty if no remedy suffices.
     ///
-    /// If there are limits, the advised remedies are those with the least work that keep the limits.
-    /// Otherwise, the only advised remedy has an error that exceeds the least error by at most 1 % of the
-    /// error as drawn. Among several such remedies, it is the one with the least work.
+    /// If there are limits, the advised remedies keep the limits with the least work. Otherwise, a remedy
+    /// qualifies if its error exceeds the least error by at most 1 % of the error as drawn. Only the
+    /// qualifying remedy with the least work is advised.
     pub fn advised(&self) -> Vec<Remedy> {
         let steps = [&[Remedy::AsDrawn][..], &[Remedy::Calibrated, Remedy::Moved], &[Remedy::Both]];
         if self.has_limits() {
@@ -97,7 +98,8 @@ impl<'a> Remedies<'a> {
         feasible().find(|(_, value)| *value <= least + slack).map(|(remedy, _)| remedy).into_iter().collect()
     }
 
-    /// Returns whether a remedy lowers the error as drawn by at least 1 %, or makes an infeasible layout feasible.
+    /// Returns whether a remedy reduces the error of the layout as drawn by more than 1 %, or makes an
+    /// infeasible layout feasible.
     pub fn helps(&self, remedy: Remedy) -> bool {
         match (self.objective(Remedy::AsDrawn), self.objective(remedy)) {
             (Some(drawn), Some(value)) => value < drawn * (1.0 - NO_GAIN),

@@ -6,7 +6,8 @@ use crate::allocation::{JudgedAllocation, NodeFigure};
 use crate::cell::{Quantity, Reading};
 use crate::reading::{Estimate, MonteCarlo, SampleSpace, SampledPosture};
 
-/// Largest number of requirements that Monte Carlo samples check: those nearest to their limits.
+/// Largest number of requirements that Monte Carlo samples check. The requirements nearest to their limits
+/// are checked.
 const MAX_SAMPLED: usize = 4;
 /// Monte Carlo check of one requirement at the tolerances found.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +41,8 @@ impl CellAllocation<'_> {
         })
     }
 
-    /// Compares a first-order figure with samples. For the yield, the share of samples within the limit counts.
+    /// Compares a first-order figure with samples. For the yield, the share of samples within the limit
+    /// counts.
     fn check(&self, requirement: usize, value: f64, samples: &MonteCarlo) -> SampledRequirement {
         let figure = match self.workcell.cell.quantity {
             Quantity::Rms => samples.rms,

@@ -56,8 +56,8 @@ impl SampledSpots {
 ///
 /// Returns for each operation whether the samples confirm the figures; None without samples.
 ///
-/// A value over several nodes stays first order, because samples are drawn at one node only. A robust value
-/// stays first order, too, because the samples ignore placement tolerances.
+/// A value over several nodes remains a first-order value, because samples are drawn at one node only. A
+/// robust value also remains a first-order value, because the samples ignore placement tolerances.
 pub fn take_over(
     workcell: &Workcell,
     samples: &[Option<MonteCarlo>],
