@@ -1,4 +1,4 @@
-//! `allocate`: the cheapest tolerances with which every operation keeps its limit.
+//! `allocate`: finds the cheapest tolerances with which every operation keeps its limit.
 
 use super::{suggest_with, workcell};
 use crate::assess::{AllocatedNodes, CellAllocation, NoAllocation, NodeChoice};
@@ -75,7 +75,7 @@ fn toleranced(cell: Cell, a: &AllocateArguments) -> Result<Cell, Exit> {
     })
 }
 
-/// Prints why there is no allocation.
+/// Prints why there is no allocation, and returns the exit code.
 fn refused(why: NoAllocation) -> Exit {
     match why {
         NoAllocation::Question { why, help } => {

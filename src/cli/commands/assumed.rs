@@ -1,4 +1,4 @@
-//! Prior of a calibration: its unknowns, and their standard deviations before the measurement.
+//! Prior of a calibration: the unknowns and their standard deviations before the measurement.
 
 use crate::calibration::{Unknown, unknowns};
 use crate::cell::{Parameter, Robot};

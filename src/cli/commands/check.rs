@@ -48,7 +48,8 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     let loaded = loading::load(&a.cell, &a.packages)?;
     let warnings = loaded.warnings.len();
     output::import_warnings(&loaded.warnings);
-    // The D-H rows are printed even if no inverse kinematics solves the robot, because they show why.
+    // The D-H rows are printed even if no inverse kinematics solves the robot, because the rows show the
+    // reason.
     output::data(&report::text::derived(&loaded.cell.robot))?;
     let workcell = workcell(loaded.cell, &a.cell)?;
     let cell = &workcell.cell;
@@ -74,7 +75,7 @@ pub fn check(a: &CheckArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Checks a robot alone, which a URDF or xacro file describes.
+/// Checks a URDF or xacro file, which describes a robot and not a cell.
 fn check_robot(a: &CheckArguments) -> Result<Exit, Exit> {
     let imported = import(ImportQuery::new(&a.cell, &a.packages))?;
     let robot = &imported.loaded.robot;
@@ -98,14 +99,15 @@ fn check_robot(a: &CheckArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Describes the number of error sets, and the name, kind and reading of the chosen set.
+/// Returns a line with the number of error sets, and the name, kind and reading of the chosen set.
 fn error_sets(cell: &Cell) -> String {
     let kind = report::text::kind_of(cell.error_set());
     let sets = counted(cell.robot.errors.len(), "error set", "error sets");
     format!("{sets}; {} is {kind}, read as {}", shown(cell.error_set().name()), cell.reading.name())
 }
 
-/// Describes the inverse kinematics, and which postures a search judges in each operation: one line for each.
+/// Returns a line about the inverse kinematics, and a line per operation about the postures that a search
+/// judges.
 fn posture_orders(workcell: &Workcell) -> String {
     let operations = workcell.cell.operations.iter().zip(workcell.posture_orders());
     let line = |(o, order): (&Operation, PostureOrder)| {

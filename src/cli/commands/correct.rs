@@ -1,4 +1,4 @@
-//! `correct`: the joint and pose commands with which a robot with known errors lands on its targets.
+//! `correct`: finds the joint and pose commands with which a robot with known errors lands on its targets.
 
 use super::measurements::text;
 use super::{suggest_with, workcell};
@@ -71,8 +71,8 @@ fn corrector<'w>(workcell: &'w Workcell, operation: usize) -> Result<OperationCo
         let name = shown(set.name());
         output::error(&match set {
             ErrorSet::Tolerance(_) => format!(
-                "the error set `{name}` is a tolerance: it does not say in which direction this robot is off, so \
-                 nothing can be corrected"
+                "the error set `{name}` is a tolerance: it does not state the signs of the errors of this \
+                 robot, so nothing can be corrected"
             ),
             _ => format!("the errors of the set `{name}` are 0: there is nothing to correct"),
         });
@@ -145,7 +145,7 @@ fn of_table(
     if a.operation.is_none() && cell.operations.len() > 1 {
         let name = shown(&cell.operations[operation].name);
         output::talk(&format!(
-            "note: attitude and surface are those of {name}; choose another operation with --operation"
+            "note: attitude and surface come from the operation {name}; choose another with --operation"
         ));
     }
     output::talk("note: collisions are not checked for the targets of a table");

@@ -15,8 +15,8 @@ use crate::robot::Chain;
 use crate::units::{m_from_mm, mm_from_m, rounded};
 use std::path::Path;
 
-/// Ratio of pose accuracy AP to pose repeatability RP (ISO 9283) below which the AP of a data sheet is
-/// probably that of taught poses.
+/// Ratio of pose accuracy AP to pose repeatability RP (ISO 9283) below which the AP of a data sheet probably
+/// applies to taught poses.
 const TAUGHT: f64 = 3.0;
 
 /// Runs `sweetspot errors`.
@@ -62,7 +62,7 @@ pub fn errors(a: &ErrorsArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Returns the kind and the name of the origin of the tolerances, the tolerances, and their source in words.
+/// Returns where the tolerances come from (kind and name), the tolerances, and their source in words.
 fn origin(
     a: &ErrorsArguments,
     robot: &Robot,
@@ -119,7 +119,7 @@ fn not_found(robot: &Path, why: GuessFault) -> Exit {
         GuessFault::NotFound { nearest } => {
             let nearest = rounded(mm_from_m(nearest), 3);
             output::error(&format!(
-                "{robot}: no scale of the tolerances gives this AP; the nearest is {nearest} mm"
+                "{robot}: no scale of the tolerances gives this AP; the nearest AP is {nearest} mm"
             ));
             output::talk("  help: state a smaller --ap");
         }
@@ -134,7 +134,8 @@ fn free_name(robot: &Robot) -> String {
     std::iter::once(GUESS.to_string()).chain(numbered).find(is_free).unwrap_or_else(|| GUESS.into())
 }
 
-/// Describes where the tolerances come from. The text becomes the key `source` of the new error set.
+/// Describes where the tolerances come from. The text becomes the value of the key `source` in the new error
+/// set.
 fn source(question: &GuessQuestion, from: &str, scale: f64) -> String {
     let mut text = format!("GUESS, not measured: {from}");
     if let Some(ap) = question.ap_mm {
@@ -159,8 +160,8 @@ fn say_taught_accuracy(a: &ErrorsArguments) {
         && ap < TAUGHT * rp
     {
         output::talk(
-            "warning: an AP near the repeatability is often that of taught poses; it then says nothing about \
-             the errors of the arm, and the guess is too small",
+            "warning: an AP near the repeatability RP often applies to taught poses; it then says nothing \
+             about the errors of the arm, and the guess is too small",
         );
     }
 }

@@ -37,7 +37,7 @@ pub fn export(a: &ExportArguments) -> Result<Exit, Exit> {
     use ExportFormat::{Dxf, Fanuc, Glb, Krl, Pdf, Rapid, Urscript};
     let next = match a.to {
         Glb => Dxf,
-        // With this drawing, the fitter places the equipment whose frames the controller has.
+        // With the PDF, the fitter places the equipment whose frames the controller has.
         Krl | Rapid | Urscript | Fanuc => Pdf,
         _ => Glb,
     };
@@ -78,7 +78,8 @@ fn cannot(format: ExportFormat, why: &str) -> Exit {
     Exit::BadInput
 }
 
-/// Returns the cell to draw and its file, with the best layout of a result folder.
+/// Returns the cell to draw, its file and the best layout of a result folder. The layout is None if the
+/// layout as drawn in this cell is exported.
 ///
 /// If no flag changes the cell, the best layout is drawn in the cell of the search. The search ranges of that
 /// cell limit the regions in which the equipment may stand.
@@ -180,7 +181,7 @@ fn cell_file(of: &Path, start: bool) -> Result<PathBuf, Exit> {
     })
 }
 
-/// Returns the operation at whose spot the robot is drawn; None means the home position.
+/// Returns the operation at whose spot the robot is drawn. None means the home position.
 fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exit> {
     match asked {
         None => Ok((0..a.maps.len()).find(|k| a.spot(*k).is_some())),
@@ -197,7 +198,8 @@ fn posture(a: &Assessment<'_>, asked: Option<&str>) -> Result<Option<usize>, Exi
     }
 }
 
-/// Returns the bytes of the file `out`. Meshes that it names are written first, to a folder beside it.
+/// Returns the bytes of the file `out`. Meshes that the file names are written first, to a folder beside the
+/// file.
 fn rendered(
     a: &Assessment<'_>,
     asked: &ExportArguments,

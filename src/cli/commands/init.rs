@@ -65,7 +65,7 @@ fn refuse_own_options(a: &InitArguments) -> Result<(), Exit> {
     if a.tip.is_none() && a.arguments.is_empty() && a.packages.folders.is_empty() {
         return Ok(());
     }
-    output::error("--tip, --package and arguments of xacro are for a URDF or xacro file");
+    output::error("--tip, --package and arguments of xacro apply only to a URDF or xacro file");
     output::talk("  help: give the path of the file, or leave out these arguments");
     Err(Exit::BadInput)
 }

@@ -19,11 +19,10 @@ use std::path::{Path, PathBuf};
 
 const CELL: &str = "cell.toml";
 
-/// Least share of usable nodes with which a place of the table is accepted, and no other place is tried.
+/// Least share of usable nodes at which a place of the table is accepted and no further place is tried.
 const GOOD: f64 = 0.95;
 
-/// Attitudes that are tried: elevation of the tool axis, degrees, and height of the TCP above the table,
-/// mm.
+/// Attitudes to try: elevation of the tool axis, degrees, and height of the TCP above the table, mm.
 const ATTITUDES: [(f64, i32); 4] = [(-90.0, 100), (-90.0, 200), (0.0, 100), (0.0, 200)];
 
 /// Largest depth of the folders below a package that are searched for robots.
@@ -48,7 +47,7 @@ struct OwnRobot {
     errors: String,
     /// Comment on the error set in the cell file.
     about_errors: String,
-    /// Whether the error set holds the signed errors of one robot.
+    /// Whether the error set contains the signed errors of one robot.
     is_signed: bool,
     /// Whether a part of the robot file is guessed.
     is_guessed: bool,
@@ -98,7 +97,8 @@ pub fn init_own(given: &Path, a: &InitArguments) -> Result<Exit, Exit> {
     let Some(found) = found else {
         output::error(&format!("no place was found where the arm {} can reach a table", shown(&robot.name)));
         output::talk(&format!(
-            "  help: look at its reach: sweetspot envelope {}; name the link of the tool with --tip LINK",
+            "  help: look at the reach of the arm with sweetspot envelope {}, or name the link of the tool \
+             with --tip LINK",
             path_word(&path)
         ));
         return Err(Exit::AnswerIsNo);
@@ -132,7 +132,8 @@ pub fn init_own(given: &Path, a: &InitArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// First cell with the place of its table, and how many nodes the arm can use.
+/// First cell with the place of its table, the number of nodes that the arm can use, and the number of all
+/// nodes.
 struct FoundCell {
     cell: String,
     place: TablePlace,
@@ -150,7 +151,7 @@ fn of_robot_file(path: &Path, a: &InitArguments) -> Result<OwnRobot, Exit> {
     };
     if a.tip.is_some() || !a.arguments.is_empty() {
         return Err(refuse(
-            "--tip and arguments of xacro are for a URDF",
+            "--tip and arguments of xacro apply only to a URDF or xacro file",
             "state tip_link in the robot file",
         ));
     }
@@ -170,6 +171,7 @@ fn of_robot_file(path: &Path, a: &InitArguments) -> Result<OwnRobot, Exit> {
 }
 
 /// Returns the cell with the table at the first place that gives a good map, or else at the best place.
+/// Returns None if the arm can use no node at any place.
 fn placed(own: &OwnRobot, command: &str) -> Option<FoundCell> {
     let robot = &own.robot;
     let inverse = Inverse::new(&Chain::new(robot));

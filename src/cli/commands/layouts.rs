@@ -65,8 +65,8 @@ fn page(comparison: &Comparison<'_>, paths: &[PathBuf]) -> Result<String, Exit> 
     })
 }
 
-/// Reads from search.json the gap between the best layout and the proven bound, and the clearance of that
-/// layout.
+/// Reads from search.json the gap between the best layout and the proven bound, and the clearance of the best
+/// layout. Both are None if search.json does not state them.
 fn told(folder: &Path) -> SearchFacts {
     let text = std::fs::read(folder.join("search.json")).unwrap_or_default();
     let found: Option<SearchResult> = serde_json::from_slice(&text).ok();

@@ -74,7 +74,7 @@ pub fn map(a: &MapArguments) -> Result<Exit, Exit> {
     Ok(Exit::Done)
 }
 
-/// Returns the table of measured positions and the pictures of every file; nothing without files.
+/// Returns the table of measured positions and the pictures of every file; an empty list without files.
 fn measured_files(compared: &[ComparedFile]) -> Result<Vec<(String, Vec<u8>)>, Exit> {
     if compared.is_empty() {
         return Ok(Vec::new());

@@ -31,7 +31,8 @@ pub fn compared(flags: &MeasuredFlags, cell: &Cell) -> Result<Vec<ComparedFile>,
     flags.measured.iter().map(one).collect::<Vec<_>>().into_iter().collect()
 }
 
-/// Returns the tables that the flags name as inputs of a result, under the paths that the user typed.
+/// Returns the tables that the flags name, as inputs of a result. The path of each table is as the user typed
+/// it.
 pub fn sources(flags: &MeasuredFlags) -> Result<Vec<Source>, Exit> {
     let tables = flags.measured.iter().chain(&flags.joints);
     let source = |path: &std::path::PathBuf| {

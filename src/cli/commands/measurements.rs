@@ -19,7 +19,7 @@ use std::path::Path;
 /// Columns of the tables of measured positions, as the command line states them.
 pub struct TableOptions<'a> {
     pub columns: &'a ColumnNames,
-    /// Table that holds the joint coordinates of the postures, if the tables of positions hold none.
+    /// Table with the joint coordinates of the postures, if the tables of positions contain none.
     pub joints: Option<&'a Path>,
 }
 
@@ -67,8 +67,8 @@ pub fn session(
     let still: Vec<_> = still.iter().map(|&k| shown(&robot.joints[k].name)).collect();
     if !still.is_empty() {
         output::talk(&format!(
-            "warning: {name}: joints that never move: {}; their errors cannot be distinguished from those of \
-            their neighbours",
+            "warning: {name}: joints that never move: {}; their errors cannot be distinguished from the \
+             errors of the neighbouring joints",
             still.join(", ")
         ));
     }
@@ -90,7 +90,7 @@ fn table(path: &Path, joints: &[Joint], options: &TableOptions<'_>) -> Result<Me
     })
 }
 
-/// Reads the text of a data file in any usual encoding. Refuses a file whose content shows another kind.
+/// Reads the text of a data file in any usual encoding. Refuses a file of another kind, as its content shows.
 pub fn text(path: &Path) -> Result<String, Exit> {
     let refuse = |why: String, help: String| {
         output::faults(&[Fault::of_file(&path.to_string_lossy(), why, help)]);
@@ -117,7 +117,7 @@ fn angles_in_words(degrees: bool) -> &'static str {
     if degrees { "deg" } else { "rad" }
 }
 
-/// Describes the columns of a table and their units.
+/// Returns a description of the columns of a table and their units.
 fn in_words(name: &str, positions: usize, table: &MeasuredTable, reading: &DataReading) -> String {
     let listed = |names: &[String]| names.iter().map(|name| shown(name)).collect::<Vec<_>>().join(", ");
     let mut said = format!(
@@ -156,7 +156,8 @@ fn remarks(
             rounded(deg_from_rad(of.rms), 3)
         ));
     }
-    // A robot base this near to the origin of the positions excludes the frame of a distant tracker.
+    // If the robot base is this near to the origin of the positions, they are not in the frame of a distant
+    // tracker.
     if reading.base.translation.norm() < NEAR_BASE {
         let axis = reading.base.rotation.column(0).into_owned();
         let is_turned = axis.x < -UPRIGHT;
@@ -178,7 +179,7 @@ const NEAR_BASE: f64 = 0.03;
 /// Least cosine of the angle between two axes that both count as vertical.
 const UPRIGHT: f64 = 0.9998;
 
-/// Describes how the reading of the joints differs from the columns of the file.
+/// Returns remarks on how the reading of the joints differs from the columns of the file.
 fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> Vec<String> {
     let map = &reading.joints;
     let name = |k: usize| shown(&joints[k].name);
@@ -214,7 +215,7 @@ fn assumptions(reading: &DataReading, columns: &[String], joints: &[Joint]) -> V
     said
 }
 
-/// Returns warnings of units that contradict the column names, and of orientations that no convention
+/// Returns warnings about units that contradict the column names, and about orientations that no convention
 /// explains.
 fn warnings(table: &MeasuredTable, reading: &DataReading, rotation: Option<&RotationReading>) -> Vec<String> {
     let mut said = Vec::new();
@@ -258,7 +259,7 @@ fn warn_of_suspects(name: &str, suspect: &SuspectRows) {
         (
             &suspect.stuck_joints,
             "the joint coordinates of the row before, although the reflector has moved",
-            "; if they belong to several reflectors, name the reflectors in a column `reflector`",
+            "; if the rows belong to several reflectors, name the reflectors in a column `reflector`",
         ),
     ];
     for (rows, what, help) in kinds.into_iter().filter(|(rows, _, _)| !rows.is_empty()) {

@@ -119,7 +119,8 @@ fn robot_file(a: &CalibrateArguments, sources: &[Source]) -> String {
     files.find(|file| loading::is_robot(file, &a.packages)).map_or("ROBOT".into(), |file| path_word(&file))
 }
 
-/// Returns the calibration for which poses are chosen; the reflector is at the TCP unless it is stated.
+/// Returns the calibration for which poses are chosen. The reflector is at the TCP unless --reflector states
+/// its position.
 fn intended<'a>(
     a: &CalibrateArguments,
     chain: &'a Chain,
@@ -128,7 +129,9 @@ fn intended<'a>(
 ) -> IntendedCalibration<'a> {
     let reflector = a.planning.reflector.map_or(chain.tool.translation, metres);
     if reflector.norm() < MILLIMETRE {
-        output::talk("note: the reflector is assumed at the flange; state its place with --reflector X,Y,Z");
+        output::talk(
+            "note: the reflector is assumed to be at the flange; state its position with --reflector X,Y,Z",
+        );
     }
     IntendedCalibration { chain, unknowns, priors, reflector, error: UnmodelledError::default() }
 }
@@ -206,8 +209,8 @@ fn candidates(
 fn too_few(found: &MeasurablePoses, count: usize) -> Exit {
     let MeasurablePoses { joints, colliding, hidden } = found;
     output::error(&format!(
-        "only {} postures can be measured, fewer than {count}: {colliding} others collide, and at {hidden} the \
-         tracker does not see the reflector",
+        "only {} postures can be measured, fewer than {count}: {colliding} others collide, and at {hidden} \
+         others the tracker does not see the reflector",
         joints.len()
     ));
     output::talk("  help: use more --candidates, move --tracker, or plan fewer poses");
@@ -245,7 +248,7 @@ pub fn choose(
             let workcell = workcell(loading::load(cell, &a.packages)?.cell, cell)?;
             if workcell.cell.robot.axes() != chain.axes() {
                 output::error(&format!(
-                    "{}: its robot has another number of joints than the measured robot",
+                    "{}: its robot and the measured robot have different numbers of joints",
                     path_word(cell)
                 ));
                 output::talk("  help: state a cell of the measured robot with --for");

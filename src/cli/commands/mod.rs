@@ -1,5 +1,5 @@
-//! One function per command: it reads the input, calls the library, prints the result and suggests the next
-//! command.
+//! One function per command. Each function reads the input, calls the library, prints the result and suggests
+//! the next command.
 
 mod allocate;
 mod assumed;
@@ -88,7 +88,7 @@ fn warn_of_hopeless(workcell: &Workcell) {
     }
 }
 
-/// Warns of every operation in whose map the chosen error model cannot be trusted.
+/// Warns of every operation for whose map the chosen error model is unreliable.
 fn warn_of_distrust(assessment: &Assessment<'_>) {
     for map in &assessment.maps {
         let name = shown(&assessment.cell.operations[map.operation].name);
@@ -106,7 +106,7 @@ fn workcell(cell: Cell, file: &Path) -> Result<Workcell, Exit> {
 
 fn unsolved(robot: &str, file: &Path, why: &str) -> Exit {
     let file = path_word(file);
-    output::error(&format!("{file}: the robot `{}` cannot do this: {why}", shown(robot)));
+    output::error(&format!("{file}: the robot `{}` does not suit this task: {why}", shown(robot)));
     output::talk(&format!("  help: {UNSOLVED}"));
     Exit::BadInput
 }
@@ -122,7 +122,7 @@ fn refuse_other_pages(out: &Path) -> Result<(), Exit> {
     Err(Exit::BadInput)
 }
 
-/// Renders a page as detailed as its size limit allows. Prints what was left out.
+/// Renders a page with as much detail as its size limit allows. Prints which details were left out.
 fn within_size(page: impl FnMut(&Detail) -> Result<String, String>) -> Result<String, Exit> {
     let page = sized(page).map_err(|why| {
         output::error(&format!("cannot render the page: {why}"));

@@ -107,7 +107,7 @@ fn told(a: &ExplainArguments, explanation: &Explanation<'_>) -> Result<Exit, Exi
 /// Returns the operation with the given name, or the only operation.
 ///
 /// Without a name, returns None if the cell has several operations. A node given by its indices is then
-/// refused, because every operation has a grid of its own.
+/// refused, because every operation has its own grid.
 fn one_operation(cell: &Cell, name: Option<&str>, at: NodeChoice) -> Result<Option<usize>, Exit> {
     match (name, at) {
         (Some(name), _) => lookup::operation(cell, name).map(Some),

@@ -1,4 +1,5 @@
-//! `compare --calibrated`: answers whether to calibrate a measured robot, to move the equipment, or both.
+//! `compare --calibrated`: answers whether to calibrate a measured robot, to move the equipment, or to do
+//! both.
 
 use super::{suggest_with, workcell};
 use crate::assess::{Assessment, Remedies};
@@ -20,7 +21,7 @@ use std::time::Instant;
 /// Runs `sweetspot compare --calibrated`.
 pub fn remedies(a: &CompareArguments) -> Result<Exit, Exit> {
     let [file] = &a.layouts[..] else {
-        output::error("--calibrated compares the remedies of one cell");
+        output::error("--calibrated compares the remedies for one cell");
         output::talk("  help: give one cell file");
         return Err(Exit::BadInput);
     };
@@ -77,7 +78,8 @@ fn random(cell: Cell, file: &Path) -> Result<Cell, Exit> {
         Exit::BadInput
     })?;
     output::talk(&format!(
-        "note: the errors are read statistically ({}), because those of a calibrated arm have no signs",
+        "note: the errors are read statistically ({}), because the errors of a calibrated arm have no known \
+         signs",
         asked.quantity.name()
     ));
     Ok(asked)
@@ -88,7 +90,7 @@ fn settings(cell: &Cell, flags: &RemedySearchFlags) -> SearchSettings {
     SearchSettings { seed: flags.seed.unwrap_or(own.seed), budget: flags.budget.unwrap_or(own.budget), ..own }
 }
 
-/// Searches for the best layout, for at most `limit` seconds.
+/// Searches for the best layout, for at most `limit` seconds. None means no time limit.
 fn searched(
     workcell: &Workcell,
     settings: &SearchSettings,

@@ -82,7 +82,7 @@ fn print_file(robot: &Path, packages: &PackageFolders) -> Result<Exit, Exit> {
 pub fn envelope(a: &EnvelopeArguments) -> Result<Exit, Exit> {
     if is_robot(&a.of, &a.packages) {
         if a.operation.is_some() {
-            output::error("--operation needs a cell file, but this is a robot");
+            output::error("--operation needs a cell file, but the argument is a robot");
             output::talk("  help: state the elevation of the tool with --bend DEG");
             return Err(Exit::BadInput);
         }
@@ -135,8 +135,8 @@ fn drawn(
     let asked = EnvelopeQuery { operation, attitude, yaw, heights, step: a.step.map(m_from_mm) };
     let work = asked.work(robot, inverse);
     if work > MAX_POINTS {
-        output::error(&format!("the envelope takes {work} sample points, more than {MAX_POINTS}"));
-        output::talk("  help: use a larger --step or fewer --height");
+        output::error(&format!("the envelope needs {work} sample points, more than {MAX_POINTS}"));
+        output::talk("  help: use a larger --step, or give --height fewer times");
         return Err(Exit::BadInput);
     }
     let bar = output::points_bar();
@@ -169,7 +169,7 @@ fn drawn(
     Ok(Exit::Done)
 }
 
-/// Returns whether the argument means a robot: a built-in robot, a robot file, a URDF, or a word that is
+/// Returns whether the argument denotes a robot: a built-in robot, a robot file, a URDF, or a word that is
 /// not a path.
 fn is_robot(given: &Path, packages: &PackageFolders) -> bool {
     let name = given.to_string_lossy();
@@ -197,10 +197,7 @@ pub fn read(given: &Path, packages: &PackageFolders) -> Result<LoadedRobot, Exit
         let names = library::ROBOTS.iter().map(|(name, _)| *name);
         let what = format!("unknown robot `{}`", shown(&name));
         let exit = lookup::unknown(&what, &name, names);
-        output::talk(&format!(
-            "  help: to read a file of your own, write its extension: {}.toml",
-            word(&name)
-        ));
+        output::talk(&format!("  help: to read your own file, add its extension: {}.toml", word(&name)));
         return Err(exit);
     }
     loading::load_robot(given, packages)

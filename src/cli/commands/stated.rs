@@ -16,15 +16,16 @@ use crate::robot::Chain;
 use crate::units::{deg_from_rad, mm_from_m, rounded};
 use std::path::Path;
 
-/// Distance between a stated and a nominal joint frame, m, above which the calibration is refused as that of
-/// another robot.
+/// Distance between a stated and a nominal joint frame, m, above which the calibration must belong to another
+/// robot and is refused.
 const OTHER_ARM: f64 = 0.02;
 
-/// Angle between a stated and a nominal joint frame, rad, above which the calibration is refused as that of
-/// another robot.
+/// Angle between a stated and a nominal joint frame, rad, above which the calibration must belong to another
+/// robot and is refused.
 const OTHER_TURN: f64 = 0.05;
 
-/// STL mesh that replaces every mesh of a URDF, because only the kinematics of the URDF is used.
+/// STL mesh that replaces every mesh of a URDF except OBJ meshes, because only the kinematics of the URDF is
+/// used.
 const STL: &str = "solid a\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n\
                    facet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\n\
                    facet normal 1 1 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n\
@@ -36,12 +37,12 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|own| extensions.iter().any(|e| own.eq_ignore_ascii_case(e)))
 }
 
-/// Returns whether a file is a URDF.
+/// Returns whether a file is a URDF, as its extension shows.
 pub fn is_urdf(path: &Path) -> bool {
     has_extension(path, &["urdf"])
 }
 
-/// Returns whether a file states a calibration, so that nothing is fitted.
+/// Returns whether a file states a calibration, as its extension shows. No errors are then fitted.
 pub fn states_calibration(path: &Path) -> bool {
     has_extension(path, &["yaml", "yml", "conf", "urdf"])
 }
@@ -126,7 +127,10 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     let names = |robot: &Robot| robot.joints.iter().map(|joint| joint.name.clone()).collect::<Vec<_>>();
     let help = "give two URDF files of one arm, which differ in the origins of their joints";
     if names(robot) != names(&calibrated) {
-        return Err(refuse("its chain has other joints than the nominal one".into(), help));
+        return Err(refuse(
+            "the joints of its chain differ from the joints of the nominal URDF".into(),
+            help,
+        ));
     }
     let nominal = Chain::new(robot);
     let mut built = Chain::new(&calibrated);
@@ -134,11 +138,11 @@ fn of_urdf(robot: &Robot, path: &Path) -> Result<(SignedErrors, String), Exit> {
     built.tool = built.tool * origin.tip.inverse() * nominal.tool;
     let errors = errors_between(&nominal, &built).map_err(|k| {
         let joint = shown(&robot.joints[k].name);
-        refuse(format!("the axis of joint {joint} has another direction than in the nominal URDF"), help)
+        refuse(format!("the axis of joint {joint} has a different direction in the nominal URDF"), help)
     })?;
     let source = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     output::talk(&format!(
-        "note: {}: the errors are those of the joint origins and of the tip link, which counts as the tool",
+        "note: {}: the errors describe the joint origins and the tip link, which counts as the tool",
         path_word(path)
     ));
     Ok((errors, source))
@@ -170,8 +174,8 @@ fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, Stri
             refuse_other_arm(robot, &chain, &frames, path)?;
             let hash = hash.map_or(String::new(), |hash| format!(", hash {}", shown(&hash)));
             output::talk(&format!(
-                "note: {}: the errors are those of the joint frames; joint 1 includes the error of the \
-                base, and the file states no tool",
+                "note: {}: the errors describe the joint frames; the error of joint 1 includes the error of \
+                 the base, and the file states no tool",
                 path_word(path)
             ));
             Ok((errors_of_frames(&chain, &frames), format!("{name}{hash}")))
@@ -179,7 +183,7 @@ fn of_universal_robots(robot: &Robot, path: &Path) -> Result<(SignedErrors, Stri
         StatedCalibration::Rows { theta, a, d, alpha } => {
             let rows = SignedErrors { dq: theta, dr: d, dl: a, dalpha: alpha, ..no_errors(6) };
             output::talk(&format!(
-                "note: {}: the errors are those of the D-H rows; base and tool are nominal",
+                "note: {}: the errors describe the D-H rows; base and tool are nominal",
                 path_word(path)
             ));
             Ok((rows, name))
@@ -195,7 +199,7 @@ fn refuse_other_arm(robot: &Robot, chain: &Chain, frames: &[Pose], path: &Path) 
         let turn = nalgebra::Rotation3::from_matrix_unchecked(off.rotation).scaled_axis().norm();
         if distance > OTHER_ARM || turn > OTHER_TURN {
             output::error(&format!(
-                "{}: the frame of joint {} is {} mm and {} deg from that of {}",
+                "{}: the frame of joint {} is {} mm and {} deg from the frame of {}",
                 path_word(path),
                 k + 1,
                 rounded(mm_from_m(distance), 1),

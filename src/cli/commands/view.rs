@@ -32,7 +32,7 @@ pub fn view(a: &ViewArguments) -> Result<Exit, Exit> {
     let over = end_at_signals();
     output::data(&format!("{}\n", access.url()))?;
     output::talk("open this address in a browser on this machine; press Ctrl-C here to stop");
-    // The file that leads the browser to the page is deleted when the session ends.
+    // The temporary file that redirects the browser to the page is deleted when the session ends.
     let _redirect = if a.open { opened(&access.url()) } else { None };
     server.serve(view, access, &over);
     suggest_with(&format!("check {}", path_word(&file)), &a.packages);
@@ -47,7 +47,7 @@ fn failed(why: String) -> Exit {
 /// Returns the cell of a search result with the search ranges of the original cell file. The page can thus
 /// search again.
 fn searched(cell: Cell, sources: &[PathBuf], packages: &PackageFolders) -> Cell {
-    // The first source is best.toml, the second the cell file that it is made from.
+    // The first source is best.toml. The second is the cell file from which best.toml was made.
     let wide = sources.get(1).and_then(|file| loading::read_cell(file, packages).ok());
     match wide {
         Some(wide) => cell.with_ranges_of(&wide.cell),

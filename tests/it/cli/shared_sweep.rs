@@ -368,7 +368,7 @@ fn a_useless_checkpoint_is_ignored_with_a_note() {
     shop.write(FIRST_CHECKPOINT, &resealed(&text.replacen(hash, "7", 1)));
     let ran = shop.done(&["sweep", "--claim", "shared"]);
     assert!(
-        ran.err.contains("begins again") && ran.err.contains("does not reproduce its steps"),
+        ran.err.contains("begins again") && ran.err.contains("does not reproduce the steps"),
         "{}",
         ran.err
     );

@@ -175,7 +175,11 @@ fn held_tasks_are_cancelled_and_submitted_again() {
     shop.write("held", "1 launch failed requeued held\n");
     let ran = submit(&shop, &sweep(&["--out", "swept", "--on", "slurm", "--chunk", "5"]));
     assert_eq!(ran.code, Some(0), "{}", ran.err);
-    assert!(ran.err.contains("a node failed to start tasks of job 1; they are cancelled"), "{}", ran.err);
+    assert!(
+        ran.err.contains("a node failed to start tasks of job 1; these tasks are cancelled"),
+        "{}",
+        ran.err
+    );
     assert!(ran.err.contains("submitted job 2: 2 combinations in 1 task\n"), "{}", ran.err);
     assert!(shop.path("cancelled-1").exists());
     assert_whole(&shop);

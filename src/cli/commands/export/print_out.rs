@@ -9,7 +9,7 @@ use crate::report::page::Subject;
 
 /// Writes the PDF, which shows the whole report.
 pub fn print_out(a: &ExportArguments) -> Result<(), Exit> {
-    // With flags or --start, the argument is replaced by the file of the layout in the result folder.
+    // With flags or --start, a result folder is replaced by the file of the layout in this folder.
     let of =
         if a.start || !a.question.words().is_empty() { cell_file(&a.of, a.start)? } else { a.of.clone() };
     let read = ReportSource::read(&of, &a.packages, &a.question)?;

@@ -1,6 +1,6 @@
-//! Search with several successive seeds: the islands are the combinations of a sweep over the seed, in
-//! the folder `islands` of the result. When no island is missing, the islands are merged into the result
-//! of one search.
+//! Search with several successive seeds, the islands. The islands are the combinations of a sweep over the
+//! seed, in the folder `islands` of the result. When no island is missing, the islands are merged into the
+//! result of one search.
 
 use super::outcome::SearchOutcome;
 use super::session::{proven, threads};
@@ -30,7 +30,7 @@ pub fn are_asked(a: &SearchArguments) -> bool {
     a.islands.is_some() || a.claim.is_some() || a.engine.on.is_some() || is_stored
 }
 
-/// Processes the missing islands as the command line asks, and merges all islands.
+/// Processes the missing islands as the command line states, and merges all islands.
 pub fn search_islands(a: &SearchArguments) -> Result<Exit, Exit> {
     let clock = Instant::now();
     let IslandPlan { plan, kept, loaded } = match a.cell.as_ref().filter(|_| a.resume.is_none()) {
@@ -82,7 +82,8 @@ fn publish(
     Ok(outcome.exit())
 }
 
-/// Reads the result of an island, whose hash has been checked. Refuses layouts of another cell.
+/// Reads the result of an island. The hash of the file has already been checked. Refuses layouts of another
+/// cell.
 fn read(sweep: &CheckedSweep, workcell: &Workcell, index: usize) -> Result<Island, Exit> {
     let name = island_name(index);
     let parse = |bytes: Vec<u8>| serde_json::from_slice(&bytes).map_err(|e| e.to_string());

@@ -23,7 +23,8 @@ pub struct SearchOutcome<'a> {
 }
 
 impl<'a> SearchOutcome<'a> {
-    /// Assesses the result of a search, which was merged from `islands` unless this list is empty.
+    /// Assesses the result of a search. `islands` lists the islands from which the result was merged; the
+    /// list is empty for a search with one seed.
     pub fn new(
         workcell: &'a Workcell,
         record: &'a SearchRecord,

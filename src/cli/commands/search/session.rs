@@ -14,10 +14,10 @@ pub fn threads(count: Option<u16>) -> Result<rayon::ThreadPool, Exit> {
     })
 }
 
-/// Proves a lower bound of the objective of every layout of the cell.
+/// Proves a lower bound of the objective that holds for every layout of the cell.
 pub fn proven(workcell: &Workcell) -> Proof {
-    // Ctrl-C does not interrupt the proof, because a resumed search needs the same bound. The limit on
-    // the number of boxes of the proof bounds its duration.
+    // Ctrl-C does not interrupt the proof, because a resumed search needs the same bound. A limit on the
+    // number of boxes in the proof limits the duration of the proof.
     let proof = prove(workcell, &ProofOptions::default(), &AtomicBool::new(false));
     let settings = &workcell.cell.search;
     match settings.gap {

@@ -6,7 +6,7 @@ use crate::cli::{Exit, output};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Processes the missing combinations in parallel; each gets an equal share of the threads.
+/// Processes the missing combinations in parallel. Each combination gets an equal share of the threads.
 pub fn run_all(sweep: &CheckedSweep, missing: &[usize], jobs: usize) -> Result<(), Exit> {
     let (next, failed, bar) = (AtomicUsize::new(0), Mutex::new(None), output::combinations_bar());
     let work = |pool: rayon::ThreadPool| {

@@ -43,7 +43,7 @@ pub fn check_all(plan: &mut SweepPlan, kept: &FileSnapshot, jobs: usize) -> Resu
 }
 
 /// Adds to the help text of a fault how many combinations have the fault, and the settings of the first of
-/// them. Adds nothing if every combination has the fault. Adds nothing either if the fault lies in a `--set`
+/// them. Adds nothing if every combination has the fault. Also adds nothing if the fault lies in a `--set`
 /// value and every combination with that value has the fault.
 fn whose(plan: &SweepPlan, (fault, first, count): (Fault, usize, usize)) -> Fault {
     let settings = plan.settings(first);

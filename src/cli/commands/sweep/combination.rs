@@ -28,7 +28,7 @@ pub struct CheckedSweep {
     /// Name of the copy of the cell file in the folder of the inputs.
     pub cell_name: String,
     pub stop: Arc<AtomicBool>,
-    /// Proof that holds for every combination; None if each needs its own.
+    /// Proof that holds for every combination; None if each combination needs its own proof.
     pub proof: Option<Proof>,
 }
 
@@ -86,8 +86,9 @@ fn searched(
     };
     let mut record = search_from(stored.as_ref().map(|stored| &stored.state));
     if record.ended == SearchEnd::Diverged {
-        checkpoint
-            .tell_useless("this program does not reproduce its steps; another build or machine wrote it");
+        checkpoint.tell_useless(
+            "this program does not reproduce the steps of the search; another build or machine wrote it",
+        );
         record = search_from(None);
     }
     (record.ended != SearchEnd::Interrupted).then_some(record)
@@ -106,8 +107,9 @@ fn write_island(
     Ok(vec![hashed(&name, text.as_bytes())])
 }
 
-/// Writes NNNN.toml, the cell with its layout fixed. Also writes a file with the settings of the combination
-/// to the folder of the inputs; NNNN.toml includes that file. Returns both files with their hashes.
+/// Writes NNNN.toml, which is the cell with its layout fixed. Also writes a file with the settings of the
+/// combination to the folder of the inputs; NNNN.toml includes that file. Returns both files with their
+/// hashes.
 fn write_cell(sweep: &CheckedSweep, index: usize, a: &Assessment<'_>) -> Result<Vec<HashedFile>, Exit> {
     let settings = sweep.plan.settings(index);
     let lines: Vec<_> = settings.iter().map(|s| s.line()).collect();

@@ -1,4 +1,5 @@
-//! `sweep --on slurm`: submits the combinations, follows their files, and submits again what is missing.
+//! `sweep --on slurm`: submits the combinations, waits for their files, and submits missing combinations
+//! again.
 
 use super::combination::CheckedSweep;
 use super::status::state;
@@ -36,7 +37,8 @@ pub fn show_script(sweep: &CheckedSweep, missing: Vec<usize>, options: ArrayOpti
     Ok(())
 }
 
-/// Submits the missing combinations and waits for their files. Submits again what is missing after the job.
+/// Submits the missing combinations and waits for their files. Submits combinations again that are still
+/// missing after the job.
 ///
 /// Returns early if a signal stops this program; the job continues.
 pub fn run_on_slurm(
@@ -113,7 +115,8 @@ impl<'s> ClusterRun<'s> {
         self.sweep.stop.load(Ordering::Relaxed)
     }
 
-    /// Forgets combinations that have their files now, and returns how many are missing.
+    /// Removes combinations with complete files from the list `missing`. Returns the number of combinations
+    /// that are still missing.
     fn look(&mut self) -> usize {
         self.missing.retain(|index| !matches!(row(&self.sweep.folder, *index), StoredRow::Whole(_)));
         let done = (self.total - self.missing.len()) as u64;
@@ -121,7 +124,8 @@ impl<'s> ClusterRun<'s> {
         self.missing.len()
     }
 
-    /// Waits until no combination is missing, or until Slurm has no task of the job any more.
+    /// Waits until no combination is missing, no task of the job can run any more, or a signal stops this
+    /// program.
     fn follow(&mut self, id: &str) {
         let (mut asked, mut is_told) = (Instant::now(), false);
         while self.look() > 0 && !self.is_stopped() {
@@ -135,7 +139,7 @@ impl<'s> ClusterRun<'s> {
                 Ok(QueueState::Gone) => break,
                 Ok(QueueState::Held) => {
                     output::talk(&format!(
-                        "note: a node failed to start tasks of job {id}; they are cancelled"
+                        "note: a node failed to start tasks of job {id}; these tasks are cancelled"
                     ));
                     if let Err(why) = cancel(id) {
                         output::talk(&format!("warning: {why}"));
@@ -145,7 +149,7 @@ impl<'s> ClusterRun<'s> {
                 // The controller of Slurm may be down for a while; the jobs continue.
                 Err(why) if !is_told => {
                     output::talk(&format!(
-                        "note: Slurm does not answer, so the files alone are followed: {why}"
+                        "note: Slurm does not answer, so only the files are checked: {why}"
                     ));
                     is_told = true;
                 }
@@ -173,13 +177,14 @@ impl<'s> ClusterRun<'s> {
     }
 }
 
-/// Returns the mean time of a finished combination, s. If none is finished, processes one on this machine.
+/// Returns the mean time of a finished combination, s. If no combination is finished, processes one on this
+/// machine.
 fn measured(sweep: &CheckedSweep, missing: &[usize], lease: u16) -> Result<f64, Exit> {
     let mean = || state(&sweep.folder, sweep.plan.combinations).mean_seconds();
     let first = missing.first().copied();
     let Some(index) = first.filter(|_| mean().is_none()) else { return Ok(mean().unwrap_or(TASK_SECONDS)) };
     output::talk(&format!(
-        "note: combination {index} is processed here to measure its time; --chunk skips this"
+        "note: combination {index} is processed here to measure its time; --chunk N avoids this measurement"
     ));
     run_shared(sweep, vec![index], 1, lease)?;
     Ok(mean().unwrap_or(TASK_SECONDS))

@@ -104,7 +104,7 @@ fn credit(status: &mut SweepStatus, index: usize, claim: SweepClaim) {
     }
 }
 
-/// Returns the seconds since the last heartbeat of a claim.
+/// Returns the time since the last heartbeat of a claim, s; 0 if the claim cannot be read.
 fn age(folder: &Path, index: usize, number: u32, now: SystemTime) -> f64 {
     let beaten = path(folder, index, number).metadata().and_then(|about| about.modified());
     beaten.ok().and_then(|at| now.duration_since(at).ok()).map_or(0.0, |age| age.as_secs_f64())

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Time after which a worker reports that it waits for others.
+/// Time after which a worker reports that it waits for other workers.
 const SILENT_WAIT: Duration = Duration::from_secs(2);
 
 /// Processes combinations together with other workers until none is left, or until a signal stops this
@@ -52,7 +52,7 @@ struct SharedRun<'s> {
     work: SharedWork<'s>,
     /// Number of combinations that were missing at the start.
     total: usize,
-    /// Time between two checks of the claims of others.
+    /// Time between two checks of the claims of other workers.
     pause: Duration,
     /// Whether the worker has reported that it waits.
     told: AtomicBool,
@@ -62,7 +62,7 @@ struct SharedRun<'s> {
 }
 
 impl SharedRun<'_> {
-    /// Processes one combination after the other. A failure stops the other threads of this worker.
+    /// Processes one combination after another. A failure stops the other threads of this worker.
     fn work(&self, pool: rayon::ThreadPool) -> Result<(), Exit> {
         let result = self.work_until_stopped(&pool);
         if result.is_err() {
