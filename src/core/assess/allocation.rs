@@ -46,7 +46,7 @@ pub struct CellAllocation<'a> {
     /// Parameters whose errors stay unchanged, because they are measured or correlated.
     pub fixed: Vec<Parameter>,
     pub requirements: Vec<NodeRequirement>,
-    /// Demanded yield, 0 to 1; it is used only if the quantity is the yield.
+    /// Demanded yield, 0 to 1, which is used only if the quantity is the yield.
     pub(super) share: f64,
 }
 
@@ -68,8 +68,8 @@ impl<'a> CellAllocation<'a> {
     /// Prepares the problem of a layout with its maps, for all operations with a limit or for one of them.
     ///
     /// # Errors
-    /// Returns the reason if there is no requirement, no tolerance or no usable node, or if the errors are not
-    /// tolerances.
+    /// Returns the reason if there is no requirement, no tolerance or no usable node, or if the errors are
+    /// not tolerances.
     pub fn new(
         workcell: &'a Workcell,
         layout: &'a Layout,

@@ -29,7 +29,7 @@ pub struct BudgetReport<'a> {
     /// ([`ErrorEvaluator::has_tolerances`]).
     pub worst: Option<WorstCase>,
     /// Figure that smaller tolerances reduce: the first-order quantity of the statistical reading, or the
-    /// worst case in any other reading. It is infinite if the errors are not tolerances.
+    /// worst case in any other reading. The figure is infinite if the errors are not tolerances.
     pub figure: f64,
     /// Results of trials with halved tolerances. The trials concern up to three parameters, which have the
     /// largest shares of the budget. Each trial halves the tolerance of one of these parameters. If there are

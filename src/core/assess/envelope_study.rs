@@ -24,7 +24,7 @@ pub struct Reachable<'a> {
     /// Horizontal sections, each with its height (m) and its points (x, y), m.
     pub plans: Vec<(f64, EnvelopeSection)>,
     pub size: Size,
-    /// Points of the arm in a posture near its greatest reach, base frame, m. They are the base, the
+    /// Points of the arm in a posture near its greatest reach, base frame, m. The points are the base, the
     /// origins of the link frames and the TCP.
     pub arm: Vec<Vector3<f64>>,
 }
@@ -86,8 +86,8 @@ impl<'a> Reachable<'a> {
     }
 }
 
-/// Returns points of the arm in a posture near the greatest reach, base frame, m. They are the base, the
-/// origins of the link frames and the TCP.
+/// Returns points of the arm in a posture near the greatest reach, base frame, m. The points are the base,
+/// the origins of the link frames and the TCP.
 ///
 /// The TCP is in the vertical section.
 ///

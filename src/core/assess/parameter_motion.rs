@@ -27,8 +27,8 @@ pub struct ParameterMotion {
     pub axis: usize,
     /// Whether the motion is a rotation; otherwise it is a translation.
     pub turns: bool,
-    /// Size of the motion per unit of the parameter. It is 1 unless the joints are coupled or the parameter
-    /// is elastic ([`Parameter::is_elastic`]).
+    /// Size of the motion per unit of the parameter. The factor is 1 unless the joints are coupled or the
+    /// parameter is elastic ([`Parameter::is_elastic`]).
     pub factor: f64,
     pub direction: Vector3<f64>,
     /// Vector from the origin of the frame `place` to the TCP, m.

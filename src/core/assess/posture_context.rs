@@ -113,7 +113,8 @@ impl<'a> PostureContext<'a> {
     /// Returns the posture with given joint coordinates, with its context in the layout of the cell file.
     ///
     /// `workcell` is the prepared workcell, or the reason why it cannot be prepared. The workcell is needed
-    /// only for a taught frame or for the pick of a placed part. Both depend on the inverse kinematics.
+    /// only for a taught frame or for the pick of a placed part. Taught frame and pick depend on the inverse
+    /// kinematics.
     ///
     /// # Errors
     /// Returns the reason if the taught frame or the pick of the operation cannot be computed.

@@ -22,7 +22,7 @@ pub struct PostureCandidate {
 
 /// Kind of the value of a candidate: a cheap lower bound, a sharper lower bound, or the value itself.
 ///
-/// Among equal values, the least certain one comes first, because its true value is not known yet.
+/// Among equal values, the least certain value comes first, because the true value is not known yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Certainty {
     Value,

@@ -120,7 +120,8 @@ impl OperationQuery<'_> {
         guard.admits(&mapper.scene, solids, self.operation, &joints).err()
     }
 
-    /// Returns the reason why a posture within the joint limits cannot be used; None if it can be used.
+    /// Returns the reason why a posture within the joint limits cannot be used; None if the posture can be
+    /// used.
     ///
     /// `memory` must hold the frames of the posture.
     pub fn refusal_status(

@@ -11,7 +11,7 @@ impl PlacedLayout<'_> {
     /// Calls `take` with the best usable spot of each node, in ascending order of value, until `take` returns
     /// false.
     ///
-    /// The first spot is the one that [`Self::least_error`] finds.
+    /// The first spot is the spot that [`Self::least_error`] finds.
     pub fn free_spots(
         &self,
         operation: usize,

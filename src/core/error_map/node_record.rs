@@ -122,8 +122,8 @@ impl Status {
 
 /// One node of a map.
 ///
-/// `posture` is the least-error usable posture. If no posture is usable, it is the least-error posture within
-/// the joint limits.
+/// `posture` is the least-error usable posture. If no posture is usable, `posture` is the least-error posture
+/// within the joint limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeRecord {
     pub i: usize,

@@ -90,7 +90,7 @@ impl OperationSetup {
         }
     }
 
-    /// Returns the kind of value that a search computes after a rough bound. It is a sharper bound, or the
+    /// Returns the kind of value that a search computes after a rough bound. This is a sharper bound, or the
     /// value if a bound would cost as much.
     pub fn after_rough_bound(&self) -> Certainty {
         match self.is_priced || self.evaluator.has_sharp_worst_bound() {

@@ -70,8 +70,8 @@ impl Mapper {
         setup.is_priced || self.ranks && setup.has_bounds()
     }
 
-    /// Returns the reason why a search cannot use the spin families of an operation; None if it can use
-    /// them.
+    /// Returns the reason why a search cannot use the spin families of an operation; None if the search can
+    /// use the families.
     pub(super) fn lacks_families(&self, operation: usize, attitudes: &ToolAttitudes) -> Option<&'static str> {
         if !self.ranks {
             Some("ranking is switched off")

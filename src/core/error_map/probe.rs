@@ -60,7 +60,7 @@ impl<'a> Probe<'a> {
     /// Finds the least-error usable posture at a point, by the rules that apply to nodes.
     ///
     /// # Errors
-    /// Returns the status of the point if it cannot be used.
+    /// Returns the status of the point if the point cannot be used.
     pub fn best(&mut self, at: (f64, f64)) -> Result<PointSpot, Status> {
         let target = self.target(at);
         if self.context()?.touches(&target) {
@@ -84,8 +84,8 @@ impl<'a> Probe<'a> {
     /// Computes the value of the operation ([`Spot::value`]) in the layout of this probe, at the point of
     /// `held`.
     ///
-    /// The posture is found by the rules of [`HeldPosture`]. It must be collision-free and allowed by the
-    /// motion rules.
+    /// The posture is found by the rules of [`HeldPosture`]. The posture must be collision-free and allowed
+    /// by the motion rules.
     ///
     /// # Errors
     /// Returns the status of the point if the posture cannot be held.
@@ -131,8 +131,8 @@ impl<'a> Probe<'a> {
     }
 
     /// Certifies a held posture if the layout demands it. Returns an upper bound of the value over all
-    /// misplacements; None if the layout demands no certificate, if `value` asks for no bound, or if no bound
-    /// is known.
+    /// misplacements. The bound is None if the layout demands no certificate, if `value` asks for no bound,
+    /// or if no bound is known.
     ///
     /// # Errors
     /// Returns the reason if the posture is not certified.
@@ -147,8 +147,8 @@ impl<'a> Probe<'a> {
         self.query.certify(&target, branch, &Demand { value, ..demand }, self.memory.postures)
     }
 
-    /// Computes the joint coordinates of a held posture in the layout of this probe, at the point of `held`;
-    /// None if no branch continues the posture.
+    /// Computes the joint coordinates of a held posture in the layout of this probe, at the point of `held`.
+    /// Returns None if no branch continues the posture.
     pub fn joints(&mut self, held: &HeldPosture) -> Option<JointVector> {
         self.query.kept = Some(*held);
         let branch = held.branch_elsewhere(self.inverse());

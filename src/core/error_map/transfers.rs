@@ -34,7 +34,7 @@ impl PlacedLayout<'_> {
 
     /// Returns the postures of all operations in their order; None if an operation has no spot.
     ///
-    /// An operation has one posture at its spot, or one at every listed point.
+    /// An operation has one posture at its spot, or one posture at every listed point.
     pub fn stops(&self, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
         let stops: Option<Vec<Vec<OperationPosture>>> =
             (0..spots.len()).map(|k| self.stops_of(k, spots)).collect();
@@ -59,8 +59,8 @@ impl PlacedLayout<'_> {
 
     /// Returns the postures of an operation in their order: at its spot, or at every listed point.
     ///
-    /// The nodes of a grid have no order. An operation at every node of a grid therefore has only one
-    /// posture here. It is the posture at the spot, which is the node with the largest value.
+    /// The nodes of a grid have no order. An operation at every node of a grid therefore has only one posture
+    /// here. This is the posture at the spot, which is the node with the largest value.
     fn stops_of(&self, operation: usize, spots: &[Option<Spot>]) -> Option<Vec<OperationPosture>> {
         let (setup, spot) = (&self.mapper.setups[operation], spots[operation]?);
         if !setup.over.needs_every_node() || !setup.grid.is_listed() {

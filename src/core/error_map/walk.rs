@@ -1,10 +1,11 @@
 //! Walk over all nodes: every branch of every node is judged, and the best usable posture is found.
 //!
 //! An [`OperationQuery`] is one operation in one placed layout. The function [`OperationQuery::walk`] solves
-//! the inverse kinematics of each node. For each posture within the joint limits, it computes the value that
-//! the search minimizes. It passes posture and value to a [`PostureVisitor`]. [`OperationQuery::first_free`]
-//! then checks candidates, best first, until a candidate is collision-free and allowed by the motion rules.
-//! Search, map and probe all use these functions, so that all three apply the same rules.
+//! the inverse kinematics of each node. For each posture within the joint limits, the function computes the
+//! value that the search minimizes. Posture and value are passed to a [`PostureVisitor`].
+//! [`OperationQuery::first_free`] then checks candidates, best first, until a candidate is collision-free and
+//! allowed by the motion rules. Search, map and probe all use these functions, so that all three apply the
+//! same rules.
 
 use super::candidate::{ArmContact, Certainty, PostureCandidate};
 use super::held_posture::HeldPosture;

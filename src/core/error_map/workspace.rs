@@ -56,7 +56,7 @@ pub struct WalkMemory<'w> {
 }
 
 impl MapperWorkspace {
-    /// Lends the memory of one operation, and creates it first if it is missing.
+    /// Lends the memory of one operation. Missing memory is created first.
     pub(super) fn of(&mut self, mapper: &Mapper, operation: usize) -> WalkMemory<'_> {
         for missing in self.postures.len()..=operation {
             self.postures.push(PostureMemory::new(mapper, missing));

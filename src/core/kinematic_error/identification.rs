@@ -1,27 +1,27 @@
 //! Identifiability of parameter errors from measured poses: the identification Jacobian and its condition.
 //!
 //! The rows of the Jacobian are the pose errors at every posture: position in m, rotation in rad times a
-//! length. The columns are the parameters of a [`ParameterSet`]. They are scaled to unit length, so m and
-//! rad have equal weight. Driels and Pathre (1990) judge a set of poses by the condition number of this
+//! length. The columns are the parameters of a [`ParameterSet`]. The columns are scaled to unit length, so m
+//! and rad have equal weight. Driels and Pathre (1990) judge a set of poses by the condition number of this
 //! matrix. Schroer et al. require a value below 100.
 //!
 //! A chain of n revolute joints has 4 n + 6 independent parameters, base and tool included (Everett, Driels
 //! and Mooring 1987). The links alone have 4 n parameters in each of the following two sets:
 //!
-//! - four parameters per link. They are the errors dq of the joint coordinate, dr of the axial offset, dl
-//!   of the length and dalpha of the twist. If two neighbouring axes are parallel, their errors dr are the
-//!   same translation. If the axes are nearly parallel, the two translations differ only by the small angle
-//!   between the axes;
+//! - four parameters per link. These parameters are the errors dq of the joint coordinate, dr of the axial
+//!   offset, dl of the length and dalpha of the twist. If two neighbouring axes are parallel, their errors dr
+//!   are the same translation. If the axes are nearly parallel, the two translations differ only by the small
+//!   angle between the axes;
 //! - five parameters (Hayati 1983): where axes are parallel, dbeta replaces dr. The error dbeta is the
 //!   rotation about the y axis after the link, which the other four parameters cannot produce.
 //!
-//! A prismatic joint has fewer independent parameters. Its error dr is the same translation as its error
-//! dq. The joint rotates nothing, so all translations between two revolute joints are constant vectors in
-//! one frame. At most three of these vectors are independent. Both sets leave out the dependent
-//! translations. They also leave out the six parameters of every joint frame, because these parameters
-//! depend on the parameters of the D-H rows. Neither set has a parameter for the rotation of a prismatic
-//! joint about its axis. Other dependencies increase the condition number, for example coincident axes, or
-//! postures that do not move a joint.
+//! A prismatic joint has fewer independent parameters. The error dr of a prismatic joint is the same
+//! translation as the error dq. The joint rotates nothing, so all translations between two revolute joints
+//! are constant vectors in one frame. At most three of these vectors are independent. Both sets leave out the
+//! dependent translations. Both sets also leave out the six parameters of every joint frame, because these
+//! parameters depend on the parameters of the D-H rows. Neither set has a parameter for the rotation of a
+//! prismatic joint about its axis. Other dependencies increase the condition number, for example coincident
+//! axes, or postures that do not move a joint.
 
 use super::Expansion;
 use crate::cell::{JointKind, MAX_JOINTS, Parameter};

@@ -8,7 +8,7 @@ use crate::pose::{Displacement, Pose, SmallRotation};
 use crate::robot::Frames;
 use nalgebra::{Matrix3, Vector3};
 
-/// Small motion at one place in the chain. It moves all frames from that place to the tool.
+/// Small motion at one place in the chain. The motion moves all frames from that place to the tool.
 enum SmallMotion<'a> {
     Slide(Vector3<f64>),
     Turn { axis: Vector3<f64>, through: &'a Vector3<f64>, by: &'a Turn },

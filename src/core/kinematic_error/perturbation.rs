@@ -96,8 +96,8 @@ pub struct Perturbation {
     pub base: Option<FrameError>,
     pub tool: Option<FrameError>,
     pub joints: Option<JointErrors>,
-    /// Elastic errors. They are boxed to keep the sample small, because most of the millions of samples
-    /// have none.
+    /// Elastic errors. The errors are boxed to keep the sample small, because most of the millions of samples
+    /// have no elastic errors.
     pub elastic: Option<Box<ElasticErrors>>,
 }
 
@@ -171,9 +171,9 @@ impl Perturbation {
     /// Returns the sizes of the small motions (m or rad) in the order of [`Parameter::of_robot`].
     ///
     /// The first slice holds the motions of links, base and tool. In the first slice, the entries at the
-    /// indices of dq and dr are errors of the D-H coordinates theta and r. These errors include the effect
-    /// of the joint coupling, but not the elastic deflections ([`Self::deflected`]). The second slice holds
-    /// the motions of the joint frames. It is empty if no joint frame has an error.
+    /// indices of dq and dr are errors of the D-H coordinates theta and r. These errors include the effect of
+    /// the joint coupling, but not the elastic deflections ([`Self::deflected`]). The second slice holds the
+    /// motions of the joint frames, and is empty if no joint frame has an error.
     pub fn sizes(&self) -> [&[f64]; 2] {
         let joints = self.joints.as_ref().map_or(&[][..], |joints| &joints.sizes[..PER_FRAME * self.axes]);
         [&self.sizes[..Parameter::first_joint(self.axes)], joints]

@@ -74,7 +74,8 @@ impl Workcell {
         LayoutCertificate { operations, overlaps }
     }
 
-    /// Returns the postures of an operation at its spot, or at all of its nodes if it happens at every node.
+    /// Returns the postures of an operation at its spot, or at all of its nodes if the operation happens at
+    /// every node.
     pub(super) fn held_nodes(&self, layout: &Layout, map: &OperationMap) -> Vec<HeldPosture> {
         let placed = self.placed(layout);
         let all = self.cell.operations[map.operation].over.needs_every_node();

@@ -28,8 +28,8 @@ const BLOCKED_PENALTY: f64 = 0.25;
 /// Evaluation of a layout: the cost, and the reasons if the layout is infeasible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
-    /// Reason why the layout does not belong to the cell; None if it does. No operation is judged in a layout
-    /// that does not belong to the cell.
+    /// Reason why the layout does not belong to the cell; None if the layout belongs to the cell. No
+    /// operation is judged in a layout that does not belong to the cell.
     pub misfit: Option<Misfit>,
     pub overlaps: Vec<Overlap>,
     /// Pairs of floor spaces that may overlap, or come nearer than the clearance, at a misplacement inside

@@ -97,8 +97,8 @@ struct OperationValue {
 
 /// Values of the operations that do not depend on a moved piece of equipment.
 ///
-/// A judgement with these values is an estimate. It does not check whether the moved equipment gets in the
-/// way of these operations, or of the transfers between operations.
+/// A judgement with these values is an estimate. The estimate does not check whether the moved equipment
+/// obstructs these operations or the transfers between operations.
 pub struct Uncarried(Vec<Option<OperationValue>>);
 
 /// Memory that one thread reuses from judgement to judgement.
@@ -270,7 +270,8 @@ impl Judgement<'_, '_> {
     ) -> Result<(Vec<OperationValue>, f64), Ending> {
         let mut values = self.drawn(choice, bounds)?;
         let spots: Vec<Option<Spot>> = values.iter().map(|v| Some(v.spot)).collect();
-        // Errors and prices are computed before collisions and certificates, because they take less time.
+        // Errors and prices are computed before collisions and certificates, because errors and prices take
+        // less time.
         let price = self.held.price.as_ref().map(|near| {
             let price = self.placed.joint_price_within(&spots, (near, self.most), bounds);
             price.unwrap_or(f64::INFINITY)

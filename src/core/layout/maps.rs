@@ -60,8 +60,8 @@ impl Workcell {
         OperationMap { operation, senses, nodes: Vec::new(), best: None, value: None }
     }
 
-    /// Maps the operations that have no spot. Each node has the status that [`Workcell::maps`] gives it, but
-    /// no posture and no errors.
+    /// Maps the operations that have no spot. Each node has the same status as in [`Workcell::maps`], but no
+    /// posture and no errors.
     ///
     /// This function is many times faster than [`Workcell::maps`], because it does not compute the error of
     /// every node. If the layout does not belong to the cell, both functions return the same maps.

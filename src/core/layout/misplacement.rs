@@ -50,9 +50,9 @@ impl ToleranceBoxes {
 
     /// Returns the misplacements to check: points of all tolerance boxes, multiplied by `scale`.
     ///
-    /// The bodies on which the operation depends are misplaced first. They are misplaced all together, or
-    /// one at a time if their common box has more than [`MAX_WHOLE_BOX`] dimensions. Then every other body
-    /// is misplaced alone, because it may get in the way.
+    /// The bodies on which the operation depends are misplaced first. These bodies are misplaced all
+    /// together, or one at a time if their common box has more than [`MAX_WHOLE_BOX`] dimensions. Then every
+    /// other body is misplaced alone, because this body may obstruct the robot.
     pub fn moves(&self, scale: f64, points: BoxPoints) -> Vec<Moves> {
         let own: Moves = self.own.concat();
         let mut all = match own.len() {

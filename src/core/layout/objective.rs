@@ -23,9 +23,9 @@ const HALF_STEP: f64 = 1e-3;
 impl Workcell {
     /// Returns the weight of the objective as a whole.
     ///
-    /// It is the sum of the operations' weights for a weighted sum, and the largest weight for a weighted
-    /// maximum. It is 1 for a lexicographic objective, and the cost of the tightest tolerances for a cost
-    /// of tolerances.
+    /// This weight is the sum of the operations' weights for a weighted sum, and the largest weight for a
+    /// weighted maximum. The weight is 1 for a lexicographic objective, and the cost of the tightest
+    /// tolerances for a cost of tolerances.
     pub fn weight(&self) -> f64 {
         let weights = self.cell.operations.iter().map(|o| o.weight);
         match self.cell.search.objective {
@@ -65,9 +65,9 @@ impl Workcell {
     ///
     /// An infinite value has the excess [`UNKNOWN_EXCESS`] over the limit.
     ///
-    /// A share of failures is not compared with the limit, because it already counts the arms that exceed the
-    /// limit. If the search prices tolerances, the limit constrains the tolerances. A penalty then applies
-    /// only if even the tightest tolerances exceed the limit.
+    /// A share of failures is not compared with the limit, because the share already counts the arms that
+    /// exceed the limit. If the search prices tolerances, the limit constrains the tolerances. A penalty then
+    /// applies only if even the tightest tolerances exceed the limit.
     pub(super) fn priced(&self, objective: f64, values: &[f64]) -> f64 {
         if self.cell.unit() == Unit::Cost {
             let excess = objective / self.mapper.most_cost() - 1.0;
@@ -92,8 +92,8 @@ impl Workcell {
 /// Combines the values of all operations (m, rad, share of failures, or cost of tolerances) into the
 /// objective of the cell.
 ///
-/// Costs of tolerances are combined into their maximum. It is a lower bound of the cost of tolerances that
-/// serve all operations.
+/// Costs of tolerances are combined into their maximum. This maximum is a lower bound of the cost of
+/// tolerances that serve all operations.
 ///
 /// The objective never rises when a value falls. Lower bounds of the values therefore give a lower bound of
 /// the objective.

@@ -3,8 +3,8 @@
 //! Eight directions are polled at one distance, and the step with the largest gain is taken. After several
 //! successive polls without a gain, the distance is halved. The distance starts at half the spacing of the
 //! nodes and ends at a micrometre (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The directions
-//! rotate by the golden angle from poll to poll. They therefore meet an edge of the usable area at many
-//! angles. Only gains are accepted, so the refined spot is never worse than the best node. If the layout
+//! rotate by the golden angle from poll to poll. The directions therefore meet an edge of the usable area at
+//! many angles. Only gains are accepted, so the refined spot is never worse than the best node. If the layout
 //! must work at every misplacement inside the placement tolerances, only certified spots are accepted.
 //!
 //! The redundant joint of an arm is refined, too. Each poll also tries a smaller and a larger coordinate of
@@ -56,8 +56,8 @@ pub struct Refined {
     pub joints: JointVector,
     /// Value of the operation at the refined spot.
     pub value: f64,
-    /// Upper bound of the value over all misplacements inside the placement tolerances. It is None if the
-    /// layout need not withstand misplacements, or if no bound is known.
+    /// Upper bound of the value over all misplacements inside the placement tolerances. None if the layout
+    /// need not withstand misplacements, or if no bound is known.
     pub most: Option<f64>,
     /// Value of the best node, never less than `value`.
     pub node_value: f64,

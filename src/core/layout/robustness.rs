@@ -8,18 +8,18 @@
 //! misplacement therefore acts only through the posture. For a taught frame, the postures in which the
 //! robot touches the taught points also change.
 //!
-//! - Worst corner: all corners of the box of tolerances are checked if it has at most 8 dimensions. For a
+//! - Worst corner: all corners of the tolerance box are checked if the box has at most 8 dimensions. For a
 //!   larger box, the corners of the box of each body are checked, while the other bodies are not misplaced.
 //!   The corner of the whole box that is worst to first order is also checked. A corner is called lost if the
 //!   posture cannot be used there, or if floor spaces overlap. The corners of the box of every other body are
-//!   also checked, because this body may get in the way.
+//!   also checked, because this body may obstruct the robot.
 //! - Gradient: the derivatives are computed by central differences.
-//! - Largest allowed misplacement: there are three separate sizes. They are a multiple of the tolerance
-//!   box, a displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces
-//!   overlap, the posture is usable and the value is within its limit. A multiple of the box is checked at
-//!   the corners and the middles of all edges and faces. A displacement is checked in 16 directions, and a
-//!   yaw in both directions. Each size grows by the factor [`STRIDE`] until a check fails. Bisection
-//!   follows. A failure that occurs only between two checked sizes is missed.
+//! - Largest allowed misplacement: there are three separate sizes: a multiple of the tolerance box, a
+//!   displacement in plan, and a yaw of the equipment. A misplacement is allowed if no floor spaces overlap,
+//!   the posture is usable and the value is within its limit. A multiple of the box is checked at the corners
+//!   and the middles of all edges and faces. A displacement is checked in 16 directions, and a yaw in both
+//!   directions. Each size grows by the factor [`STRIDE`] until a check fails. Bisection follows. A failure
+//!   that occurs only between two checked sizes is missed.
 
 use super::certify::is_between_solids;
 use super::misplacement::{BoxPoints, Moves, ToleranceBoxes};
@@ -104,8 +104,8 @@ pub struct Robustness {
     pub worst: Option<Corner>,
     /// Corners of the placement tolerances at which floor spaces overlap or the posture cannot be used.
     pub lost: Vec<Lost>,
-    /// Derivative of the value with respect to each listed coordinate, per m or rad. It is None if the arm
-    /// cannot reach one of the two points of the central difference.
+    /// Derivative of the value with respect to each listed coordinate, per m or rad. A derivative is None if
+    /// the arm cannot reach one of the two points of the central difference.
     ///
     /// Joint limits are ignored. The list has an entry for x, y, z and yaw of the equipment, and for every
     /// other coordinate in `tolerance`.
@@ -128,7 +128,8 @@ impl Robustness {
     }
 }
 
-/// Function that queries a held posture. It returns a value, or the status that prevents the posture.
+/// Function that queries a held posture. The function returns a value, or the status that prevents the
+/// posture.
 type AskHeld = fn(&mut Probe<'_>, &HeldPosture) -> Result<f64, Status>;
 
 /// One operation with the postures that it keeps while bodies are misplaced.

@@ -66,11 +66,11 @@ impl SpotMemory {
 #[derive(Clone, Copy)]
 pub enum SpotValue {
     Kept {
-        /// Value of the spot (m, rad, share of failures, or cost of tolerances). In a robust search, it is
+        /// Value of the spot (m, rad, share of failures, or cost of tolerances). In a robust search, this is
         /// the worst value over the placement tolerances.
         value: f64,
         /// Value that must keep the limit of the operation: the largest value over the placement tolerances.
-        /// It is infinite if no bound of this value is known.
+        /// This value is infinite if no bound is known.
         most: f64,
     },
     /// The spot cannot be used at every misplacement.
@@ -233,7 +233,7 @@ impl<'a> Corners<'a> {
     }
 }
 
-/// Returns the penalty (m) of an operation without a certified spot. It is at most [`LOST_PENALTY`].
+/// Returns the penalty (m) of an operation without a certified spot. The penalty is at most [`LOST_PENALTY`].
 pub fn penalty(why: &NotCertified) -> f64 {
     let share = match why {
         NotCertified::NoTask => 1.0,

@@ -126,7 +126,7 @@ impl Workcell {
     }
 
     /// Returns the reason why the value of an operation has no upper bound over the misplacements; None if
-    /// it has such a bound.
+    /// the value has such a bound.
     pub fn no_value_bound(&self, operation: usize) -> Option<NoValueBound> {
         self.value_bounds[operation].as_ref().err().copied()
     }

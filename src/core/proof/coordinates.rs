@@ -1,13 +1,13 @@
 //! Coordinates of the boxes of the search: joint displacements, which are summed where revolute axes are
 //! parallel.
 //!
-//! The coordinate of a joint is its displacement. For successive revolute joints with parallel axes, it is
-//! the sum of the angles from the first of these joints to the joint itself. If such a sum changes alone, one
-//! link rotates, and the links after it are shifted. A planar arm therefore decouples into independent links,
-//! and the elevation of its tool is a coordinate. Let `y` be the coordinates and `theta` the displacements of
-//! the joints from the middle of their limits. Then `theta = D y` with a constant matrix D. Let C be the
-//! matrix of the joint coupling, and `q_0` the middle of the joint limits. The actuator coordinates are `q =
-//! q_0 + C^-1 D y`. Each actuator coordinate lies between its limits.
+//! The coordinate of a joint is its displacement. For successive revolute joints with parallel axes, the
+//! coordinate is the sum of the angles from the first of these joints to the joint itself. If such a sum
+//! changes alone, one link rotates, and the links after it are shifted. A planar arm therefore decouples into
+//! independent links, and the elevation of its tool is a coordinate. Let `y` be the coordinates and `theta`
+//! the displacements of the joints from the middle of their limits. Then `theta = D y` with a constant matrix
+//! D. Let C be the matrix of the joint coupling, and `q_0` the middle of the joint limits. The actuator
+//! coordinates are `q = q_0 + C^-1 D y`. Each actuator coordinate lies between its limits.
 
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
 use crate::kinematic_error::{JointValues, Screws};
@@ -19,8 +19,8 @@ use std::f64::consts::PI;
 const PARALLEL_SINE: f64 = 1e-12;
 /// Tolerance, rad or m, of the joint limits in the inverse kinematics.
 ///
-/// It covers the errors of the inverse kinematics: 1e-12 in the cosine of an angle, and 1e-9 m in a
-/// prismatic coordinate.
+/// The tolerance covers the errors of the inverse kinematics: 1e-12 in the cosine of an angle, and 1e-9 m in
+/// a prismatic coordinate.
 const LIMIT_TOLERANCE: f64 = 2e-6;
 
 /// Matrix with one row and one column per joint. Unused rows and columns are zero.

@@ -51,8 +51,8 @@ pub(super) struct WeightedMotions<'a> {
 /// Expands the weighted sum of effects over a box with the half widths `radii` about a posture, as a Taylor
 /// model.
 ///
-/// The sum over the motions k is `phi = sum eta_k . g_k + zeta_k . w_k`. Its weights are (eta, zeta), and
-/// its effects are (g, w).
+/// The sum over the motions k is `phi = sum eta_k . g_k + zeta_k . w_k`. The weights are (eta, zeta), and the
+/// effects are (g, w).
 ///
 /// `rates` are the derivatives of the point whose error counts, with respect to the joint displacements.
 pub(super) fn expand(

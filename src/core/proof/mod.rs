@@ -4,9 +4,9 @@
 //! independently, anywhere within the operation's ranges of height, tool elevation and distance from the
 //! robot base ([`OperationRegion`]). Only the posture remains unknown, so the least error is a minimum over
 //! joint coordinates within their limits. Errors that come after the first joint in the chain rotate with
-//! this joint. A first joint with a vertical axis therefore does not matter, with two exceptions: a sense
-//! that distinguishes horizontal directions, and an error that precedes this joint and acts along or about
-//! another axis.
+//! this joint. A first joint with a vertical axis therefore does not matter, with two exceptions. One
+//! exception is a sense that distinguishes horizontal directions. The other exception is an error that
+//! precedes this joint and acts along or about another axis.
 //!
 //! Branch and bound over the joints that matter closes the gap between the lower bound and the least value
 //! found. The module has the following files:

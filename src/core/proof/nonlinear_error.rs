@@ -3,7 +3,7 @@
 //!
 //! Two chains with the same joints differ by one small motion before every axis and one small motion before
 //! the end point. Let `a_k` be the size of motion k, and `g_k` its effect on the end point. To first order in
-//! the motions, the difference is `d = sum_k a_k g_k`. Its third derivatives are therefore sums of third
+//! the motions, the difference is `d = sum_k a_k g_k`. The third derivatives of d are therefore sums of third
 //! derivatives of linear effects. The remainder is of second order in the motions. Products of the sizes of
 //! the motions bound the derivatives of this remainder in any direction of joint space.
 

@@ -5,8 +5,8 @@ use crate::cell::{Cell, Coordinate, Operation, Place};
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
 
-/// Margin of the bounds of a region, m and rad. It is far above the errors of the inverse kinematics, and
-/// far below all sizes that matter.
+/// Margin of the bounds of a region, m and rad. The margin is far above the errors of the inverse kinematics,
+/// and far below all sizes that matter.
 const SLACK: f64 = 1e-6;
 
 /// Region that contains the TCP position and the tool elevation of one operation in every layout. Azimuth
@@ -146,7 +146,7 @@ struct EquipmentRange {
     y: (f64, f64),
     z: (f64, f64),
     /// Upper bound of the distance in plan, m, between the origins of the equipment and its lowest carrier.
-    /// It is 0 without a carrier.
+    /// The bound is 0 without a carrier.
     aside: f64,
 }
 

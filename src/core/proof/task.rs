@@ -1,4 +1,4 @@
-//! Task of bounding the value of one operation from below. It holds the chain, the error and the
+//! Task of bounding the value of one operation from below. The task holds the chain, the error and the
 //! constraints.
 
 use super::WhyNot;

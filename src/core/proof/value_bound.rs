@@ -40,8 +40,8 @@ use nalgebra::{DMatrix, Matrix3, Vector2, Vector3, Vector6};
 /// Largest number of rows (weighted components) of a sense for which mean, percentiles and worst case can
 /// have a bound.
 ///
-/// For a sense with more rows, only three values can have a bound. They are the RMS, the error of the
-/// signed sample, and the worst case in the linear model.
+/// For a sense with more rows, only three values can have a bound: the RMS, the error of the signed sample,
+/// and the worst case in the linear model.
 const MAX_ROWS_OF_PERCENTILE: usize = 3;
 /// Step of a numeric derivative with respect to an eigenvalue of the covariance, as a share of the trace.
 const DERIVATIVE_STEP: f64 = 1e-3;
@@ -102,8 +102,9 @@ impl EffectSum {
     /// Returns the weight of the effect of every motion in a lower bound of the value of the reading. Returns
     /// None if this value is zero at the posture of `effects`.
     ///
-    /// The bound is the weighted sum of the effects. At the posture of `effects`, it is equal to the value,
-    /// except for the error margin of [`tangent`]. At other postures, the sum is not greater than the value.
+    /// The bound is the weighted sum of the effects. At the posture of `effects`, this sum is equal to the
+    /// value, except for the error margin of [`tangent`]. At other postures, the sum is not greater than the
+    /// value.
     pub fn weights(&self, rows: &[Row], motions: &[ScrewMotion], effects: &[Effect]) -> Option<Vec<Weight>> {
         let mut columns = [Vector6::zeros(); MAX_SOURCES];
         for (motion, effect) in motions.iter().zip(effects) {

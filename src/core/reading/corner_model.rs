@@ -99,7 +99,7 @@ impl<'a> CornerModel<'a> {
     }
 
     /// Predicts the size of the error for every combination of the signs of the sources `free`, in the order
-    /// of [`gray_code`]. All other signs are those at the corner of [`Self::stand_at`].
+    /// of [`gray_code`]. All other signs are the signs at the corner of [`Self::stand_at`].
     ///
     /// `signs` and `error` must be the signs and the error at that corner. Returns an upper bound of the
     /// prediction error of the sizes, m or rad; None if there is no prediction.

@@ -34,14 +34,14 @@ type Signs = [f64; MAX_SOURCES];
 ///
 /// A planar arm, for example, needs flips of all parallel columns together. The lateral effects of such an
 /// arm are perpendicular to all other effects. So the worst linear corners come in pairs, and no single flip
-/// leads from one corner of a pair to the other.
+/// leads from one corner of a pair to the other corner.
 ///
-/// `largest` returns two corners: those with the largest displacement and the largest rotation of the TCP. A
-/// source is weak if a flip of its sign can change the linear error by at most the threshold. If more than
-/// `MAX_FREE` sources are weak, the search also starts from mixed corners. A mixed corner combines the signs
-/// of the weak sources from a corner of `largest` with all other signs from `corner`. The search also tries
-/// the mixed corners in which the signs of the weak sources, of the other sources, or of all sources are
-/// reversed.
+/// `largest` returns two corners: the corners with the largest displacement and the largest rotation of the
+/// TCP. A source is weak if a flip of its sign can change the linear error by at most the threshold. If more
+/// than `MAX_FREE` sources are weak, the search also starts from mixed corners. A mixed corner combines the
+/// signs of the weak sources from a corner of `largest` with all other signs from `corner`. The search also
+/// tries the mixed corners in which the signs of the weak sources, of the other sources, or of all sources
+/// are reversed.
 ///
 /// The error is computed only at corners where it may exceed the largest error so far. The function
 /// [`CornerModel::may_exceed`] predicts whether this is possible. The result is the same as if the error were

@@ -48,8 +48,8 @@ pub struct ErrorSources {
     /// Each factor is a list of sources: the index of each source, and its value at one standard deviation of
     /// the factor.
     pub factors: Vec<Vec<(usize, f64)>>,
-    /// Number of robot parameters in a sample. Parameters at the end of the list are left out if none of them
-    /// has an error: the elastic parameters, or these and the parameters of the joint frames.
+    /// Number of robot parameters in a sample. The elastic parameters are left out if none of them has an
+    /// error. The parameters of the joint frames are left out, too, if none of these has an error either.
     parameters: usize,
     /// Indices of two pieces of equipment: first the work equipment, then the equipment from which the part
     /// was picked.

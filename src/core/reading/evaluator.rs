@@ -290,8 +290,8 @@ impl ErrorEvaluator {
         NormLaw::new(measure.rows(), &columns[..n], &distributions[..n], &mean, conditional)
     }
 
-    /// Returns three properties of the error's components along the rows of the operation's sense: the
-    /// covariance (m or rad, squared), the number of rows, and the size of the mean error (m or rad).
+    /// Returns the covariance (m or rad, squared) of the error's components along the rows of the operation's
+    /// sense. The second and third results are the number of rows and the size of the mean error (m or rad).
     pub fn covariance(
         &self,
         context: &WorkContext,

@@ -250,8 +250,9 @@ impl FlipPrediction {
         self.weights[0] * of_position + self.weights[1] * rotation * flip.rotation / 2.0
     }
 
-    /// Returns the interaction of flips of the sources `k` and `l`: the change by both flips together, minus
-    /// the sum of the changes by each flip alone.
+    /// Returns the interaction of flips of the sources `k` and `l`.
+    ///
+    /// The interaction is the change by both flips together, minus the sum of the changes by each flip alone.
     pub fn product_of(
         &self,
         sources: &ErrorSources,

@@ -90,7 +90,7 @@ impl NormDistribution {
         invert(spectrum, ((c - rest) * (c + rest)).min(1e100))[0].clamp(0.0, 1.0)
     }
 
-    /// Returns the least c with `P(|e| <= c) = p`; if p is above 1 - 1e-9, it is replaced by 1 - 1e-9.
+    /// Returns the least c with `P(|e| <= c) = p`. A value of p above 1 - 1e-9 is replaced by 1 - 1e-9.
     pub fn quantile(&self, p: f64) -> f64 {
         let Some(spectrum) = &self.spectrum else { return self.unit };
         if p <= 0.0 {

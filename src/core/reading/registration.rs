@@ -52,7 +52,7 @@ impl BestFit {
         let covariance = square - centre * centre.transpose();
         let inertia = Matrix3::identity() * covariance.trace() - covariance;
         // If all points lie on one line, the rotation about this line is undetermined. The pseudo-inverse
-        // then gives no rotation about it.
+        // then yields no rotation about this line.
         let inverse = inertia.pseudo_inverse(1e-12 * inertia.norm()).unwrap_or_else(|_| Matrix3::zeros());
         let mut fit = Self { workspace, centre, covariance, inverse, effects: Effects::default() };
         fit.effects = fit.of_sources(chain, sources, mean);

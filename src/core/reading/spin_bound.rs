@@ -4,8 +4,8 @@
 //! joint rotate with it: the errors of the last link after the joint, and the errors of the tool. All other
 //! effects do not change.
 //!
-//! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before it move
-//!   the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
+//! - Signed sample: the errors behind the joint displace the TCP by at most r, and the errors before the
+//!   joint move the displaced TCP rigidly. So the values after any two rotations differ by at most 2 r.
 //! - Worst case: the worst case of only the tolerances before the joint is a lower bound.
 //! - Normal parameters: after a rotation by q, an effect behind the joint is c0 + c1 cos q + c2 sin q. So the
 //!   entries of the covariance are trigonometric polynomials of degree 2. If the mean of an error is set to

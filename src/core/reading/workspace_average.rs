@@ -19,7 +19,7 @@ use std::ops::Range;
 
 /// Number of nodes of a Gauss-Legendre rule, in addition to the nodes for the oscillation of the integrand.
 const SPARE_NODES: f64 = 4.0;
-/// Greatest number of nodes of a Gauss-Legendre rule; it suffices for a joint with 10 turns in each
+/// Greatest number of nodes of a Gauss-Legendre rule. This number suffices for a joint with 10 turns in each
 /// direction.
 const MAX_NODES: f64 = 128.0;
 
@@ -187,8 +187,8 @@ impl AveragedRow {
     /// Returns the moments in the frame before row `index`, given the moments `after` in the frame after this
     /// row.
     ///
-    /// `at` is the coordinate of the actuator; if it is None, the moments are averaged over the range of the
-    /// actuator. `joints` holds the coordinates of the actuators that drive the joint.
+    /// `at` is the coordinate of the actuator. If `at` is None, the moments are averaged over the range of
+    /// the actuator. `joints` holds the coordinates of the actuators that drive the joint.
     fn before(
         &self,
         index: usize,

@@ -59,8 +59,8 @@ impl ErrorEvaluator {
         (bad_corner(&columns[..n]) * (1.0 - ROUNDING) - products).max(0.0)
     }
 
-    /// Returns a lower bound of the worst case by a nonlinear model at a posture. It is the larger of the
-    /// errors at the worst corner of the linear model and at the opposite corner.
+    /// Returns a lower bound of the worst case by a nonlinear model at a posture. The bound is the larger of
+    /// the errors at the worst corner of the linear model and at the opposite corner.
     pub fn corner_worst(&self, context: &WorkContext, frames: &Frames, memory: &mut EvaluatorScratch) -> f64 {
         self.prepare_effects(context, frames, memory);
         let measure = self.measure(&self.sense, context, frames);

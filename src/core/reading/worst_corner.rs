@@ -112,7 +112,7 @@ impl ErrorEvaluator {
         (found, corner)
     }
 
-    /// Writes the values of the sources at the corner of the tolerance box that `signs` gives.
+    /// Writes the values of the sources at the corner of the tolerance box with the signs `signs`.
     pub fn corner(&self, signs: &[f64], values: &mut [f64]) {
         for ((value, source), sign) in values.iter_mut().zip(&self.sources.list).zip(signs) {
             *value = source.at(*sign);

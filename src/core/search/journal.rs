@@ -3,7 +3,8 @@
 //! Every run of a solver is a function of the seed, the number of the run and the costs that the solver
 //! receives. So a checkpoint needs no state of a solver. The checkpoint holds the record at the start of the
 //! current run and the results of all evaluations since then. A resumed search starts the current run again.
-//! It takes the results of the first evaluations of this run from the journal and computes the later results.
+//! The resumed search takes the results of the first evaluations of this run from the journal and computes
+//! the later results.
 
 use super::pareto_front::ParetoFront;
 use super::record::{Answer, Record};

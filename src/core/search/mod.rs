@@ -79,7 +79,7 @@ pub struct SearchRecord {
     /// Number of evaluations and objective (m, rad or a share) at each improvement of the best feasible
     /// layout.
     pub trace: Vec<(u64, f64)>,
-    /// Lower bound of the objective (m or rad), if one was given.
+    /// Lower bound of the objective (m or rad); None if no bound was given.
     pub bound: Option<f64>,
     pub ended: SearchEnd,
     /// Members of the Pareto front, sorted by the first goal, or the shortlist with the best layout first.

@@ -103,8 +103,8 @@ impl<'a> Problem<'a> {
     }
 
     fn left_of(&self, journal: &SearchJournal) -> u64 {
-        // Results in the journal cost nothing. Even an interrupted search takes all of them, so that its
-        // record is complete.
+        // Results in the journal cost nothing. Even an interrupted search uses all of these results, so that
+        // its record is complete.
         let stopped = self.interrupted() && !journal.knows();
         let left = journal.until.saturating_sub(journal.record.evaluations);
         if stopped || journal.met().is_some() { 0 } else { left }
@@ -289,7 +289,7 @@ impl Anneal for &Problem<'_> {
 
     /// Returns a random neighbour of a point: randomly selected coordinates are changed by random steps.
     ///
-    /// The largest possible step is random, too; it is drawn once per call.
+    /// The largest possible step is also random, and is drawn once per call.
     fn anneal(&self, point: &Vec<f64>, _temperature: f64) -> Result<Vec<f64>, Error> {
         let mut rng = locked(&self.annealing);
         let size = 0.5 * 10f64.powf(-4.0 * rng.random::<f64>());

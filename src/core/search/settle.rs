@@ -71,9 +71,9 @@ struct RoomState {
 /// Returns a layout with nearly the most room among the layouts with nearly the least objective. Among
 /// several such layouts, the function returns the layout with the most clearance.
 ///
-/// `best` is the point with the least objective, `least`. If `bound` is given, it is a further upper limit of
-/// the objective. The result is None for an ideal layout, for an indifference of 0, for a Pareto search, and
-/// if no piece can move in plan. The result is also None if the observer stops the search.
+/// `best` is the point with the least objective, `least`. `bound`, if given, is a further upper limit of the
+/// objective. The result is None for an ideal layout, for an indifference of 0, for a Pareto search, and if
+/// no piece can move in plan. The result is also None if the observer stops the search.
 pub fn settled(
     workcell: &Workcell,
     space: &SearchSpace<'_>,

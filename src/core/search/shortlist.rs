@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// Any two layouts of a shortlist differ by more than this value in at least one coordinate.
 ///
-/// The difference of a coordinate is a share of its range. For a coordinate with listed values, it is the
-/// difference of the list indices, divided by the number of values.
+/// The difference of a coordinate is a share of its range. For a coordinate with listed values, the share is
+/// the difference of the list indices divided by the number of values.
 pub const REALLY_DIFFERENT: f64 = 0.05;
 
 /// Number of stored layouts per requested layout.
@@ -33,8 +33,8 @@ impl Shortlist {
 
     /// Adds a layout, unless the shortlist has a similar layout of at most the same cost.
     ///
-    /// The new layout replaces all similar layouts of greater cost. If the shortlist is too long, it drops
-    /// the layout of greatest cost.
+    /// The new layout replaces all similar layouts of greater cost. If the shortlist is too long, the layout
+    /// of greatest cost is dropped.
     pub fn take(&mut self, point: &[f64], cost: f64) {
         // If two layouts have equal costs, the first of them is kept.
         let place = self.members.partition_point(|m| m.0 <= cost);

@@ -2,9 +2,9 @@
 //! rotations.
 //!
 //! The pose of the TCP is `T' = B_0 Rz(theta_1) B_1 Rz(theta_2) B_2 ... B_N`, where `Rz(theta_i)` is the
-//! rotation of joint i about its axis, and N is the number of joints. The constant motions `B_i` contain
-//! all errors and are computed once. The error is then the difference between two positions a few metres
-//! from the base. It is accurate to 1e-14 m, which is enough to rank nodes.
+//! rotation of joint i about its axis, and N is the number of joints. The constant motions `B_i` contain all
+//! errors and are computed once. The error is then the difference between two positions a few metres from the
+//! base. This difference is accurate to 1e-14 m, which is enough to rank nodes.
 
 use super::lanes::{CosSin, Lanes};
 use crate::cell::JointKind;

@@ -5,14 +5,14 @@
 //! negative real axis. So the trapezoidal rule on a contour around this axis converges geometrically,
 //! whatever the ratios of the eigenvalues `l_i` of the covariance.
 //!
-//! For a small mean the contour is the parabola `z x = M (1 + i t)^2` with real t and `M = pi N / 12`. Its
-//! upper half has `N` points, at steps of `3 / N` in t. The points `z x` do not depend on x, and the error is
-//! about `8.12^-N` (J. A. C. Weideman, L. N. Trefethen, "Parabolic and hyperbolic contours for computing the
-//! Bromwich integral", Math. Comp. 76 (2007)). For a large mean, the parabola would cross the discs with the
-//! diameters `[-1/(2 l_i), 0]`. In these discs, the factors `exp(-mu_i^2 z / (1 + 2 l_i z))` of the integrand
-//! are large. Here `mu_i` is the component of the mean along the eigenvector of `l_i`. So the contour for a
-//! large mean is a steep hyperbola through the saddle point of the integrand. On this hyperbola every term of
-//! the sum is small.
+//! For a small mean the contour is the parabola `z x = M (1 + i t)^2` with real t and `M = pi N / 12`. The
+//! upper half of the parabola has `N` points, at steps of `3 / N` in t. The points `z x` do not depend on x,
+//! and the error is about `8.12^-N` (J. A. C. Weideman, L. N. Trefethen, "Parabolic and hyperbolic contours
+//! for computing the Bromwich integral", Math. Comp. 76 (2007)). For a large mean, the parabola would cross
+//! the discs with the diameters `[-1/(2 l_i), 0]`. In these discs, the factors `exp(-mu_i^2 z / (1 + 2 l_i
+//! z))` of the integrand are large. Here `mu_i` is the component of the mean along the eigenvector of `l_i`.
+//! So the contour for a large mean is a steep hyperbola through the saddle point of the integrand. On this
+//! hyperbola every term of the sum is small.
 
 use super::spectrum::Spectrum;
 use nalgebra::Complex;
@@ -105,8 +105,8 @@ fn on_parabola(spectrum: &Spectrum, x: f64) -> [f64; 3] {
 ///
 /// Here `l_i` is the i-th eigenvalue of the covariance.
 ///
-/// Each pair of factors takes one square root: the root of their product that has an argument between 0 and
-/// pi.
+/// One square root is computed for each pair of factors: the root of the product of the two factors whose
+/// argument is between 0 and pi.
 fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
     let (mut re, mut im) = ([1.0; N], [0.0; N]);
     for pair in spectrum.l[..spectrum.rank.next_multiple_of(2)].chunks_exact(2) {
@@ -124,7 +124,7 @@ fn roots(spectrum: &Spectrum, x: f64, at: &Parabola) -> ([f64; N], [f64; N]) {
 }
 
 /// Integrates on the hyperbola `z = saddle + width (i sinh u - TILT (cosh u - 1))` by the trapezoidal rule in
-/// u. The function [`saddle`] gives `saddle` and `width`.
+/// u. The function [`saddle`] returns `saddle` and `width`.
 ///
 /// The step is halved until two successive sums agree.
 fn on_hyperbola(spectrum: &Spectrum, above: f64) -> [f64; 3] {

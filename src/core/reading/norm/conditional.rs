@@ -219,8 +219,8 @@ impl Reflection {
 /// Writes three figures of each point: its weight, the first component of the error, and the squared length
 /// of the other components.
 ///
-/// The error is the sum of `mean` and all `terms`. The components are those after `reflection`; `mean` is
-/// already reflected.
+/// The error is the sum of `mean` and all `terms`. The components are the components after `reflection`;
+/// `mean` is already reflected.
 fn sample(
     m: usize,
     points: &PointSet,

@@ -89,8 +89,8 @@ impl<'a> NormLaw<'a> {
 /// The second estimate ([`excess_of_lone`]) is large if a parameter alone varies the error in its direction.
 /// Small norms depend mainly on the component of the error in this direction.
 ///
-/// The third estimate is the absolute excess kurtosis of the component of the error along the mean. It counts
-/// only if the mean is large. Then the norm depends mainly on this component.
+/// The third estimate is the absolute excess kurtosis of the component of the error along the mean. This
+/// estimate counts only if the mean is large, because the norm then depends mainly on this component.
 fn excess(m: usize, columns: &[Vector6<f64>], kurtosis: &[f64], mean: &Vector6<f64>) -> f64 {
     if kurtosis.iter().all(|gamma| *gamma == 0.0) {
         return 0.0;

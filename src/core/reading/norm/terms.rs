@@ -1,5 +1,5 @@
 //! Random terms of an error: they represent all parameters except the dominating parameter, which is treated
-//! separately. Each term takes one coordinate of a low-discrepancy point.
+//! separately. Each term uses one coordinate of a low-discrepancy point.
 //!
 //! All normal parameters are merged: one term for each principal axis of their covariance. Bounded parameters
 //! that contribute little excess kurtosis are merged with the normal parameters, because fewer coordinates

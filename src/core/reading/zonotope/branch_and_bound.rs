@@ -8,9 +8,9 @@
 //! |v + w|^2 <= |v|^2 + 2 sum |v . g_k| + K_j,     K_j = max |w|^2
 //! ```
 //!
-//! The maximum `K_j` of `|w|^2` over all signs is known: the other generators alone are a smaller problem of
-//! the same kind, which is solved first. This is Russian doll search (G. Verfaillie, M. Lemaitre, T. Schiex,
-//! AAAI 1996). The bound is tight: 64 random generators in 6-D take about ten thousand nodes.
+//! The maximum `K_j` of `|w|^2` over all signs is known, because the smaller problem of the other generators
+//! alone is solved first. This is Russian doll search (G. Verfaillie, M. Lemaitre, T. Schiex, AAAI 1996). The
+//! bound is tight: 64 random generators in 6-D take about ten thousand nodes.
 
 use super::MAX_GENERATORS;
 use super::climb;
@@ -128,7 +128,7 @@ impl BranchAndBound {
         v.norm_squared() + 2.0 * sum + self.rest[j]
     }
 
-    /// Searches all combinations of signs whose first `j` signs are those in `trial`.
+    /// Searches all combinations of signs whose first `j` signs are the signs in `trial`.
     ///
     /// `v` is the sum of the first `j` generators with these signs.
     fn visit(&mut self, j: usize, v: Vector6<f64>) {

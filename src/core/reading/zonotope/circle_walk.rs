@@ -44,7 +44,7 @@ impl CircleWalk {
         let (x, y, z) = (x * fold, y * fold, z * fold);
         self.at[k] = Vector3::new(x, y, z);
         self.fold[k] = fold;
-        // The key is minus the cotangent of the angle at which the sign flips; it is always finite.
+        // The key is minus the cotangent of the angle at which the sign flips. The key is always finite.
         let key = if (x / y).abs() < f64::MAX { x / y } else { f64::MAX.copysign(x) };
         self.key[k] = f64::from_bits(key.to_bits() & !PLACES | k as u64);
     }
@@ -53,7 +53,7 @@ impl CircleWalk {
     /// the walk visits.
     ///
     /// The additional generator lies along the axis of the circle and has the length `size`. The sign of this
-    /// generator is that of the axial component of the other generators' sum.
+    /// generator is the sign of the axial component of the other generators' sum.
     pub(super) fn farthest(&mut self, n: usize, size: f64) -> WalkMaximum {
         self.sort(n);
         let mut sum: Vector3<f64> = self.at[..n].iter().sum();
@@ -130,8 +130,8 @@ fn across(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
 
 /// Solves the 3-D case in which every generator is parallel or perpendicular to one axis.
 ///
-/// The signs along the axis and those in the plane are found separately. Returns false if there is no such
-/// axis.
+/// The signs along the axis and the signs in the plane are found separately. Returns false if there is no
+/// such axis.
 pub(super) fn split(generators: &[Vector3<f64>], walk: &mut CircleWalk, signs: &mut [f64]) -> bool {
     let Some(axis) = axis(generators) else { return false };
     let (e1, e2) = across(&axis);

@@ -100,7 +100,8 @@ impl<const M: usize> SignBlock<M> {
     }
 }
 
-/// Tries all combinations of signs: the last six generators with the table, the others in Gray code order.
+/// Tries all combinations of signs: the last six generators with the table, the other generators in Gray code
+/// order.
 pub(super) fn try_all<const M: usize>(g: &[SVector<f64, M>], table: &mut SignTable<M>, signs: &mut [f64]) {
     if g.is_empty() {
         return;
