@@ -109,7 +109,7 @@ pub fn file(controller: Controller, stem: &str, frames: &LayoutFrames) -> String
     }
 }
 
-/// Returns the comment at the start of a file: the origin of the frames, and the convention of the controller.
+/// Returns the comment at the start of a file: the origin of the frames and the convention of the controller.
 fn comment(mark: &str, frames: &LayoutFrames, convention: &[&str]) -> String {
     let LayoutFrames { cell, robot, layout, .. } = frames;
     let mut lines = vec![
@@ -130,7 +130,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Returns one line for each work object and each spot.
 ///
-/// `line` receives the identifier, the pose, and whether the pose is that of a spot.
+/// `line` receives the identifier, the pose, and whether the pose belongs to a spot.
 fn entries(
     frames: &LayoutFrames,
     names: &mut Identifiers,

@@ -1,5 +1,5 @@
-//! Tables as CSV: map.csv has one row per node, readings.csv one per operation and reading, front.csv
-//! one per layout.
+//! Tables as CSV: map.csv has one row per node, readings.csv has one row per operation and reading, and
+//! front.csv has one row per layout.
 
 use crate::cell::{Cell, Slot};
 use crate::record::{

@@ -34,7 +34,7 @@ enum FilePlace {
 
 /// Returns the table `[errors.NAME]` with the tolerances `spreads`, in the order of [`Parameter::of_robot`].
 ///
-/// The numbers of the rows are those of the robot file.
+/// Row numbers refer to the rows of the robot file.
 pub fn table(robot: &Robot, name: &str, source: &str, spreads: &[Spread]) -> String {
     let axes = robot.axes();
     let none = Spread { plus_minus: 0.0, distribution: Distribution::Normal, sigmas: Spread::SIGMAS };

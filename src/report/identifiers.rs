@@ -1,4 +1,4 @@
-//! Identifiers for programs that take neither blanks nor letters beyond ASCII.
+//! Identifiers for programs that accept neither blanks nor letters beyond ASCII.
 
 use std::collections::HashSet;
 

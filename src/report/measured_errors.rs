@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// Returns the table with the identified errors, elastic terms included, and their covariance.
 ///
-/// Row numbers and names are those of the robot file.
+/// Row numbers and names refer to the robot file.
 pub fn table(robot: &Robot, calibration: &Calibration, document: &CalibrationDocument) -> String {
     let poses: usize = document.sessions.iter().map(|s| s.poses).sum();
     let head = format!(
@@ -102,8 +102,8 @@ fn periodic(calibration: &Calibration) -> String {
     format!("periodic = [\n{entries}]\n")
 }
 
-/// Returns the covariance of the identified parameters and of the errors that they do not explain, with all
-/// digits.
+/// Returns the covariance of the identified parameters and of the errors that these parameters do not
+/// explain, with all digits.
 ///
 /// The misfit of a joint is stated as a variance of its coordinate. This variance includes the uncertainty of
 /// the periodic error of the joint. The misfit of positions is stated as a variance of the TCP position.

@@ -1,8 +1,8 @@
 //! Planning scene of MoveIt: equipment, obstacles, fence and keep-out boxes as collision objects.
 //!
 //! The text has the format of the scene files that RViz exports and imports. The sources are
-//! `PlanningScene::saveGeometryToStream` of MoveIt 1 and `shapes::saveAsText` of geometric_shapes. This
-//! format, with poses of objects and with subframes, is read by MoveIt 1 (Noetic) and MoveIt 2:
+//! `PlanningScene::saveGeometryToStream` of MoveIt 1 and `shapes::saveAsText` of geometric_shapes. MoveIt 1
+//! (Noetic) and MoveIt 2 read this format, which has object poses and subframes:
 //!
 //! ```text
 //! NAME OF THE SCENE
@@ -22,8 +22,8 @@
 //! .
 //! ```
 //!
-//! The sizes are `x y z` of a box, `radius` of a sphere, `radius length` of a cylinder. A mesh has its numbers of
-//! vertices and triangles, then one line for each vertex and one for each triangle.
+//! The sizes are `x y z` for a box, `radius` for a sphere, and `radius length` for a cylinder. A mesh has its
+//! numbers of vertices and triangles, then one line for each vertex and one for each triangle.
 
 use super::identifiers::ascii;
 use super::layout_frames::NamedFrame;
@@ -32,9 +32,10 @@ use crate::drawing::Drawing;
 use crate::pose::Pose;
 use crate::units::rounded;
 
-/// Returns the planning scene of a layout in the frame of the robot base. Spots are subframes of their equipment.
+/// Returns the planning scene of a layout in the frame of the robot base. Spots are subframes of the
+/// equipment.
 ///
-/// MoveIt has no objects without shapes, so equipment without solids is left out, with its spots.
+/// MoveIt has no objects without shapes, so equipment without solids and its spots are left out.
 pub fn scene(drawing: &Drawing<'_>) -> String {
     let (cell, layout) = (ascii(&drawing.cell.name), ascii(&drawing.name));
     let mut text = format!("{cell} ({layout}, in the frame of the robot base)\n");

@@ -14,7 +14,8 @@ pub struct SceneObject<'a> {
     /// Pose of the frame of the object in the world frame, m.
     pub pose: Pose,
     pub solids: Vec<SceneSolid<'a>>,
-    /// Frames of the TCP at the spots on the object, in the frame of the object, m. Their names are identifiers.
+    /// Frames of the TCP at the spots on the object, in the frame of the object, m. The names are
+    /// identifiers.
     pub spots: Vec<NamedFrame>,
 }
 
@@ -49,7 +50,7 @@ pub const ROBOT_BASE: &str = "robot_base";
 /// Name of the root link: the world frame of the cell.
 pub const WORLD: &str = "world";
 
-/// Returns the pedestal of the robot, the equipment and obstacles, the fence and the keep-out boxes of a layout.
+/// Returns the pedestal, the equipment and obstacles, the fence and the keep-out boxes of a layout.
 ///
 /// The pedestal comes first, in the frame of the robot base under the name [`ROBOT_BASE`]. Without a
 /// pedestal, this object has no solids. A capsule becomes a cylinder with two spheres. A leg becomes a box

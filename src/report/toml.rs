@@ -92,7 +92,7 @@ fn line(slot: Slot, value: f64) -> String {
     format!("{key} = {value}\n")
 }
 
-/// Returns a TOML basic string. Names hold no control characters; quotes and backslashes are escaped.
+/// Returns a TOML basic string. Names contain no control characters; quotes and backslashes are escaped.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }

@@ -8,7 +8,7 @@ use crate::record::{AllocatedEntry, AllocationDocument};
 use crate::units::rounded;
 
 const ROW: f64 = 24.0;
-/// Largest number of tolerances with a bar of their own. The tolerances that change most get the bars.
+/// Largest number of tolerances that get a bar. The tolerances that change most get the bars.
 const BARS: usize = 24;
 
 /// Draws the scale of each tolerance as a bar that begins at 1, the present tolerance. The bar extends to the

@@ -10,7 +10,7 @@ pub const EDGE: f64 = 16.0;
 /// Font size of the heading, px.
 pub const HEAD: f64 = 16.0;
 pub const BODY: f64 = 13.0;
-/// Width of bold letters relative to regular ones.
+/// Width of bold letters relative to regular letters.
 const BOLD: f64 = 1.14;
 pub const SMALL: f64 = 12.0;
 

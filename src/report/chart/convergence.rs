@@ -19,7 +19,7 @@ pub struct ConvergenceHistory<'a> {
     /// Number of evaluations and objective at each improvement.
     pub trace: &'a [(u64, f64)],
     pub evaluations: u64,
-    /// Objective of the layout as drawn, if it is feasible.
+    /// Objective of the layout before the search; None if that layout is not feasible.
     pub start: Option<f64>,
     /// Proven lower bound of the objective.
     pub bound: Option<f64>,
@@ -97,7 +97,7 @@ fn dashed() -> String {
     format!("{} stroke-dasharray=\"7 4\"", Ink::Green.line(2.0))
 }
 
-/// Marks the objective of the layout as drawn and the best objective, with their values.
+/// Marks the objective before the search and the best objective, with their values.
 fn marks(canvas: &mut ChartCanvas, course: &ConvergenceHistory<'_>, x: &AxisScale, y: &AxisScale) {
     let unit = course.unit;
     let said = |si: f64| format!("{} {}", words::figure(unit.from_si(si)), unit.word());
@@ -141,7 +141,8 @@ fn told(course: &ConvergenceHistory<'_>) -> Vec<String> {
             let gap = percent_from_share(best / bound - 1.0);
             let digits = if gap < 0.1 { 4 } else { 2 };
             format!(
-                "proven: no layout has an objective below {}; the best is {gap:.digits$} % above this bound",
+                "proven: no layout has an objective below {}; the best layout is {gap:.digits$} % above this \
+                 bound",
                 said(bound)
             )
         }

@@ -50,9 +50,9 @@ fn remarks(d: &OperationDifference, names: (&str, &str)) -> Vec<String> {
     let ((better, worse), (gained, lost)) = (d.better_and_worse(), d.gained_and_lost());
     let (a, b) = names;
     let mut said =
-        vec![format!("of the nodes that both can use, {b} is better at {better} and worse at {worse}")];
+        vec![format!("of the nodes usable in both layouts, {b} is better at {better} and worse at {worse}")];
     if gained + lost > 0 {
-        said.push(format!("only {b} can use {gained} nodes, only {a} can use {lost}"));
+        said.push(format!("{gained} nodes are usable only in {b}, and {lost} only in {a}"));
     }
     said
 }
@@ -123,9 +123,9 @@ fn draw_bar(canvas: &mut ChartCanvas, unit: Unit, most: f64, (left, top): (f64, 
 fn legend(d: &OperationDifference, names: (&str, &str)) -> Vec<LegendEntry> {
     let pair = |first, other| NodePair { i: 0, j: 0, at: (0.0, 0.0), first, other };
     let all = [
-        (pair(None, Some(0.0)), format!("only {} can use it", names.1)),
-        (pair(Some(0.0), None), format!("only {} can use it", names.0)),
-        (pair(None, None), "neither can use it".to_string()),
+        (pair(None, Some(0.0)), format!("usable only in {}", names.1)),
+        (pair(Some(0.0), None), format!("usable only in {}", names.0)),
+        (pair(None, None), "usable in neither layout".to_string()),
     ];
     let is_there = |kind: &NodePair| {
         let same = |p: &NodePair| {

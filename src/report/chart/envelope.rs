@@ -136,7 +136,7 @@ fn draw_arm(canvas: &mut ChartCanvas, panel: &Panel, view: &PlaneView) {
 
 fn size_in_words(e: &Reachable<'_>) -> String {
     match &e.size.extent {
-        None => "nothing was found to be reachable with the tool in this orientation".to_string(),
+        None => "no point was found that the arm can reach with the tool in this orientation".to_string(),
         Some(EnvelopeExtent { radius, height, .. }) => {
             let mm = |m: f64| rounded(mm_from_m(m), 0);
             format!(

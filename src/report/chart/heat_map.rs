@@ -20,7 +20,7 @@ const PLOT: (f64, f64, f64) = (62.0, WIDTH - EDGE - 112.0, 470.0);
 /// Least length from which the margin of the plot is computed, mm. The margin is 6 % of the longer side of
 /// the mapped area, but at least 6 % of this length.
 const MIN_SPAN: f64 = 100.0;
-/// Largest number of nodes with tooltips. A map with more nodes has none.
+/// Largest number of nodes with tooltips. A map with more nodes has no tooltips.
 const MAX_TITLES: usize = 400;
 
 /// Draws the error map of one operation for one sense, under one model and reading.
@@ -70,7 +70,7 @@ struct HeatMap<'a> {
     of: String,
     points: Vec<PlanePoint>,
     values: Vec<Option<f64>>,
-    /// Corners of the surface; empty if its frame is not known.
+    /// Corners of the surface; empty if the frame of the surface is not known.
     ground: Vec<PlanePoint>,
     bounds: (PlanePoint, PlanePoint),
     scale: ColourScale,

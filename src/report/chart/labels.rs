@@ -14,7 +14,7 @@ impl OccupiedBoxes {
         free
     }
 
-    /// Occupies a box, free or not.
+    /// Occupies a box, even if it is not free.
     pub fn keep(&mut self, place: [f64; 4]) {
         self.0.push(place);
     }

@@ -1,4 +1,4 @@
-//! Measured errors as arrows beside the predicted ones, in plan and from the side.
+//! Measured and predicted errors as arrows, in plan and from the side.
 
 use super::axes;
 use super::canvas::{Anchor, ChartCanvas, EDGE, Ink, LegendEntry};

@@ -64,7 +64,7 @@ fn bar(canvas: &mut ChartCanvas, x: &AxisScale, (name, value): (&str, Option<f64
         return;
     };
     let to = x.at(value);
-    // Growth is bad and decrease is good: each has a colour.
+    // An increase is bad and a decrease is good. They have different colours.
     let fill = if value > 0.0 { Ink::Vermilion } else { Ink::Blue }.fill();
     canvas.put(&format!(
         "<rect x=\"{:.2}\" y=\"{:.1}\" width=\"{:.2}\" height=\"{:.1}\" {fill}/>",
@@ -95,7 +95,7 @@ fn told(cell: &Cell, operation: usize, r: &Robustness) -> Vec<String> {
     let on = &cell.equipment[cell.operations[operation].equipment].name;
     let shift = most(&r.shift, &|v| format!("{} mm in plan", words::figure(mm_from_m(v))));
     let turn = most(&r.turn, &|v| format!("{} deg in yaw", words::figure(deg_from_rad(v))));
-    let mut told = vec![format!("{} as drawn{worst}", amount(r.value))];
+    let mut told = vec![format!("{} without misplacement{worst}", amount(r.value))];
     told.push(format!("{on} may be misplaced by at most {shift}, or {turn}"));
     if let Some(scale) = &r.scale {
         let times = most(scale, &|v| format!("{} times the placement tolerances", words::figure(v)));

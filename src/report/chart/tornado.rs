@@ -11,7 +11,7 @@ use crate::reading::Share;
 use crate::record::{ParameterUnit, parameter_names as names};
 use crate::units::{percent_from_share, rounded};
 
-/// Largest number of parameters with a bar of their own; the others share one bar.
+/// Largest number of parameters that get a bar each; all other parameters share one bar.
 const BARS: usize = 16;
 const ROW: f64 = 24.0;
 

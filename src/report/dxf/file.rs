@@ -90,7 +90,8 @@ const STYLE: &str = "MM";
 const MODEL: usize = 0;
 const PAPER: usize = 1;
 
-/// Drawing under construction; entities go to the model space unless a block or the paper is being written.
+/// Drawing under construction; entities go to the model space unless a block or the paper space is being
+/// written.
 pub struct DxfFile {
     next: u64,
     spaces: Vec<DxfSpace>,

@@ -9,7 +9,7 @@ use crate::report::chart::labels::OccupiedBoxes;
 use crate::units::wrapped;
 use nalgebra::{Vector2, Vector3};
 
-/// Number of parts of an arc whose places no text covers.
+/// Number of straight parts that replace an arc when the arc occupies its place.
 const ARC_PARTS: usize = 24;
 
 /// Occupied places in plan, world frame, m.
@@ -22,7 +22,7 @@ pub struct Labels {
 }
 
 impl Labels {
-    /// Returns the places that the objects of a drawing occupy, and the lines of their dimensions.
+    /// Returns the places that the objects of a drawing and the lines of their dimensions occupy.
     ///
     /// The dimensions are left of and below the point `low`. The column of texts begins at `column`.
     pub fn new(

@@ -43,8 +43,9 @@ const LAYERS: [(&str, u16); 19] = [
 /// Least number of faces at which their layer is frozen, because drawing so many faces would be slow.
 const MANY_FACES: usize = 2000;
 
-/// Returns the layers to write. The layers of obstacles, fence, keep-out spaces and regions are left out if they
-/// would be empty. The layers of the components of the errors are frozen: the resultant shows enough at first.
+/// Returns the layers to write. The layers of obstacles, fence, keep-out spaces and regions are left out if
+/// they would be empty. The layers of the error components are frozen, because the resultant is enough at
+/// first.
 pub fn used(drawing: &Drawing<'_>, faces: usize) -> Vec<Layer> {
     let has = |kind: PartKind| drawing.parts.iter().any(|p| p.kind == kind);
     let idle = |name: &str| match name {

@@ -50,7 +50,7 @@ pub fn write(
     faces
 }
 
-/// Writes the block of a fence or of the keep-out spaces, whose origin is that of the world.
+/// Writes the block of a fence or of the keep-out spaces. The origin of the block is the origin of the world.
 fn block_of(
     file: &mut DxfFile,
     name: &str,

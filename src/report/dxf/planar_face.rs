@@ -10,11 +10,11 @@ use crate::units::{mm_from_m, rounded};
 use nalgebra::Vector2;
 use std::fmt::Display;
 
-/// Header of the body. The date is fixed, because equal drawings are equal files.
+/// Header of the body. The date is fixed, so that equal drawings give equal files.
 const HEADER: [&str; 3] =
     ["700 0 1 0", "@9 sweetspot @12 ACIS 32.0 NT @24 Thu Jan 01 00:00:00 2026", "1 1e-06 1e-10"];
 const END: &str = "End-of-ACIS-data";
-/// Number of the record of the face, of its plane and of the first loop.
+/// Number of the record of the face. The next two constants are the numbers of its plane and its first loop.
 const FACE: usize = 3;
 const PLANE: usize = 4;
 const FIRST_LOOP: usize = 5;

@@ -32,7 +32,8 @@ pub fn width(text: &str, height: f64) -> f64 {
     CHARACTER * height * text.chars().count() as f64
 }
 
-/// Breaks a text between words into lines of at most `most` characters. A longer word has a line of its own.
+/// Breaks a text between words into lines of at most `most` characters. A word longer than a line gets a
+/// separate line.
 pub fn broken(text: &str, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {

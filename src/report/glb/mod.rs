@@ -162,8 +162,8 @@ fn robot(scene: &mut GlbBuilder, drawing: &Drawing<'_>, operation: Option<usize>
     scene.file.group(&drawing.cell.robot.name, links)
 }
 
-/// Adds the channels of a link. Two quaternions describe the same rotation: at each time, the one nearer to
-/// the previous quaternion is used.
+/// Adds the channels of a link. Two quaternions describe the same rotation: at each time, the quaternion
+/// nearer to the previous quaternion is used.
 fn moving(scene: &mut GlbBuilder, link: Index<Node>, poses: &[Pose], input: Index<gltf_json::Accessor>) {
     let GlbBuilder { file, animation, .. } = scene;
     let places: Vec<f32> = poses.iter().flat_map(translation).collect();

@@ -18,7 +18,8 @@ pub fn section(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
     let text = "The chart shows the cheapest tolerances with which every operation keeps its limit at its \
     spot. A bar to the left marks a tolerance to tighten, and a bar to the right marks a tolerance that may be looser. \
-                The error set states the costs. If it states none, each present tolerance costs 1, and half of it costs 2.";
+                The error set states the costs. If it states none, each present tolerance costs 1, and \
+                half of that tolerance costs 2.";
     let mut section = Section::new("allocation", "Cheapest tolerances", vec![text.into()]);
     if a.cell.reading == Reading::Signed {
         return section;

@@ -79,8 +79,8 @@ fn distributions(tolerance: &Tolerance) -> String {
     }
 }
 
-/// Returns a clause that names the operations whose errors are extrapolated, and that follows the
-/// description of the errors.
+/// Returns a clause that names the operations with extrapolated errors. The clause follows the description of
+/// the errors.
 fn extrapolated(subject: &Subject<'_>) -> String {
     let a = subject.shown();
     let said = a.maps.iter().filter_map(|map| {
@@ -127,12 +127,14 @@ fn placement(cell: &Cell) -> &'static str {
     match (cell.has_placement_tolerance(), cell.search.robust) {
         (true, true) => "evaluated at the worst misplacement within the placement tolerances",
         (true, false) if cell.search.ideal => {
-            "evaluated as drawn; the section on misplacement shows the effect of the placement tolerances"
+            "evaluated without misplacement; the section on misplacement shows the effect of the placement \
+             tolerances"
         }
         (true, false) => {
-            "the layout must work at every misplacement within the placement tolerances; errors are shown for the layout as drawn"
+            "the layout must work at every misplacement within the placement tolerances; errors are shown \
+             without misplacement"
         }
-        (false, _) => "all equipment and the robot base are assumed to stand exactly where they are drawn",
+        (false, _) => "all equipment and the robot base are assumed to stand exactly at their placements",
     }
 }
 

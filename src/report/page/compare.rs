@@ -98,8 +98,8 @@ fn answer(comparison: &Comparison<'_>) -> String {
     }
 }
 
-/// Returns the section on the differences from the first layout, node by node. All its charts share one
-/// colour scale.
+/// Returns the section on the differences from the first layout, node by node. All charts of the section
+/// share one colour scale.
 fn differences(comparison: &Comparison<'_>) -> Vec<Section> {
     let Some((first, others)) = comparison.columns.split_first() else { return Vec::new() };
     let text = format!(

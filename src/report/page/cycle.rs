@@ -18,7 +18,7 @@ pub fn section(subject: &Subject<'_>) -> Section {
     if subject.found.is_some()
         && let Some(before) = drawn.cycle_time()
     {
-        section.text.push(format!("In the layout as drawn, it is {:.2} s.", before.total()));
+        section.text.push(format!("In the layout as drawn, the cycle time is {:.2} s.", before.total()));
     }
     let steps = cycle.steps.iter().filter(|step| step.time > 0.0);
     let rows = steps.map(|step| vec![text::cycle_step_name(a.cell, step), format!("{:.2}", step.time)]);

@@ -39,8 +39,8 @@ pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section>
     all.into_iter().filter(|section| !section.is_empty()).collect()
 }
 
-/// Returns the still picture for print and for browsers without WebGL. It shows the recommended layout, the
-/// last of `drawings`.
+/// Returns the still picture for print and for browsers without WebGL. The picture shows the recommended
+/// layout, the last of `drawings`.
 ///
 /// # Errors
 /// Fails if the picture cannot be drawn.
@@ -163,8 +163,8 @@ fn budget_table(a: &Assessment<'_>, k: usize, account: &BudgetReport<'_>) -> Pag
 /// Returns the section on the linearized model; empty if no figure of the report depends on it noticeably.
 fn discrepancies(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The chart shows how far the linearized error model deviates from the nonlinear one, node by node. The \
-                seed paper claims less than 1 % (its Fig. 8).";
+    let text = "The chart shows how far the linearized error model deviates from the nonlinear model, \
+                node by node. The seed paper claims less than 1 % (its Fig. 8).";
     let mut section = Section::new("discrepancy", "Linearized and nonlinear model", vec![text.into()]);
     if rests_on_linearized(a) {
         section.figures.push(PageFigure::new(titled(a, "discrepancy"), "", chart::discrepancy(a)));
@@ -210,7 +210,7 @@ fn convergence(subject: &Subject<'_>) -> Section {
         bound_in_words(found, subject)
     ));
     let row = |(n, value): &(u64, f64)| vec![n.to_string(), format!("{:.6}", rounded(*value, 6))];
-    // The table has only the first improvement and the last ones; the chart shows all.
+    // The table has only the first and the last improvements; the chart shows all improvements.
     let skipped = found.trace.len().saturating_sub(MAX_IMPROVEMENTS);
     let kept = found.trace.iter().enumerate().filter(|(k, _)| *k == 0 || *k > skipped);
     let rows: Vec<_> = kept.map(|(_, improvement)| row(improvement)).collect();
@@ -304,7 +304,8 @@ fn record(subject: &Subject<'_>, found: &SearchResult) -> SearchRecord {
 /// Returns the section on misplaced equipment.
 fn misplacement(subject: &Subject<'_>) -> Section {
     let a = subject.shown();
-    let text = "The error of each operation changes if equipment does not stand exactly where it is drawn. The spot and the posture branch do not change.";
+    let text = "The error of each operation changes if equipment does not stand exactly at its placement. \
+                The spot and the posture branch do not change.";
     let mut section = Section::new("misplacement", "Sensitivity to misplacement", vec![text.into()]);
     let rows = (0..a.maps.len()).flat_map(|k| {
         let Some(Some(r)) = a.robustness.get(k) else { return Vec::new() };

@@ -2,7 +2,8 @@
 
 use super::assets::{LIVE_CSS, LIVE_HTML, VIEWER_CSS, live_js, viewer_js};
 
-/// Returns the HTML of the live page. Scripts and styles carry `nonce`; the browser blocks all others.
+/// Returns the HTML of the live page. Its scripts and styles carry `nonce`; the browser blocks all other
+/// scripts and styles.
 pub fn live(nonce: &str) -> String {
     let style = [VIEWER_CSS, LIVE_CSS].concat();
     let script = viewer_js() + &live_js();

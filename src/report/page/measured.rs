@@ -11,7 +11,7 @@ use crate::units::{percent_from_share, rounded};
 pub fn section(subject: &Subject<'_>) -> Section {
     let text = "An instrument has measured positions of this robot. The errors of the cell predict how \
     far each measured \
-                position is from the nominal one. Base and reflectors are fitted with the nominal arm, \
+                position is from the nominal position. Base and reflectors are fitted with the nominal arm, \
                 and the part of the error that this fit absorbs is left out of the prediction, too.";
     let mut section = Section::new("measured", "Measured against predicted", vec![text.into()]);
     let files = &subject.measured;

@@ -40,7 +40,7 @@ fn figures(a: &Assessment<'_>) -> PageTable {
             let mut row =
                 vec![shown(&operation.name), shown(&sense.name), asked.into(), sense.unit.word().into()];
             row.extend(COLUMNS.iter().enumerate().map(|(column, figure)| {
-                // The first figure is that of the sample itself.
+                // The first figure is the error of the sample itself.
                 if column > 0 && a.cell.errors_compensate() { "–".into() } else { number(sense, figure(f)) }
             }));
             rows.push(row);

@@ -10,8 +10,8 @@ use crate::record::{RunnerUpEntry, RunnerUpKind};
 use crate::units::rounded;
 
 /// Returns the best other layout that the search kept. If the search kept no other layout, returns the
-/// second-best node of one operation in the recommended layout. The operation is the one whose value
-/// increases least from its spot to its second-best node.
+/// second-best node of one operation in the recommended layout. This is the operation whose value increases
+/// least from its spot to its second-best node.
 pub fn runner_up(subject: &Subject<'_>) -> Option<RunnerUpEntry> {
     let shown_layout = subject.shown();
     shown_layout.evaluation.objective?;

@@ -11,7 +11,7 @@ pub struct SizedPage {
     pub note: Option<String>,
 }
 
-/// Returns the most detailed page that is not larger than 8 MB. If none fits, returns the least detailed
+/// Returns the most detailed page that is not larger than 8 MB. If no page fits, returns the least detailed
 /// page, and its note is a warning.
 ///
 /// # Errors

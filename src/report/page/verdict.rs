@@ -91,7 +91,7 @@ fn headline(v: &VerdictDocument, a: &Assessment<'_>) -> String {
     let works = match &a.certificate {
         Some(certificate) if certificate.holds() => "works everywhere within the placement tolerances",
         Some(_) => "is not certified to work within the placement tolerances",
-        None => "works exactly as drawn",
+        None => "works if every piece stands exactly at its placement",
     };
     let errors = (0..a.maps.len()).filter_map(|k| {
         let value = quantity(a.cell.unit(), a.maps[k].value?);
@@ -254,7 +254,7 @@ fn requirement(a: &Assessment<'_>) -> FactEntry {
     }
 }
 
-/// Returns the entry on the placement tolerances; None if the layout need only work as drawn.
+/// Returns the entry on the placement tolerances; None if no certificate was computed.
 fn withstood(a: &Assessment<'_>) -> Option<FactEntry> {
     let certificate = a.certificate.as_ref()?;
     let unit = a.cell.unit();

@@ -14,7 +14,7 @@ use crate::report::sheet::{Paper, PaperSheet, SheetNumber};
 /// Top of the content, and its lowest point above the title block, mm.
 const TOP: f64 = 13.0;
 const BOTTOM: f64 = 244.0;
-/// Share of the width of the frame that the content takes.
+/// Share of the width of the frame that the content occupies.
 const INSET: f64 = 0.95;
 /// Least and greatest height of the picture, mm.
 const PICTURE: (f64, f64) = (70.0, 112.0);
@@ -32,7 +32,7 @@ pub fn page(
     let verdict = verdict(subject);
     let shot = Shot { context: operation, width: 1200, height: 760, ..Shot::default() };
     let picture = isometric(drawing, &shot)?;
-    // The picture takes the space that the words leave.
+    // The picture fills the space that the text leaves.
     let words = content(&verdict, &picture, 0.0).1;
     let high = ((BOTTOM - TOP) / INSET - words).clamp(PICTURE.0, PICTURE.1);
     let (body, end) = content(&verdict, &picture, high);

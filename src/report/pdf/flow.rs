@@ -33,7 +33,7 @@ pub struct PageFlow {
     /// Height of the next line, mm from the top of the page.
     pub y: f64,
     bottom: f64,
-    /// Number of pictures so far, which keeps their element names apart.
+    /// Number of pictures so far. The number makes the element names of the pictures unique.
     pictures: usize,
 }
 

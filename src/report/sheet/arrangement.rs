@@ -12,7 +12,8 @@ const PAPERS: [Paper; 4] = [
     Paper::A3,
     Paper { name: "A3", width: 297.0, height: 420.0 },
 ];
-/// Margins of the frame at the left, which has room for holes, and at the other sides (ISO 5457), mm.
+/// Margin at the left of the frame, with space for holes (ISO 5457), mm. The next constant is the margin at
+/// the other sides.
 pub const FILING_MARGIN: f64 = 20.0;
 pub const MARGIN: f64 = 10.0;
 /// Width and height of the title block (ISO 7200), mm. It is as wide as the frame of an upright A4.
@@ -51,7 +52,7 @@ impl Paper {
     }
 }
 
-/// Sizes that the sheet must have room for.
+/// Sizes for which the sheet must have space.
 pub struct Needs {
     /// Bounds of the plan and of the front view; both have the same range of x, m.
     pub plan: Bounds,

@@ -143,8 +143,8 @@ pub fn spots(
     }
 }
 
-/// Occupies and returns the first place at which a text `wide` mm wide covers nothing. Returns the first
-/// place if there is none.
+/// Occupies and returns the first place at which a text `wide` mm wide covers nothing. If no place is free,
+/// returns the first place.
 fn free_place(
     taken: &mut OccupiedBoxes,
     places: impl Iterator<Item = (f64, f64)> + Clone,
@@ -180,7 +180,7 @@ pub fn names(
 
 type PaperBox = ((f64, f64), (f64, f64));
 
-/// Returns the bounding boxes on paper of everything that has a name, the smallest first.
+/// Returns the bounding boxes on paper of all objects with a name, the smallest box first.
 fn extents(drawing: &Drawing<'_>, view: &SheetView, solids: &[SheetSolid]) -> Vec<(String, PaperBox)> {
     let (cell, layout) = (drawing.cell, &drawing.layout);
     let mut all: Vec<(String, Vec<(f64, f64)>)> = Vec::new();

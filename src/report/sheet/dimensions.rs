@@ -31,8 +31,8 @@ pub struct Mark {
     pub equipment: usize,
     /// Corner nearest to the robot base, in the world frame, m.
     pub corner: Vector2<f64>,
-    /// Tolerances of the corner along x and y, m. None if no tolerance is stated, or if the tolerance of the
-    /// yaw uses it up.
+    /// Tolerances of the corner along x and y, m. None if no tolerance is stated, or if the yaw tolerance
+    /// leaves less than 0.1 mm.
     pub tolerance: [Option<f64>; 2],
     /// Tolerance of the yaw, rad; 0 if none is stated.
     pub turn: f64,
@@ -63,10 +63,10 @@ pub fn marks(drawing: &Drawing<'_>) -> Vec<Mark> {
     nearest.enumerate().map(mark).collect()
 }
 
-/// Returns the tolerances of a corner that keep the frame within its own tolerances at every allowed yaw, m.
+/// Returns the tolerances of a corner, m, that keep the frame within its tolerances at every allowed yaw.
 ///
-/// A yaw error d moves the frame by d times its distance from the corner. The tolerance of the corner is
-/// smaller by this amount.
+/// A yaw error d moves the frame by d times the distance of the frame from the corner. The tolerance of the
+/// corner is smaller by this amount.
 fn of_corner(given: &[f64; 4], at: &Placement, corner: &Vector2<f64>) -> [Option<f64>; 2] {
     let arm = Vector2::new(at.x, at.y) - corner;
     let left = [given[0] - given[3] * arm.y.abs(), given[1] - given[3] * arm.x.abs()];
@@ -197,7 +197,8 @@ fn angle(
     put(out, at, NUMBER.rimmed(), "", &said);
 }
 
-/// Returns the head of an arrow with its tip at `tip`; it extends along `(along x, up)`, a unit vector.
+/// Returns the SVG path of an arrow head with its tip at the point `(x, y)`. The head extends from the tip
+/// along the unit vector `(right, up)`.
 fn head((x, y): (f64, f64), (right, up): (f64, f64)) -> String {
     let (bx, by) = (x + HEAD * right, y - HEAD * up);
     let (sx, sy) = (0.4 * up, 0.4 * right);

@@ -74,7 +74,8 @@ pub fn put(out: &mut String, (x, y): (f64, f64), style: TextStyle, paint: &str, 
         style.anchor.word()
     );
     let said = escaped(said);
-    // Writing to a String cannot fail. The rim is a text of its own, because not every viewer knows `paint-order`.
+    // Writing to a String cannot fail. The rim is a separate text, because not every viewer supports
+    // `paint-order`.
     if style.has_rim {
         let _ = writeln!(
             out,

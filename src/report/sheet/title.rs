@@ -113,7 +113,8 @@ fn draw_field(out: &mut String, (left, top): (f64, f64), ([x, y, wide, high], la
 
 /// Draws the symbol of the projection method (ISO 5456-2): a truncated cone from the side and from one end.
 ///
-/// The end view of the smaller end is right of the side view in first-angle projection, else left of it.
+/// The end view shows the smaller end. It is right of the side view in first-angle projection, and left of
+/// the side view in third-angle projection.
 fn projection_symbol(out: &mut String, (x, y): (f64, f64), projection: Projection) {
     let (cone, rings) = match projection {
         Projection::FirstAngle => (x, x + 13.0),
@@ -135,7 +136,7 @@ fn projection_symbol(out: &mut String, (x, y): (f64, f64), projection: Projectio
     );
 }
 
-/// Returns the style of a small text whose end is at its point.
+/// Returns the style of a text that ends at its point; `size` is the height of the font, mm.
 pub const fn at_end(size: f64) -> TextStyle {
     TextStyle::plain(size).anchored(TextAnchor::End)
 }

@@ -139,7 +139,7 @@ fn costs(d: &AllocationDocument) -> String {
     out
 }
 
-/// Returns a line for each requirement at its limit, the one with the highest shadow price first.
+/// Returns a line for each requirement at its limit, in order of decreasing shadow price.
 fn bindings(d: &AllocationDocument) -> String {
     let mut binding: Vec<&AllocationRequirement> = d.requirements.iter().filter(|r| r.is_binding).collect();
     binding.sort_by(|a, b| b.shadow_price.unwrap_or(0.0).total_cmp(&a.shadow_price.unwrap_or(0.0)));
@@ -230,7 +230,7 @@ fn shortfall(s: &ShortfallEntry) -> String {
     out
 }
 
-/// Lists the first names, and the number of further names.
+/// Returns a list of the first names, and the number of further names.
 fn few(names: &[String]) -> String {
     let first = names.iter().take(2 * MAX_LISTED).map(|name| shown(name)).collect::<Vec<_>>().join(", ");
     match names.len().saturating_sub(2 * MAX_LISTED) {

@@ -87,7 +87,7 @@ fn totals(a: &BudgetReport<'_>) -> String {
     let success = a.judged.success.map_or(String::new(), |s| format!(", yield {s:.6}"));
     let by = if a.check.as_ref().is_some_and(|c| !c.confirmed) { "by samples" } else { "to first order" };
     format!(
-        "  worst case {worst_linear} {word}{bound} by the linear model, {worst} {word} by the {} one\n  \
+        "  worst case {worst_linear} {word}{bound} by the linear model, {worst} {word} by the {} model\n  \
          rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}{success}, {by}\n",
         evaluator.model.name()
     )

@@ -4,8 +4,8 @@ use crate::assess::Assessment;
 use crate::cell::Cell;
 use crate::files::shown;
 
-/// Returns whether a layout works at every misplacement, with the worst errors. The text is empty if the cell
-/// demands no certificate.
+/// Returns a statement on whether a layout works at every misplacement, with the worst errors. The text is
+/// empty if the cell demands no certificate.
 pub fn certificate(a: &Assessment<'_>) -> String {
     if !a.workcell.certifies() {
         return String::new();

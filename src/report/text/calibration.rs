@@ -53,7 +53,7 @@ pub fn calibration(document: &CalibrationDocument) -> String {
         ),
         None => writeln!(
             out,
-            "\nCross-validation: there are too few positions for a fit that leaves a block out."
+            "\nCross-validation: there are too few positions for a fit that leaves out a block."
         ),
     };
     out.push_str("\nParameters\n");

@@ -20,7 +20,7 @@ pub fn samples_line(samples: &MonteCarlo, unit: Unit, holds: bool) -> String {
     };
     let verdict = match holds {
         true => "the first-order figures hold",
-        false => "the first-order figures do NOT hold: the figures shown here are those of the samples",
+        false => "the first-order figures do NOT hold: the figures shown here come from the samples",
     };
     format!(
         "{} Monte Carlo samples of the nonlinear model: rms {}, p95 {}, p99 {} {}; {verdict}",

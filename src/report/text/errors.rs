@@ -66,7 +66,7 @@ fn accuracy(document: &ErrorsDocument) -> String {
     if let Some(ap) = document.wanted_ap_mm {
         let _ = writeln!(
             out,
-            "  the tolerances of {} times {} give an AP of {} mm at the median robot",
+            "  the tolerances of {}, multiplied by {}, give an AP of {} mm for the median robot",
             shown(&document.origin_name),
             fixed(document.scale, 5),
             ap

@@ -61,7 +61,7 @@ fn dh_table(e: &Explanation<'_>) -> String {
         Convention::Standard => "",
         Convention::Modified => {
             "   The file has modified rows, Tx(l) Rx(alpha) Rz(theta) Tz(r); this table has standard rows.\n   \
-             Row k has l and alpha of row k + 1 of the file, and frame 0 has those of row 1.\n   \
+             Row k has l and alpha of row k + 1 of the file, and frame 0 has l and alpha of row 1.\n   \
              dl, dalpha and dbeta are numbered as in the file.\n"
         }
     };
@@ -196,7 +196,7 @@ fn models(e: &Explanation<'_>) -> String {
     out
 }
 
-/// Returns the names of the terms that are subtracted from the robot's own error.
+/// Returns the names of the terms that are subtracted from the error of the robot alone.
 fn taken_words(e: &Explanation<'_>) -> String {
     let registration = match e.context.cell.registration {
         Registration::None => None,
@@ -247,7 +247,7 @@ fn risk(e: &Explanation<'_>) -> String {
     let word = unit.word();
     let by = if e.check.as_ref().is_some_and(|c| !c.confirmed) { "by samples" } else { "to first order" };
     let figures = format!(
-        "  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} one, at\n    \
+        "  worst case: {worst_linear} {word} by the linear model, {worst} {word} by the {} model, at\n    \
          {}\n  rms {rms}, mean {mean}, p95 {p95}, p99 {p99} {word}, {by}\n",
         evaluator.model.name(),
         corner.join(" ")

@@ -10,7 +10,8 @@ use crate::search::SearchRecord;
 /// Largest number of rows in the terminal; front.csv has all rows.
 const MAX_ROWS_SHOWN: usize = 40;
 
-/// Returns the values of the goals that the layouts of the cell have, from values in the order of [`Goal::ALL`].
+/// Returns the values of the goals that the search of the cell measures. `values` are in the order of
+/// [`Goal::ALL`].
 fn cells<'a>(cell: &'a Cell, values: &'a [f64]) -> impl Iterator<Item = String> + 'a {
     let of = |goal: Goal| Goal::ALL.iter().position(|g| *g == goal).and_then(|k| values.get(k));
     cell.measured_goals().filter_map(move |goal| Some(fixed(goals::value(cell, goal, *of(goal)?), 4)))

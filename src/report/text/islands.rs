@@ -8,7 +8,7 @@ use crate::record::IslandEntry;
 /// Largest number of rows in the terminal; search.json has all islands.
 const MAX_ROWS_SHOWN: usize = 20;
 
-/// Returns a table of the islands, with a star at the best one.
+/// Returns a table of the islands, with a star at the best island.
 pub fn islands(unit: Unit, all: &[IslandEntry]) -> String {
     let mut table = TextTable::indented(2);
     table.row(["", "seed", &format!("least objective, {}", unit.word()), "evaluations", "feasible"]);

@@ -119,7 +119,7 @@ fn samples_summary(a: &Assessment<'_>, k: usize) -> Option<String> {
     Some(samples_line(samples, a.cell.operations[k].sense.unit, a.first_order_holds(k)?))
 }
 
-/// Returns the largest difference of each model from the nonlinear one, and whether the chosen model can be
+/// Returns the largest difference of each model from the nonlinear model, and whether the chosen model can be
 /// trusted.
 fn guard_summary(cell: &Cell, map: &OperationMap) -> String {
     let most = |model| percent(map.off(model, cell.guard).0);

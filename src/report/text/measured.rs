@@ -41,7 +41,8 @@ fn one_file(file: &ComparedFile) -> String {
     out
 }
 
-/// Returns the findings of a file in sentences: ranks, coverage, the spot predicted best, and repeats.
+/// Returns the findings of a file in sentences: ranks, coverage, the spot with the least predicted error, and
+/// repeats.
 pub fn measured_findings(file: &ComparedFile) -> Vec<String> {
     let spots = &file.spots;
     let number = |r: Option<f64>| r.map_or("undefined (all predictions are equal)".into(), |r| fixed(r, 3));
@@ -71,8 +72,8 @@ pub fn measured_findings(file: &ComparedFile) -> Vec<String> {
             None => "Coverage is not defined, because signed errors predict no ellipsoids".into(),
         },
         format!(
-            "The {what} predicted best, x {} y {} z {} from the base, has a measured error of {} mm; mean of all {}, \
-             least {}, greatest {} mm",
+            "The {what} with the least predicted error, x {} y {} z {} from the base, has a measured error \
+             of {} mm; mean of all {}, least {}, greatest {} mm",
             fixed(best.position_mm[0], 0),
             fixed(best.position_mm[1], 0),
             fixed(best.position_mm[2], 0),

@@ -104,7 +104,8 @@ fn percent(share: f64) -> String {
     format!("{} %", rounded(percent_from_share(share), 3))
 }
 
-/// Returns the gap between an objective and its proven bound, percent. It is rounded up, so that it is never too small.
+/// Returns the gap between an objective and its proven bound, percent. The gap is rounded up, so that the
+/// printed gap is never too small.
 pub fn gap(percent: f64) -> String {
     let digits = if percent < 0.1 { 1e4 } else { 1e1 };
     format!("{} %", (percent.max(0.0) * digits).ceil() / digits)

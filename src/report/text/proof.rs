@@ -23,7 +23,8 @@ pub fn proven(workcell: &Workcell, gap: Option<f64>, proof: &Proof) -> String {
     let _ = writeln!(out, "\n  the bound covers {covers}");
     if workcell.certifies() {
         out.push_str(
-            "  the bound holds for layouts that work as drawn, so it also holds for layouts that withstand misplacements\n",
+            "  the bound holds for layouts without misplacement, so it also holds for layouts that \
+             withstand misplacements\n",
         );
     }
     for (bound, operation) in proof.operations.iter().zip(&cell.operations) {

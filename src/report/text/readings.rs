@@ -1,4 +1,4 @@
-//! The layout as drawn under every reading and registration.
+//! Text of the results for the layout of the cell file under every reading and registration.
 
 use super::table::TextTable;
 use super::{amount, fixed, mm1, percent1};

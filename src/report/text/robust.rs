@@ -28,7 +28,7 @@ pub fn robustness(a: &Assessment<'_>) -> String {
             None => out.push_str("no usable node\n"),
             Some(r) => {
                 let word = value_word(a.cell);
-                let _ = writeln!(out, "{word} {} as drawn", amount(a.cell.unit(), r.value));
+                let _ = writeln!(out, "{word} {} without misplacement", amount(a.cell.unit(), r.value));
                 for line in robust_lines(a.cell, k, r) {
                     let _ = writeln!(out, "  {line}");
                 }

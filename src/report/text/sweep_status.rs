@@ -6,7 +6,7 @@ use crate::record::SweepStatus;
 use std::fmt::Write;
 
 /// Returns the numbers of combinations that are done and left, and lists the running combinations, the failed
-/// ones and the hosts.
+/// combinations and the hosts.
 pub fn sweep_status(status: &SweepStatus) -> String {
     let SweepStatus { combinations, done, free, running, failed, hosts, .. } = status;
     let mut out = format!(

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Table of text cells. The first `left` columns are aligned left, the others right.
+/// Table of text cells. The first `left` columns are aligned left, all other columns right.
 pub struct TextTable {
     rows: Vec<Vec<String>>,
     left: usize,

@@ -12,8 +12,8 @@ use std::f64::consts::FRAC_PI_2;
 const ARC_LINES: usize = 24;
 
 impl DxfFile {
-    /// Writes the dimension from `a` to `b` along x, or along y if `upright`. The dimension line passes
-    /// through `through`. `after` is the text after the number: a tolerance, or empty.
+    /// Writes the dimension from `a` to `b` along x, or along y if `upright` is true. The dimension line
+    /// passes through `through`. `after` is the text after the number: a tolerance or an empty text.
     pub fn dimension(
         &mut self,
         layer: &str,
@@ -90,7 +90,7 @@ impl DxfFile {
             file.text(layer, &below, &said, (0.0, true));
         });
         let arc = at(angle / 2.0, radius);
-        // Bit 128: the text has a position of its own.
+        // Bit 128: the text is at a position that the entity states.
         let out = self.begun_dimension(layer, (&name, &arc, place), 5 | 128, after);
         out.real(42, angle.abs());
         out.put(100, "AcDb3PointAngularDimension");
@@ -111,7 +111,8 @@ impl DxfFile {
         name
     }
 
-    /// Draws the head of an arrow with its tip at `tip`; it extends along the unit vector `along`.
+    /// Draws the head of an arrow with its tip at `tip`. The head extends from the tip along the unit vector
+    /// `along`.
     fn head(&mut self, layer: &str, tip: &Vector3<f64>, along: &Vector3<f64>) {
         let (back, side) = (along * self.height, Vector3::z().cross(along) * (0.2 * self.height));
         self.face(layer, &[*tip, tip + back + side, tip + back - side], [false; 3]);
@@ -132,7 +133,7 @@ impl DxfFile {
         out.put(2, block);
         out.point(10, through);
         out.point(11, middle);
-        // Bit 32: the dimension has a block of its own.
+        // Bit 32: only this dimension refers to its block.
         out.put(70, kind | 32);
         out.put(71, 5);
         out.put(1, text);

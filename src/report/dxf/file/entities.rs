@@ -24,8 +24,8 @@ impl DxfFile {
         [centre - half, centre + half].iter().for_each(|p| self.seen(p));
     }
 
-    /// Writes a triangle. `hidden` states for each edge, from a corner to the next one, whether it is
-    /// invisible.
+    /// Writes a triangle. `hidden` states for each edge whether the edge is invisible. Edge k leads from
+    /// corner k to the next corner.
     pub fn face(&mut self, layer: &str, corners: &[Vector3<f64>; 3], hidden: [bool; 3]) {
         let out = self.entity("3DFACE", layer);
         out.put(100, "AcDbFace");

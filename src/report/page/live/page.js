@@ -192,7 +192,7 @@ class Page {
   }
 
   /**
-   * Shows where a gripped piece may stand: coarsely at once, and finely while it is still held.
+   * Shows where a gripped piece may stand: first coarsely, then finely if the user still holds the piece.
    * @param {number} index
    */
   async showStanding(index) {
@@ -222,7 +222,7 @@ class Page {
   }
 
   /**
-   * Moves a piece of equipment, and returns the allowed placement that is nearest to the wanted one.
+   * Moves a piece of equipment, and returns the allowed placement that is nearest to the wanted placement.
    * @param {number} index
    * @param {Placement} world
    * @param {boolean} isSettled whether the drag has ended
@@ -271,8 +271,8 @@ class Page {
 }
 
 /**
- * Returns whether a drag may change number `k` of x, y, z and yaw. It may always change yaw and never z. It
- * may change x or y, unless the file fixes this coordinate and leaves the other one free.
+ * Returns whether a drag may change number `k` of x, y, z and yaw. A drag may always change yaw and never z.
+ * It may change x or y if this coordinate is free, or if the file fixes both x and y.
  * @param {NumberGroup} group
  * @param {number} k
  */
@@ -282,7 +282,7 @@ function mayMove({ numbers }, k) {
 }
 
 /**
- * Returns the allowed value of a number that is nearest to the wanted one.
+ * Returns the allowed value of a number that is nearest to the wanted value.
  * @param {NumberRecord} number
  * @param {number} wanted
  * @param {boolean} isAngle

@@ -28,7 +28,7 @@ interface NumberGroup {
 interface CellEquipment {
   name: string;
   obstacle: boolean;
-  /** Index of the equipment that carries this one. */
+  /** Index of the equipment that carries this equipment. */
   on: number | null;
   footprint: RectangleNumbers;
   surface: RectangleNumbers | null;
@@ -97,7 +97,7 @@ interface OperationAnswer {
 interface AnswerRecord {
   feasible: boolean;
   met: boolean;
-  /** Whether the layout works at every misplacement within the tolerances; null without such a demand. */
+  /** Whether the layout works at every misplacement within the tolerances; null if none is demanded. */
   certified: boolean | null;
   objective: number | null;
   unit: string;
@@ -123,7 +123,7 @@ interface QuestionRecord {
 /** The step of the session that is shown. */
 interface StepRecord {
   revision: number;
-  /** Number of steps that can be undone and, in `redo`, redone. */
+  /** Number of steps that can be undone; `redo` is the number that can be redone. */
   undo: number;
   redo: number;
   /** Description of the change. */
@@ -131,7 +131,7 @@ interface StepRecord {
   question: QuestionRecord;
   numbers: LayoutNumbers;
   lenses: LensChoice[];
-  /** Objective of the step before. */
+  /** Objective of the previous step. */
   before: number | null;
   answer: AnswerRecord;
 }

@@ -69,8 +69,8 @@ function makeButton(text, press, properties = {}) {
 }
 
 /**
- * Returns the index of the lens with a model and a reading. If there is none, returns a lens with that
- * reading.
+ * Returns the index of the lens with a model and a reading. If there is no such lens, returns a lens with
+ * that reading.
  * @param {View} view
  * @param {string} model
  * @param {string} reading

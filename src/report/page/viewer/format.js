@@ -17,7 +17,7 @@ const VIRIDIS = [
   [253, 231, 37],
 ];
 
-/** Colours from better (blue) over equal (grey) to worse (vermilion). */
+/** Colours from better (blue) through equal (grey) to worse (vermilion). */
 const DIVERGING = [
   [0, 94, 158],
   [86, 160, 214],

@@ -1,4 +1,4 @@
-// Reader of a document (sweetspot/drawing/1): typed arrays and matrices in place of the encoded ones.
+// Reader of a document (sweetspot/drawing/1): converts encoded arrays to typed arrays and matrices.
 
 /**
  * Reads a document.
@@ -118,8 +118,8 @@ function enlarge({ low, high }, point) {
 }
 
 /**
- * Finds creases and borders: edges whose pair of corner indices occurs in only one triangle. The triangles
- * on the two sides of a crease have corners of their own.
+ * Finds creases and borders: edges whose pair of corner indices occurs in only one triangle. The triangles on
+ * the two sides of a crease have separate corners.
  * @param {ArrayLike<number>} positions
  * @param {ArrayLike<number>} indices
  */
@@ -134,7 +134,7 @@ function featureEdges(positions, indices) {
       edges.set(key, edges.has(key) ? null : [a, b]);
     }
   }
-  // A finely modelled surface shows its long edges only: the short ones would blacken it.
+  // Only the long edges of a finely modelled surface are shown, because short edges would blacken it.
   const { low, high } = extentOf(positions);
   const shortest = edges.size > 6000 ? norm(subtract(high, low)) * 0.12 : 0;
   /** @type {number[]} */

@@ -14,7 +14,7 @@ class Picture {
   /**
    * @param {View} view
    * @param {HTMLCanvasElement} canvas
-   * @param {(now: number) => boolean} advance advances all motions; returns whether one of them continues
+   * @param {(now: number) => boolean} advance advances all motions; returns whether a motion continues
    * @param {(data: boolean) => void} shown called after every picture
    */
   constructor(view, canvas, advance, shown) {

@@ -32,7 +32,7 @@ interface RectangleRecord {
 interface EquipmentRecord {
   name: string;
   obstacle: boolean;
-  /** Index of the equipment that carries this one. */
+  /** Index of the equipment that carries this equipment. */
   on: number | null;
   at: PoseRecord | null;
   surface: RectangleRecord | null;
@@ -74,7 +74,7 @@ interface SenseRecord {
   unit: string;
 }
 
-/** Errors and values of all nodes of an operation under one lens; NaN where a node has none. */
+/** Errors and values of all nodes of an operation under one lens; NaN for a node without values. */
 interface TakeRecord {
   lens: number;
   error: EncodedArray;
@@ -149,7 +149,7 @@ interface DrawingDocument {
   drawings: DrawingRecord[];
 }
 
-// ---- What the viewer makes of a document.
+// ---- Data that the viewer derives from a document.
 
 interface Extent {
   low: Vector;
@@ -210,7 +210,7 @@ interface Model extends Extent {
   points: Vector[];
 }
 
-// ---- What is shown.
+// ---- State of the picture.
 
 type NodeStatus =
   | "ok"
@@ -263,7 +263,7 @@ type ViewName = "iso" | "top" | "front" | "side";
 /** Choices of the switches. Pages share them through `show`, `state` and the event `state`. */
 interface ViewerState {
   drawing: number;
-  /** Index of the operation; null shows all of them. */
+  /** Index of the operation; null shows all operations. */
   operation: number | null;
   lens: number;
   /** Name of a sense; null shows the sense of each operation. */
@@ -274,7 +274,7 @@ interface ViewerState {
   robot: Visibility;
   /** Time of the movement, s. */
   time: number;
-  /** Index of the drawing to compare with; null compares with none. */
+  /** Index of the drawing to compare with; null turns the comparison off. */
   compareTo: number | null;
 }
 
@@ -405,7 +405,7 @@ interface SweetspotViewer {
   replace(document: DrawingDocument): SweetspotViewer;
   movePart(equipment: number, placement: PlacementNumbers): void;
   setCamera(wanted: Partial<Camera>): void;
-  /** Takes over the camera of a linked viewer without an event. */
+  /** Sets the camera to the camera of a linked viewer, without an event. */
   linked(camera: Camera): void;
   state(): Partial<ViewerState>;
   camera(): Partial<Camera>;
@@ -433,7 +433,7 @@ interface SweetspotViewerFactory {
 
 declare var sweetspotViewer: SweetspotViewerFactory;
 
-// ---- What lives on the graphics card.
+// ---- Data on the graphics card.
 
 interface Program {
   program: WebGLProgram;

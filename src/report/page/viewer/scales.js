@@ -1,7 +1,7 @@
 // Scales of the picture: colours, arrows and the floor, from the document and the state.
 
 /**
- * Makes the state valid for the document and derives what depends on both.
+ * Makes the state valid for the document, and derives the data that depend on both.
  * @param {View} view
  */
 function settle(view) {

@@ -1,4 +1,4 @@
-// The viewer: what is shown, and the interface for the scripts of a page.
+// The viewer: its state, and the interface for the scripts of a page.
 
 /** Time that the hint is shown, ms. */
 const HINT = 1600;
@@ -100,7 +100,7 @@ class Viewer {
     return this;
   }
 
-  // ---- What is shown.
+  // ---- State of the picture.
 
   state() {
     return { ...this.view.state };
