@@ -2,8 +2,8 @@
 //!
 //! The lattice of the envelope gives sampled points. Compass searches from the best of these points find each
 //! of the four extremes (Kolda, Lewis and Torczon, SIAM Review 45 (2003) 385-482). The polled directions
-//! rotate by the golden angle, so that they also fit into a sharp tip of the envelope. The polling distance
-//! doubles after a gain.
+//! rotate by the golden angle, so that some of them also point into a sharp tip of the envelope. The polling
+//! distance doubles after a gain.
 
 use crate::low_discrepancy::halton;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ pub struct EnvelopeExtent {
     /// Least and greatest height of the envelope, m.
     pub height: (f64, f64),
     /// Height, m, at which the distance from the base axis is greatest. The error of this height can be as
-    /// large as the distance between sampled points, because the envelope is often round there.
+    /// large as the distance between sampled points, because the envelope is often rounded at this height.
     pub widest: f64,
     /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance
     /// between sampled points may be missed.
@@ -43,7 +43,7 @@ pub(super) struct RefinementEffort {
     pub failures: usize,
 }
 
-/// Points of an envelope, from which its extent is refined; N coordinates describe a point, m.
+/// Sampled points of an envelope, from which the extent is refined; a point has N coordinates, m.
 pub(super) struct SampledEnvelope<'a, const N: usize> {
     /// Sampled points in the envelope, or on its boundary.
     pub points: &'a [[f64; N]],
@@ -56,7 +56,7 @@ pub(super) struct SampledEnvelope<'a, const N: usize> {
     pub effort: RefinementEffort,
 }
 
-/// Function of a point, m, whose greatest value is sought.
+/// Length (m) as a function of a point; a search looks for the greatest length.
 type SoughtLength<'a, const N: usize> = dyn Fn(&[f64; N]) -> f64 + Sync + 'a;
 
 impl<const N: usize> SampledEnvelope<'_, N> {
@@ -76,7 +76,8 @@ impl<const N: usize> SampledEnvelope<'_, N> {
         })
     }
 
-    /// Returns the point of the envelope with the greatest `goal` that the searches find.
+    /// Returns the point with the greatest value of `goal` that the searches find; None if there is no
+    /// sampled point.
     fn farthest(&self, goal: &SoughtLength<'_, N>) -> Option<[f64; N]> {
         let mut sorted: Vec<&[f64; N]> = self.points.iter().collect();
         sorted.sort_by(|a, b| goal(b).total_cmp(&goal(a)));
@@ -93,7 +94,7 @@ impl<const N: usize> SampledEnvelope<'_, N> {
         ends.reduce(|best, other| if goal(&other) > goal(&best) { other } else { best })
     }
 
-    /// Runs one compass search for a greater `goal`.
+    /// Returns the point to which a compass search for a greater value of `goal` leads from `start`.
     fn climbed(&self, start: [f64; N], goal: &SoughtLength<'_, N>) -> [f64; N] {
         // A point on the sampled boundary may lie just outside the envelope. Then any polled point inside the
         // envelope counts as a gain.

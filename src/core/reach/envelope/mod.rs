@@ -1,4 +1,5 @@
-//! Working envelope: the points at which an arm can hold its tool in an attitude, within its joint limits.
+//! Working envelope: the points that the TCP can reach with the required tool attitude, within the joint
+//! limits.
 //!
 //! A point belongs to the envelope if [`Inverse::reaches`] returns true for it. Collisions are ignored. All
 //! points are in the base frame of the robot, m.
@@ -52,7 +53,7 @@ impl<'a> Envelope<'a> {
         Self { inverse, attitude: attitude.clone(), attitudes, shell: inverse.shell(attitude) }
     }
 
-    /// Returns whether the TCP can be at a point (m, base frame) with the attitude of the envelope.
+    /// Returns whether the TCP can reach a point (m, base frame) with the required attitude.
     pub fn contains(&self, target: &Vector3<f64>) -> bool {
         self.inverse.reaches(target, &self.attitudes, &mut self.inverse.scratch())
     }
@@ -69,7 +70,7 @@ impl<'a> Envelope<'a> {
 
     /// Returns the azimuth (rad) of the TCP when every joint is in the middle of its range.
     ///
-    /// It is 0 if joint 1 is prismatic, or if the TCP is on the base axis in this posture.
+    /// The azimuth is 0 if joint 1 is prismatic, or if the TCP is on the base axis in this posture.
     pub fn middle(&self) -> f64 {
         let chain = &self.inverse.chain;
         let mut q = [0.0; MAX_JOINTS];
@@ -99,8 +100,8 @@ impl<'a> Envelope<'a> {
     /// Returns the number of points that are sampled to compute the requested sections and, if wanted, the
     /// size.
     ///
-    /// The sections are `sections` vertical ones, and one horizontal section at each of `heights` (m). The
-    /// number includes the points of [`Self::size`] if `size` is true.
+    /// The sections are `sections` vertical sections, and one horizontal section at each of `heights` (m).
+    /// The number includes the points of [`Self::size`] if `size` is true.
     pub fn work(&self, sections: u64, heights: &[f64], size: bool, step: f64) -> u64 {
         let plans: u64 = heights.iter().map(|z| self.level(*z, step).count()).sum();
         let size = if size { self.size_work(step) } else { 0 };
@@ -122,10 +123,10 @@ impl<'a> Envelope<'a> {
     /// Returns whether the envelope would be exactly symmetric about the base axis if joint 1 had no limits.
     ///
     /// Joint 1 must rotate about the base axis and drive no other joint, and the required attitude must
-    /// rotate with joint 1. With the numeric solver, joint 1 must also have a range of at least one turn.
-    /// Every closed form except that of the planar arm samples free angles from a fixed direction. With such
-    /// a closed form, two more conditions apply if the azimuth is not radial. The tool must be vertical, and
-    /// joint 1 must have a range of at least one turn.
+    /// rotate with joint 1. With the numeric solver, joint 1 must also have a range of at least one turn. A
+    /// solver for a whole pose samples free angles from a fixed direction. With such a solver, two more
+    /// conditions apply if the azimuth is not radial. The tool must be vertical, and joint 1 must have a
+    /// range of at least one turn.
     pub fn is_symmetric(&self) -> bool {
         let chain = &self.inverse.chain;
         let Some(first) = chain.links.first() else { return false };

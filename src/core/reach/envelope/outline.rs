@@ -1,8 +1,8 @@
 //! Outline of a region in a plane by marching squares.
 //!
-//! The method is that of W. E. Lorensen, H. E. Cline, "Marching cubes", 1987, reduced to two dimensions. A
-//! function says whether a point lies in the region. A crossing is a point where an edge of the lattice
-//! meets the outline; it is located by bisection.
+//! The method is the two-dimensional form of marching cubes (W. E. Lorensen, H. E. Cline, 1987). A function
+//! decides whether a point lies in the region. A crossing is a point where an edge of the lattice meets the
+//! outline; it is located by bisection.
 
 use rayon::prelude::*;
 
@@ -26,7 +26,7 @@ pub struct Outline {
 /// Every coordinate is a whole number of steps plus half a step, so no point lies on the base axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lattice {
-    /// Number of the first column and the first row, counted in steps from the origin.
+    /// Index of the first column and of the first row, counted in steps from the origin.
     first: [i64; 2],
     size: [usize; 2],
     step: f64,
@@ -36,12 +36,12 @@ pub(super) struct Lattice {
 const NO_CROSSING: u32 = u32::MAX;
 
 impl EnvelopeSection {
-    /// Returns the area of the section without its holes, m^2.
+    /// Returns the area of the section, m^2, without the area of its holes.
     pub fn area(&self) -> f64 {
         self.outlines.iter().map(Outline::area).sum()
     }
 
-    /// Returns whether the section has no points.
+    /// Returns whether the section contains no point.
     pub fn is_empty(&self) -> bool {
         self.outlines.is_empty()
     }

@@ -17,7 +17,7 @@ const JUMP: f64 = 0.05;
 pub struct Size {
     /// Volume of the envelope, m^3.
     pub volume: f64,
-    /// Estimated error of the volume, m^3: its difference from the volume computed with twice the step.
+    /// Estimated error of the volume, m^3: the difference from the volume computed with twice the step.
     pub error: f64,
     /// Whether the integration used the symmetry of the envelope about the base axis.
     pub symmetric: bool,

@@ -1,29 +1,29 @@
-//! The angles 3 and 4 at a root of the determinant, from the null space of twelve equations.
+//! Angles 3 and 4 at a root of the determinant, from the null space of twelve equations.
 //!
 //! The twelve unknowns are the products `ccc`, `ccs`, `css`, `sss` of angle 3, each times `cc`, `cs`, `ss` of
 //! angle 4. Here `c` and `s` are the cosine and the sine of half an angle. At a simple root, the null space
 //! is one vector, and ratios of its entries give the angles. Several solutions can share angle 2. The null
-//! space then has a vector for each, and a shift by one half tangent of angle 3 maps the null space to
-//! itself. The eigenvalues of this map are the half tangents of angle 3.
+//! space then has one vector per solution. A matrix maps the first nine products of these vectors to the last
+//! nine. The eigenvalues of this matrix are the half tangents of angle 3.
 
 use super::elimination::triangulate;
 use super::half_angle_equations::{HalfAngleRows, half_angle_terms, residual};
 use nalgebra::linalg::Schur;
 use nalgebra::{Complex, Matrix4, SMatrix, Vector3};
 
-/// Last pivot but one, as a share of the first, below which several solutions may share angle 2.
+/// Ratio of the last pivot but one to the first pivot, below which several solutions may share angle 2.
 const SMALL_PIVOT: f64 = 2e-3;
 
-/// Largest number of solutions that share angle 2 and are told apart.
+/// Largest number of solutions with the same angle 2 that can be distinguished.
 const SHARED: usize = 4;
 
-/// Rotation (rad) of half of angle 3, which keeps frequent half tangents away from infinity.
+/// Angle (rad) added to half of angle 3, so that the half tangents of frequent angles are not infinite.
 const HALF_ROTATION: f64 = 0.7;
 
-/// Imaginary part of an eigenvalue, as a share of its size, below which it is taken as real.
+/// Imaginary part of an eigenvalue, as a share of its size, below which the eigenvalue counts as real.
 const NEARLY_REAL: f64 = 0.1;
 
-/// Difference of two eigenvalues, as a share of their size, below which they are the same.
+/// Difference of two eigenvalues, as a share of their size, below which they count as equal.
 const SAME_EIGENVALUE: f64 = 1e-4;
 
 /// Accuracy with which the eigenvalues are computed.
@@ -32,13 +32,14 @@ const SCHUR_ACCURACY: f64 = 1e-14;
 /// Largest number of iterations for the eigenvalues.
 const SCHUR_STEPS: usize = 60;
 
-/// Squared sine of two equations of angle 4 above which their common root is computed.
+/// Squared sine of the angle between two equations for angle 4, above which their common root is computed.
 const INDEPENDENT: f64 = 1e-8;
 
-/// Squared sine of two equations of angle 4 below which the two roots of one equation are computed.
+/// Squared sine of the angle between two equations for angle 4, below which the two roots of one equation are
+/// computed.
 const DEPENDENT: f64 = 1e-4;
 
-/// Twelve nearly singular equations as an upper triangle.
+/// Twelve nearly singular equations in upper triangular form.
 struct NullSpace {
     rows: [[f64; 12]; 12],
     /// Unknown to which each column of the triangle belongs.
@@ -46,7 +47,8 @@ struct NullSpace {
 }
 
 impl NullSpace {
-    /// Returns the null space of the six equations, alone and times the half tangent of angle 3.
+    /// Returns the null space of twelve equations: the six equations, and the six equations times the half
+    /// tangent of angle 3.
     fn new(equations: &HalfAngleRows) -> Self {
         let mut rows = [[0.0; 12]; 12];
         let (alone, times) = rows.split_at_mut(6);
@@ -58,12 +60,12 @@ impl NullSpace {
         Self { rows, columns }
     }
 
-    /// Returns the last pivot but one, as a share of the first.
+    /// Returns the ratio of the last pivot but one to the first pivot.
     fn second_pivot(&self) -> f64 {
         (self.rows[10][10] / self.rows[0][0]).abs()
     }
 
-    /// Returns vector `which` of a null space that has `dimension` vectors.
+    /// Returns basis vector `which` of the null space, whose dimension is `dimension`.
     fn vector(&self, which: usize, dimension: usize) -> [f64; 12] {
         let mut solution = [0.0; 12];
         solution[11 - which] = 1.0;
@@ -79,7 +81,7 @@ impl NullSpace {
     }
 }
 
-/// Calls `found` with the angles 3 and 4 (rad) that fit the equations at one angle 2.
+/// Calls `found` with the angles 3 and 4 (rad) that satisfy the equations at one angle 2.
 ///
 /// The residual of the equations at these angles is less than `limit`.
 pub(super) fn angle_pairs(equations: &HalfAngleRows, limit: f64, found: &mut impl FnMut(f64, f64)) {
@@ -98,8 +100,8 @@ pub(super) fn angle_pairs(equations: &HalfAngleRows, limit: f64, found: &mut imp
 
 /// Returns the angles 3 and 4 (rad) of a vector of the twelve products.
 ///
-/// Neighbouring products have the ratio of cosine to sine of half an angle. The sums weigh these ratios by
-/// the size of the products.
+/// The ratio of two neighbouring products is the ratio of cosine to sine of half an angle. The sums weight
+/// these ratios by the size of the products.
 fn single_pair(vector: &[f64; 12]) -> [f64; 2] {
     let squares = |(c, s): (f64, f64)| Vector3::new(c * c, c * s, s * s);
     let third = (0..9).map(|k| (vector[k], vector[k + 3]));
@@ -110,7 +112,7 @@ fn single_pair(vector: &[f64; 12]) -> [f64; 2] {
 
 /// Calls `found` with the angles 3 and 4 (rad) of up to four solutions that share angle 2.
 ///
-/// If fewer solutions share it, some eigenvalues have no meaning, and the caller rejects their angles.
+/// If fewer solutions share angle 2, some eigenvalues have no meaning, and the caller rejects their angles.
 fn several_pairs(equations: &HalfAngleRows, space: &NullSpace, found: &mut impl FnMut(f64, f64)) {
     let vectors: [[f64; 12]; SHARED] = std::array::from_fn(|k| space.vector(k, SHARED));
     let all = SMatrix::<f64, 12, SHARED>::from_fn(|i, k| vectors[k][i]);
@@ -131,11 +133,12 @@ fn several_pairs(equations: &HalfAngleRows, space: &NullSpace, found: &mut impl 
     }
 }
 
-/// Calls `found` with the values of angle 4 (rad) that fit the equations at one angle 3 (rad).
+/// Calls `found` with the values of angle 4 (rad) that satisfy the equations at one angle 3 (rad).
 ///
-/// Each of the six equations is a sum of `cc`, `cs` and `ss`, so a vector of three coefficients. The cross
-/// product of two independent ones is proportional to the common root. If all are nearly dependent, the two
-/// roots of one equation are taken. Newton's method follows, so that no least-squares solution is needed.
+/// An equation is a weighted sum of `cc`, `cs` and `ss`, so a vector of three coefficients. The cross product
+/// of two independent vectors is proportional to the common root. If all six vectors are nearly dependent,
+/// both roots of one equation are used. A least-squares solution is not needed, because Newton's method
+/// refines the result.
 fn fourth_angles(equations: &HalfAngleRows, angle3: f64, found: &mut impl FnMut(f64)) {
     let [cc, cs, ss] = half_angle_terms(angle3);
     let rows = equations.map(|row| {

@@ -1,9 +1,12 @@
-//! Trigonometric polynomials of degree 8, known by samples on the circle.
+//! Trigonometric polynomials of degree 8, computed from samples on the circle.
 
 /// Degree of the polynomials.
 const DEGREE: usize = 8;
 
-/// Number of samples, 15 degrees apart. Twice the degree and one would define the polynomial.
+/// Number of samples, 15 degrees apart.
+///
+/// Twice the degree plus one, 17 samples, would define the polynomial. The other samples show the rounding
+/// error.
 const SAMPLES: usize = 24;
 
 /// Cosines of the multiples of 15 degrees up to 90 degrees.
@@ -20,10 +23,10 @@ const COSINES: [f64; 7] = [
 /// Rounding error of a value, as a share of the sum of all coefficients.
 const ROUNDING: f64 = 1e-16;
 
-/// Noise, as a share of the greatest coefficient, above which a polynomial does not define its roots.
+/// Noise, as a share of the greatest coefficient, above which the roots of a polynomial are not defined.
 const MAX_NOISE: f64 = 1e-10;
 
-/// Real part of the sum of `c[k] exp(i k t)` for k from 0 to 8.
+/// Trigonometric polynomial: the real part of the sum of `c[k] exp(i k t)` for k from 0 to 8.
 #[derive(Clone, Debug)]
 pub(super) struct CirclePolynomial {
     real: [f64; DEGREE + 1],
@@ -32,12 +35,12 @@ pub(super) struct CirclePolynomial {
     noise: f64,
     /// Upper bound of the absolute value of the sixth derivative.
     sixth_derivative: f64,
-    /// Least absolute value of a sample, as a share of the greatest.
+    /// Least absolute value of a sample, as a share of the greatest absolute value.
     least_sample: f64,
 }
 
 impl CirclePolynomial {
-    /// Returns the polynomial of a function of cosine and sine, which is sampled on the circle.
+    /// Samples `value`, a function of the cosine and the sine of an angle, and returns it as a polynomial.
     pub fn through(mut value: impl FnMut(f64, f64) -> f64) -> Self {
         let table: [f64; SAMPLES] = std::array::from_fn(cosine);
         let samples: [f64; SAMPLES] = std::array::from_fn(|j| value(table[j], table[(j + 18) % SAMPLES]));
@@ -68,7 +71,7 @@ impl CirclePolynomial {
         }
     }
 
-    /// Returns whether the coefficients are more than noise, so that the roots are defined.
+    /// Returns whether the coefficients exceed the noise, so that the roots are defined.
     pub fn is_regular(&self) -> bool {
         let all = self.real.iter().chain(&self.imaginary);
         self.noise < MAX_NOISE * all.fold(0.0_f64, |greatest, c| greatest.max(c.abs()))
@@ -79,7 +82,8 @@ impl CirclePolynomial {
         self.sixth_derivative.is_finite() && self.noise.is_finite()
     }
 
-    /// Returns the least absolute value of a sample, as a share of the greatest; NaN if all are 0.
+    /// Returns the least absolute value of a sample, as a share of the greatest absolute value; NaN if all
+    /// samples are 0.
     pub fn least_sample(&self) -> f64 {
         self.least_sample
     }
@@ -94,7 +98,7 @@ impl CirclePolynomial {
         self.sixth_derivative
     }
 
-    /// Returns the value and its first derivatives at an angle (rad).
+    /// Returns the value and the first `COUNT - 1` derivatives at an angle (rad).
     #[inline]
     pub fn derivatives<const COUNT: usize>(&self, angle: f64) -> [f64; COUNT] {
         let (sin, cos) = angle.sin_cos();
@@ -102,7 +106,7 @@ impl CirclePolynomial {
         let mut sums = [0.0; COUNT];
         sums[0] = self.real[0];
         for (k, (a, b)) in self.real.iter().zip(&self.imaginary).enumerate().skip(1) {
-            // A derivative turns real and imaginary part by a right angle and multiplies them by k.
+            // Differentiation rotates the complex term by a right angle and multiplies it by k.
             let (mut real, mut imaginary) = (a * x - b * y, a * y + b * x);
             for sum in &mut sums {
                 *sum += real;
@@ -114,7 +118,7 @@ impl CirclePolynomial {
     }
 }
 
-/// Returns the cosine of a multiple of 15 degrees.
+/// Returns the cosine of `step` times 15 degrees.
 fn cosine(step: usize) -> f64 {
     match step % SAMPLES {
         k @ 0..=6 => COSINES[k],

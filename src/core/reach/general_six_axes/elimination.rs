@@ -1,12 +1,12 @@
 //! Gaussian elimination of small systems of fixed size, in arrays of rows.
 //!
-//! For the determinants and for the step of Newton's method, these functions are faster than the
-//! decompositions of nalgebra, and they can stop after some of the columns.
+//! These functions are faster than the decompositions of nalgebra for the determinants and for Newton's
+//! method. They can also stop after some of the columns.
 
 /// Brings the greatest entry of the first `count` columns, in the rows from `k` on, to the diagonal.
 ///
-/// The columns before `k` must be 0 in these rows. Returns the column that the entry was in, or `None` if all
-/// these entries are 0.
+/// The columns before `k` must be 0 in these rows. Returns the former column of this entry, or `None` if all
+/// entries in question are 0.
 #[inline(always)]
 fn pivot<const ROWS: usize, const WIDTH: usize>(
     rows: &mut [[f64; WIDTH]; ROWS],
@@ -26,7 +26,7 @@ fn pivot<const ROWS: usize, const WIDTH: usize>(
     Some(column)
 }
 
-/// Returns the greatest absolute value of some entries.
+/// Returns the greatest absolute value of the entries.
 #[inline(always)]
 fn greatest_entry(entries: &[f64]) -> f64 {
     // Comparisons in this form become vector instructions.
@@ -43,7 +43,7 @@ fn greatest_entry(entries: &[f64]) -> f64 {
     lanes.into_iter().fold(last, greater)
 }
 
-/// Subtracts multiples of row `k` from the rows below it, so that column `k` becomes 0 there.
+/// Subtracts multiples of row `k` from the rows below it, so that column `k` becomes 0 in those rows.
 ///
 /// The columns before `k` must be 0 in these rows. Whole rows are subtracted, because loops of a constant
 /// length are faster.
@@ -60,7 +60,8 @@ fn clear_below<const ROWS: usize, const WIDTH: usize>(rows: &mut [[f64; WIDTH]; 
     }
 }
 
-/// Eliminates the first `COUNT` columns with complete pivoting. The rows after `COUNT` are then free of them.
+/// Eliminates the first `COUNT` columns with complete pivoting. These columns are then 0 in all rows after
+/// the first `COUNT`.
 ///
 /// The elimination ends early if the columns are linearly dependent.
 pub(super) fn eliminate<const ROWS: usize, const COUNT: usize, const WIDTH: usize>(
@@ -74,7 +75,8 @@ pub(super) fn eliminate<const ROWS: usize, const COUNT: usize, const WIDTH: usiz
     }
 }
 
-/// Reduces a square matrix to an upper triangle with complete pivoting; returns the order of its columns.
+/// Reduces a square matrix to upper triangular form with complete pivoting. Returns the new order of the
+/// columns.
 pub(super) fn triangulate<const SIZE: usize>(rows: &mut [[f64; SIZE]; SIZE]) -> [usize; SIZE] {
     let mut columns = std::array::from_fn(|k| k);
     for k in 0..SIZE {
@@ -105,7 +107,7 @@ fn eliminate_column<const ROWS: usize, const WIDTH: usize>(rows: &mut [[f64; WID
     sign * rows[k][k]
 }
 
-/// Eliminates three columns; returns the product of the pivots, and the sign of the exchanges of rows.
+/// Eliminates three columns. Returns the product of the pivots, and the sign of the row exchanges.
 #[inline]
 pub(super) fn eliminate_three(rows: &mut [[f64; 9]; 6]) -> (f64, f64) {
     let (mut product, mut sign) = (1.0, 1.0);
@@ -119,13 +121,14 @@ pub(super) fn eliminate_three(rows: &mut [[f64; 9]; 6]) -> (f64, f64) {
     (product, sign)
 }
 
-/// Returns the determinant of six rows.
+/// Returns the determinant of a 6 x 6 matrix.
 #[inline]
 pub(super) fn determinant_of_six(mut rows: [[f64; 6]; 6]) -> f64 {
     (0..6).fold(1.0, |product, k| product * eliminate_column(&mut rows, k))
 }
 
-/// Returns the solution of six equations whose last column is the right side, or `None` if they are singular.
+/// Returns the solution of six linear equations, or `None` if they are singular. The last column is the
+/// right-hand side.
 #[inline]
 pub(in crate::reach) fn solve_six(mut rows: [[f64; 7]; 6]) -> Option<[f64; 6]> {
     for k in 0..6 {

@@ -1,9 +1,9 @@
-//! The six equations of the angles 2, 3 and 4, and their determinant as a polynomial of angle 2.
+//! Six equations for the angles 2, 3 and 4, and their determinant as a polynomial of angle 2.
 
 use super::circle_polynomial::CirclePolynomial;
 use super::elimination::{determinant_of_six, eliminate_three};
 
-/// Coefficients of six equations at one angle 2: nine products of half-angle terms of the angles 3 and 4.
+/// Six equations at one angle 2: the coefficients of nine products of half-angle terms of the angles 3 and 4.
 ///
 /// The products are `cc`, `cs`, `ss` of angle 3, each times `cc`, `cs`, `ss` of angle 4. Here `c` and `s` are
 /// the cosine and the sine of half the angle.
@@ -17,7 +17,8 @@ pub(super) struct HalfAngleEquations {
 }
 
 impl HalfAngleEquations {
-    /// Returns the equations of six rows with the nine coefficients of 1, then those of cosine and sine.
+    /// Returns the equations of six rows. A row has nine coefficients of 1, then nine of the cosine and nine
+    /// of the sine of angle 2.
     ///
     /// Every row is scaled to the norm 1.
     pub fn new(mut rows: [[f64; 27]; 6]) -> Self {
@@ -31,7 +32,7 @@ impl HalfAngleEquations {
         Self { one: part(0), cos: part(9), sin: part(18) }
     }
 
-    /// Returns the coefficients at one angle 2.
+    /// Returns the coefficients at one angle 2, given by cosine and sine.
     pub fn at(&self, cos: f64, sin: f64) -> HalfAngleRows {
         let mut rows = self.one;
         for ((row, by_cos), by_sin) in rows.iter_mut().zip(&self.cos).zip(&self.sin) {
@@ -49,7 +50,7 @@ impl HalfAngleEquations {
     /// `[0 B1 B2]`, so that determinants of six rows are enough.
     fn determinant(&self, cos: f64, sin: f64) -> f64 {
         let mut first = self.at(cos, sin);
-        // A change of the sign occurs in both halves, and so cancels.
+        // A change of sign occurs in both halves, so it cancels.
         let (product, _) = eliminate_three(&mut first);
         let mut second = [[0.0; 9]; 6];
         for i in 0..3 {
@@ -70,11 +71,12 @@ impl HalfAngleEquations {
         CirclePolynomial::through(|cos, sin| self.determinant(cos, sin))
     }
 
-    /// Returns the determinant as a polynomial of an angle that magnifies the vicinity of `middle` (rad).
+    /// Returns the determinant as a polynomial of a new angle, which magnifies the vicinity of `middle`
+    /// (rad).
     ///
-    /// The half tangent of angle 2 minus `middle` is `scale` times that of the new angle. The determinant is
-    /// a form of degree 16 in cosine and sine of half of angle 2, so that its degree on the circle is 8
-    /// again.
+    /// Let d be angle 2 minus `middle`. The half tangent of d is `scale` times the half tangent of the new
+    /// angle. The determinant is a form of degree 16 in cosine and sine of half of angle 2. So the polynomial
+    /// of the new angle has degree 8, too.
     pub fn polynomial_near(&self, middle: f64, scale: f64) -> CirclePolynomial {
         let (s, c) = middle.sin_cos();
         CirclePolynomial::through(|cos, sin| {
@@ -86,7 +88,7 @@ impl HalfAngleEquations {
     }
 }
 
-/// Returns `cc`, `cs` and `ss` of half an angle (rad).
+/// Returns `cc`, `cs` and `ss`, where c and s are cosine and sine of half of `angle` (rad).
 pub(super) fn half_angle_terms(angle: f64) -> [f64; 3] {
     let (s, c) = (0.5 * angle).sin_cos();
     [c * c, c * s, s * s]

@@ -1,12 +1,12 @@
-//! Coordinates of a line with a point on it, which a rigid transformation maps linearly.
+//! Coordinates of a line and a point on the line, which a rigid transformation maps linearly.
 
 use crate::pose::Pose;
 use nalgebra::Vector3;
 
 /// The 14 coordinates of a line in direction `l` through a point `p`, and the number one.
 ///
-/// A rigid transformation maps these 15 numbers linearly. Sums and multiples of them are therefore mapped in
-/// the same way, so that this type also holds coefficients of such coordinates.
+/// A rigid transformation maps these 15 numbers linearly. Sums and multiples of these numbers are mapped in
+/// the same way. So this type also holds coefficients of such coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineCoordinates {
     /// The vectors `l`, `p`, `l x p` and `(p.p) l - 2 (l.p) p`.
@@ -16,13 +16,13 @@ pub(super) struct LineCoordinates {
 }
 
 impl LineCoordinates {
-    /// Returns the coordinates of the axis z with the origin as its point.
+    /// Returns the coordinates of the z axis, with the origin as the point on the axis.
     pub fn axis() -> Self {
         let zero = Vector3::zeros();
         Self { vectors: [Vector3::z(), zero, zero, zero], numbers: [0.0, 0.0, 1.0] }
     }
 
-    /// Returns the coordinates after a rigid transformation of line and point.
+    /// Returns the coordinates of the line and the point after a rigid transformation.
     pub fn moved(&self, by: &Pose) -> Self {
         let t = by.translation;
         let [l, p, m, w] = self.vectors.map(|vector| by.rotation * vector);
@@ -34,7 +34,8 @@ impl LineCoordinates {
         }
     }
 
-    /// Returns the coefficients of 1, of the cosine and of the sine of a rotation about z.
+    /// Returns the coordinates after a rotation about z, as coefficients of 1, of the cosine and of the sine
+    /// of the angle.
     pub fn rotated(&self) -> [Self; 3] {
         let zeros = [0.0; 3];
         [
@@ -44,7 +45,7 @@ impl LineCoordinates {
         ]
     }
 
-    /// Returns the coefficients of `cc`, `cs` and `ss` of a rotation about z.
+    /// Returns the coordinates after a rotation about z, as coefficients of `cc`, `cs` and `ss`.
     ///
     /// Here `c` and `s` are the cosine and the sine of half the angle.
     pub fn half_angle_rotated(&self) -> [Self; 3] {

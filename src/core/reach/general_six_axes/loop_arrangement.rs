@@ -1,4 +1,4 @@
-//! The order in which the joints of the closed loop take part in the elimination.
+//! Order of the joints of the closed loop in the elimination.
 
 use crate::pose::Pose;
 
@@ -21,14 +21,14 @@ impl LoopArrangement {
         Self { first: 5, is_reversed: true },
     ];
 
-    /// Returns all arrangements, in the order in which a pose that is degenerate in another one tries them.
+    /// Returns all arrangements, in the order in which they are tried for a pose that is degenerate.
     pub fn all() -> impl Iterator<Item = Self> {
         [2, 3, 4, 5, 0, 1].into_iter().flat_map(|k| {
             [Self { first: k, is_reversed: false }, Self { first: (k + 4) % 6, is_reversed: true }]
         })
     }
 
-    /// Returns the constant links of the loop, link k after the joint of place k.
+    /// Returns the constant links of the loop; link k follows the joint of place k.
     ///
     /// The loop is closed by the inverse of the pose `target` of the flange, which becomes a part of the link
     /// after joint 5. The product of all joint rotations and links is then the identity.

@@ -1,4 +1,4 @@
-//! The equations of the closed loop, and the elimination of the angles 0, 1 and 5.
+//! Equations of the closed loop, and the elimination of the angles 0, 1 and 5.
 
 use super::elimination::eliminate;
 use super::half_angle_equations::HalfAngleEquations;
@@ -6,11 +6,13 @@ use super::line_coordinates::LineCoordinates;
 use super::scaled_arm::turned;
 use crate::pose::Pose;
 
-/// Determinant of the normal equations of angle 0, as a share of their squared trace, below which they are
-/// nearly dependent. Angle 0 then has two values.
+/// Determinant of the normal equations for angle 0, as a share of the squared trace, below which the
+/// equations are nearly dependent.
+///
+/// Angle 0 then has two values.
 const NEARLY_DEPENDENT: f64 = 1e-12;
 
-/// Axis of place 5 as the angles 2, 3 and 4 place it in the frame after joint 1.
+/// Axis of place 5 in the frame after joint 1, as a function of the angles 2, 3 and 4.
 ///
 /// The terms are the coefficients of 1, of the cosine and of the sine of angle 2, times the nine products of
 /// half-angle terms of the angles 3 and 4.
@@ -19,7 +21,7 @@ pub(super) struct InnerSide {
     terms: [[LineCoordinates; 9]; 3],
 }
 
-/// Axis of place 5 as angle 0 places it in the frame of joint 1, from the other end of the loop.
+/// Axis of place 5 in the frame of joint 1, as a function of angle 0, from the other end of the loop.
 ///
 /// The terms are the coefficients of 1, of the cosine and of the sine of angle 0. A rotation by minus angle 1
 /// leads to the inner side.
@@ -52,11 +54,12 @@ impl OuterSide {
         Self { terms: [one, cos, sin].map(|term| term.moved(&back)) }
     }
 
-    /// Returns the six equations of the angles 2, 3 and 4 that are left without the angles 0, 1 and 5.
+    /// Returns the six equations for the angles 2, 3 and 4 that remain after the elimination of the angles 0,
+    /// 1 and 5.
     ///
-    /// Six of the 14 equations do not contain angle 1. Cosine and sine of angle 0 are eliminated from them,
-    /// which leaves four. The other eight contain cosine and sine of angle 1, alone and times those of angle
-    /// 0. These six products are eliminated, which leaves two.
+    /// Six of the 14 equations do not contain angle 1. The elimination of cosine and sine of angle 0 leaves
+    /// four of these six. The other eight equations contain cosine and sine of angle 1, alone and times
+    /// cosine and sine of angle 0. The elimination of these six products leaves two equations.
     pub fn without_outer_angles(&self, inner: &InnerSide) -> HalfAngleEquations {
         let mut first = self.first_six(inner);
         let mut others = self.other_eight(inner);
@@ -72,7 +75,8 @@ impl OuterSide {
         HalfAngleEquations::new(rows)
     }
 
-    /// Returns the six equations without angle 1: columns of cosine and sine of angle 0, then 27 inner ones.
+    /// Returns the six equations without angle 1: columns of cosine and sine of angle 0, then 27 inner
+    /// columns.
     fn first_six(&self, inner: &InnerSide) -> [[f64; 29]; 6] {
         let [one, cos, sin] = self.terms.map(|term| term.invariants());
         let mut rows = [[0.0; 29]; 6];
@@ -88,7 +92,8 @@ impl OuterSide {
         rows
     }
 
-    /// Returns the eight equations with angle 1: six columns of products of outer angles, then 27 inner ones.
+    /// Returns the eight equations with angle 1: six columns of products of outer angles, then 27 inner
+    /// columns.
     fn other_eight(&self, inner: &InnerSide) -> [[f64; 33]; 8] {
         let mut rows = [[0.0; 33]; 8];
         for (k, term) in self.terms.iter().enumerate() {
@@ -138,7 +143,8 @@ impl OuterSide {
         }
     }
 
-    /// Returns the angles of the loop (rad) with the angles 1 and 5 that fit the other four best.
+    /// Returns all six angles of the loop (rad). The angles 1 and 5 are those that fit the other four angles
+    /// best.
     fn closed(
         &self,
         links: &[Pose; 6],
@@ -158,7 +164,7 @@ impl OuterSide {
         let angle1 = imaginary.atan2(real);
         let first = turned(&Pose::IDENTITY, angle0) * links[0];
         let all = turned(&first, angle1) * *between;
-        // The last rotation and the last link are the inverse of all others.
+        // The last rotation and the last link together are the inverse of the rest of the loop.
         let last = all.rotation.transpose() * links[5].rotation.transpose();
         [angle0, angle1, angle2, angle3, angle4, last.m21.atan2(last.m11)]
     }

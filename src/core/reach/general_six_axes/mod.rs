@@ -1,6 +1,6 @@
 //! Inverse kinematics of any arm with six revolute axes: all real solutions of a pose, at most 16.
 //!
-//! The method is that of M. Raghavan, B. Roth, "Inverse kinematics of the general 6R manipulator and related
+//! The method follows M. Raghavan, B. Roth, "Inverse kinematics of the general 6R manipulator and related
 //! linkages", Journal of Mechanical Design 115, 1993. D. Manocha, J. F. Canny, "Efficient inverse kinematics
 //! for general 6R manipulators", IEEE Transactions on Robotics and Automation 10, 1994, compute its roots as
 //! eigenvalues in floating-point numbers. Here, a polynomial on the unit circle has the same roots.
@@ -14,8 +14,8 @@
 //!
 //! The loop may begin at any joint and run in either direction (`loop_arrangement`).
 //!
-//! 1. The axis of t_5 is a line l through a point p, which a rotation by t_5 does not move. The loop shows it
-//!    in one frame in two ways: `G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4` and
+//! 1. The axis of t_5 is a line l through a point p, which a rotation by t_5 does not move. The loop gives
+//!    this line in one frame in two ways: `G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4` and
 //!    `Rz(-t_1) G_0^-1 Rz(-t_0) G_5^-1` place the same line. A rigid transformation maps the 14 numbers l, p,
 //!    l x p, (p.p) l - 2 (l.p) p, p.p and l.p linearly (`line_coordinates`). This gives 14 equations.
 //! 2. The products of cosines and sines of t_0 and t_1 occur linearly. Their elimination leaves six equations
@@ -27,13 +27,13 @@
 //!    (`circle_polynomial`).
 //! 4. The real roots are isolated by bounds of the Taylor series (`polynomial_roots`).
 //! 5. At a root, the null space of the twelve equations gives t_3 and t_4 (`angle_pairs`). The eliminated
-//!    equations then give the other angles. Newton's method on the pose of the flange makes each solution
-//!    exact, and rejects what is none (`scaled_arm`, `pose_problem`).
+//!    equations then give the other angles. Newton's method on the pose of the flange refines each solution,
+//!    and rejects candidates that are not solutions (`scaled_arm`, `pose_problem`).
 //!
-//! The determinant is 0 at every t_2 if the arm is degenerate in its arrangement, for example if axes are
-//! parallel or meet in a point. So an arm gets the arrangement that finds the most of some trial postures,
-//! and a pose that is degenerate in it is solved in another one. Where solutions are not isolated (the arm
-//! can move while the flange does not), some of them are returned.
+//! The determinant is 0 at every t_2 if the arm is degenerate in an arrangement, for example if axes are
+//! parallel or meet in a point. So the solver chooses the arrangement that finds the most trial postures. A
+//! pose that is degenerate in this arrangement is solved in another arrangement. If solutions are not
+//! isolated (the arm can move while the flange does not), some of them are returned.
 
 mod angle_pairs;
 mod circle_polynomial;
@@ -56,10 +56,10 @@ use pose_problem::{JointSolutions, PoseProblem};
 use scaled_arm::ScaledArm;
 use std::f64::consts::{PI, TAU};
 
-/// Number of trial postures on which an arrangement is tried.
+/// Number of trial postures on which an arrangement is tested.
 const TRIALS: usize = 16;
 
-/// Least number of trial postures that the solver of an arm must find again. One may be nearly singular.
+/// Least number of trial postures that the solver of an arm must find. One posture may be nearly singular.
 const LEAST_FOUND: usize = TRIALS - 1;
 
 /// Inverse kinematics of an arm with six revolute axes in any position.
@@ -72,11 +72,11 @@ pub struct GeneralSixAxes {
 }
 
 impl GeneralSixAxes {
-    /// Returns the solver of an arm with six revolute axes. The preparation takes some milliseconds at most.
+    /// Returns the solver of an arm with six revolute axes. The preparation takes a few milliseconds at most.
     ///
     /// # Errors
-    /// Returns the reason if the chain does not have six revolute joints, or if too few trial postures are
-    /// found again, because the arm is degenerate.
+    /// Returns the reason if the chain does not have six revolute joints, or if the solver finds too few
+    /// trial postures, because the arm is degenerate.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let rows: &[Link; 6] = chain.links.as_slice().try_into().map_err(|_| {
             format!("the chain has {} joints, and the general method needs six", chain.links.len())
@@ -106,7 +106,7 @@ impl GeneralSixAxes {
         }
         if most < LEAST_FOUND {
             return Err(format!(
-                "the general method finds {most} of {TRIALS} trial postures again: the arm is degenerate"
+                "the general method finds only {most} of {TRIALS} trial postures: the arm is degenerate"
             ));
         }
         Ok(best)
@@ -114,21 +114,21 @@ impl GeneralSixAxes {
 
     /// Returns the solver of an arm in one arrangement, whose inner side must not depend on the pose.
     fn arranged(arm: &ScaledArm, arrangement: LoopArrangement) -> Self {
-        // The inner side depends on the links 1 to 4, and the pose is a part of the link 0 or 5.
+        // The inner side depends on links 1 to 4, and the pose is a part of link 0 or link 5.
         let inner = InnerSide::new(&arrangement.links(&arm.links, &Pose::IDENTITY));
         Self { arm: arm.clone(), arrangement, inner: Box::new(inner) }
     }
 
     /// Calls `found` with every posture that puts the last D-H frame at `flange`; joint limits are ignored.
     ///
-    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed
-    /// D-H values of the chain. The branch index numbers the solutions of this pose. It is not kept while the
-    /// pose moves, because solutions appear and vanish.
+    /// `flange` is a pose in frame 0, without the tool. `posture` is scratch memory that holds the fixed D-H
+    /// values of the chain. The branch index numbers the solutions of this pose. A solution may change its
+    /// index while the pose moves, because other solutions appear and vanish.
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
-    /// reach: the distance of the origin of frame 5 beyond its sphere of reach, or else the arm's length
-    /// times the least determinant of a coarse scan, as a share of the greatest one. The measure is
-    /// `f64::MAX` if the pose is not finite.
+    /// reach. If the origin of frame 5 is outside its sphere of reach, the measure is the distance from this
+    /// sphere. Otherwise it is the length of the arm times the ratio of the least to the greatest determinant
+    /// of a coarse scan. The measure is `f64::MAX` if the pose is not finite.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let target = self.arm.scaled(flange);
         let beyond = self.arm.beyond_reach(&target);
@@ -152,9 +152,11 @@ impl GeneralSixAxes {
         }
     }
 
-    /// Adds the solutions of a pose in units of the arm's length, if it is regular in the arm's arrangement.
+    /// Adds the solutions of a pose, if the pose is regular in the arrangement of the arm.
     ///
-    /// Returns the least determinant of a coarse scan, as a share of the greatest one.
+    /// Lengths of the pose are in units of the arm's length.
+    ///
+    /// Returns the ratio of the least to the greatest absolute determinant of a coarse scan.
     fn solve_in_own_arrangement(&self, target: &Pose, solutions: &mut JointSolutions) -> f64 {
         let problem = self.problem(target);
         if problem.is_regular() {
@@ -163,10 +165,11 @@ impl GeneralSixAxes {
         problem.least_determinant()
     }
 
-    /// Adds the solutions of a pose in units of the arm's length, in the first arrangement where it is
-    /// regular.
+    /// Adds the solutions of a pose, in the first arrangement in which the pose is regular.
     ///
-    /// Returns the least determinant of a coarse scan, as a share of the greatest one.
+    /// Lengths of the pose are in units of the arm's length.
+    ///
+    /// Returns the ratio of the least to the greatest absolute determinant of a coarse scan.
     fn solve_in_any_arrangement(&self, target: &Pose, solutions: &mut JointSolutions) -> f64 {
         let own = self.problem(target);
         let problem = match own.is_regular() {
@@ -181,12 +184,12 @@ impl GeneralSixAxes {
         problem.least_determinant()
     }
 
-    /// Returns the problem of a pose in units of the arm's length, in the arm's arrangement.
+    /// Returns the problem of a pose (lengths in units of the arm's length) in the arrangement of the arm.
     fn problem<'a>(&'a self, target: &'a Pose) -> PoseProblem<'a> {
         PoseProblem::new(&self.arm, self.arrangement, Some(&self.inner), target)
     }
 
-    /// Returns how many of the trial postures are among the solutions of their own poses.
+    /// Returns the number of trial postures that `solve` finds from the poses of their flanges.
     fn count_found(&self, solve: impl Fn(&Self, &Pose, &mut JointSolutions) -> f64) -> usize {
         let is_found = |joints: &[f64; 6]| {
             let mut solutions = JointSolutions::new();
@@ -197,9 +200,9 @@ impl GeneralSixAxes {
     }
 }
 
-/// Returns joint angles (rad) that are spread over all turns, and are in no special relation to each other.
+/// Returns joint angles (rad) that are spread over a whole turn, without special relations between them.
 fn trial_postures() -> impl Iterator<Item = [f64; 6]> {
-    // Steps of the golden section, bent so that they do not repeat.
+    // Steps of the golden section, perturbed so that they do not repeat.
     let mut share = 0.37;
     let mut next = move || {
         share = (share + 0.618_033_988_749_894_8 + 0.1 * share * share) % 1.0;

@@ -1,8 +1,9 @@
-//! Real roots of a trigonometric polynomial, with the accuracy to which rounding leaves them.
+//! Real roots of a trigonometric polynomial, with the uncertainty that rounding causes.
 //!
 //! The circle is divided into intervals. The Taylor series at the middle of an interval, with a bound of its
-//! remainder, shows that the interval has no root, that the value is monotonic in it, or that the value bends
-//! one way only and so has at most two roots. Otherwise the interval is halved.
+//! remainder, can show one of three cases: the interval has no root, the value is monotonic, or the second
+//! derivative does not change its sign. In the third case, the interval has at most two roots. If none of
+//! these cases is certain, the interval is halved.
 
 use super::circle_polynomial::CirclePolynomial;
 use std::f64::consts::PI;
@@ -10,10 +11,12 @@ use std::f64::consts::PI;
 /// Multiple of the noise above which a value differs from zero.
 const CLEAR: f64 = 30.0;
 
-/// Half width of an interval, rad, below which it is not halved, and all its roots are taken as one.
+/// Half width of an interval, rad, below which the interval is not halved, and all its roots count as one
+/// root.
 const NARROWEST: f64 = 2e-6;
 
-/// Half width of an interval, rad, below which it is taken as one root if all values in it may be noise.
+/// Half width of an interval, rad, below which the interval counts as one root if all its values may be
+/// noise.
 const NARROW: f64 = 0.01;
 
 /// Distance of two roots, rad, below which they belong to one multiple root.
@@ -22,13 +25,13 @@ const SAME_ROOT: f64 = 1e-5;
 /// Number of intervals with which the search begins.
 const INTERVALS: usize = 32;
 
-/// Step, rad, below which the extremum is found.
+/// Step, rad, below which an extremum counts as found.
 const EXTREMUM_ACCURACY: f64 = 1e-9;
 
-/// Step, rad, below which a root is found.
+/// Step, rad, below which a root counts as found.
 const ROOT_ACCURACY: f64 = 1e-13;
 
-/// Multiple of the noise below which a value is zero.
+/// Multiple of the noise below which a value counts as zero.
 const ZERO: f64 = 0.1;
 
 /// Largest number of steps to an extremum.
@@ -59,7 +62,8 @@ impl TaylorSeries {
 
     /// Returns an upper bound of the absolute value of the terms from `from` on, each times its weight.
     ///
-    /// The weight n of term n belongs to the first derivative, and n (n - 1) / 2 to half of the second one.
+    /// With the weight n of term n, the bound applies to the first derivative. With n (n - 1) / 2, it applies
+    /// to half of the second derivative.
     #[inline]
     fn bound(&self, weight: fn(f64) -> f64, from: usize) -> f64 {
         let terms = self.terms.iter().enumerate().skip(from);
@@ -69,7 +73,7 @@ impl TaylorSeries {
 
 /// Calls `found` with every root (rad) and its uncertainty (rad), until `found` returns false.
 ///
-/// Intervals in which the value is nearly zero count as roots, too. The uncertainty is then large.
+/// Intervals in which the value is nearly zero count as roots, too; their uncertainty is large.
 pub(super) fn polynomial_roots(polynomial: &CirclePolynomial, found: &mut impl FnMut(f64, f64) -> bool) {
     if !polynomial.is_finite() {
         return;
@@ -90,7 +94,7 @@ pub(super) fn polynomial_roots(polynomial: &CirclePolynomial, found: &mut impl F
 
 /// Calls `found` with the roots of one interval, given by its middle and half its width (rad).
 ///
-/// Returns whether the search goes on.
+/// Returns whether the search should continue.
 fn search(
     polynomial: &CirclePolynomial,
     middle: f64,
@@ -140,7 +144,7 @@ fn search(
         && search(polynomial, middle + quarter, quarter, found)
 }
 
-/// Returns the extremum (rad) to which Newton's method leads, if it is in the interval.
+/// Returns the extremum (rad) to which Newton's method leads; None if it is not in the interval.
 fn extremum_near(polynomial: &CirclePolynomial, middle: f64, half: f64) -> Option<f64> {
     let mut angle = middle;
     for _ in 0..STEPS_TO_EXTREMUM {

@@ -13,34 +13,37 @@ use std::f64::consts::{PI, TAU};
 /// Largest number of isolated solutions of six revolute axes.
 const MAX_SOLUTIONS: usize = 16;
 
-/// Difference of all joint angles, rad, below which two solutions are the same.
+/// Difference of joint angles, rad, below which two solutions count as the same.
 const SAME_JOINT: f64 = 1e-5;
 
 /// Distance of a solution from its start, rad, below which the start may be the middle of two solutions.
 const NEAR_START: f64 = 0.2;
 
-/// Length of the first step of Newton's method, as a multiple of its whole way, above which it overshoots.
+/// Ratio of the first step of Newton's method to the whole change of a joint, above which this step
+/// overshoots.
 const OVERSHOOT: f64 = 1.05;
 
-/// Largest residual of the equations at a start of Newton's method, whose coefficients have the norm 1.
+/// Largest residual of the equations at a start of Newton's method.
+///
+/// The coefficients of an equation have the norm 1.
 const MAX_RESIDUAL: f64 = 0.03;
 
-/// Largest residual at a start if angle 2 is exact.
+/// Largest residual at a start of Newton's method if angle 2 is exact.
 const EXACT_RESIDUAL: f64 = 2e-4;
 
 /// Increase of the largest residual per radian of the uncertainty of angle 2.
 const RESIDUAL_PER_UNCERTAINTY: f64 = 1000.0;
 
-/// Uncertainty of a root, rad, above which the polynomial is sampled anew in the vicinity of the root.
+/// Uncertainty of a root, rad, above which the polynomial is sampled again in the vicinity of the root.
 const UNCERTAIN: f64 = 1e-3;
 
 /// Largest uncertainty, rad, by which the vicinity of a root is extended.
 const MAX_EXTENSION: f64 = 0.1;
 
-/// Half of the greatest half angle, rad, that the vicinity of a root spans.
+/// Largest value, rad, of a quarter of the width of a root's vicinity.
 const MAX_HALF_SPAN: f64 = 0.7;
 
-/// Share of the circle, on each side of its origin, of which a magnified polynomial gives roots.
+/// Share of each half of the circle, from angle 0 on, in which the roots of a magnified polynomial are used.
 const MAGNIFIED: f64 = 0.7;
 
 /// Distinct solutions of one pose, as joint angles in rad.
@@ -92,13 +95,14 @@ impl<'a> PoseProblem<'a> {
 
     /// Adds the solutions to `all`.
     ///
-    /// In a degenerate arrangement, the roots of the noise are starts of Newton's method and no more.
+    /// In a degenerate arrangement, the polynomial is only noise. Its roots then serve only as starts of
+    /// Newton's method.
     pub fn solve(&self, all: &mut JointSolutions) {
         if !self.is_regular() {
             polynomial_roots(&self.polynomial, &mut |angle2, _| self.add(angle2, f64::INFINITY, all));
             return;
         }
-        // Neighbouring uncertain roots are one vicinity.
+        // Neighbouring uncertain roots are merged into one vicinity.
         let mut vicinity: Option<(f64, f64)> = None;
         polynomial_roots(&self.polynomial, &mut |angle2, uncertainty| {
             if uncertainty < UNCERTAIN {
@@ -134,7 +138,8 @@ impl<'a> PoseProblem<'a> {
         });
     }
 
-    /// Adds the solutions with one angle 2 of a given uncertainty (rad); returns whether there may be more.
+    /// Adds the solutions at one angle 2 with a given uncertainty (rad). Returns whether there may be more
+    /// solutions.
     fn add(&self, angle2: f64, uncertainty: f64, all: &mut JointSolutions) -> bool {
         let limit = match uncertainty.is_finite() {
             true => MAX_RESIDUAL.min(EXACT_RESIDUAL + RESIDUAL_PER_UNCERTAINTY * uncertainty),
@@ -168,7 +173,7 @@ impl JointSolutions {
         &self.joints[..self.count]
     }
 
-    /// Returns whether joint angles (rad) are those of a solution, but for whole turns.
+    /// Returns whether the joint angles (rad) agree with a solution, up to whole turns.
     pub fn contains(&self, joints: &[f64; 6]) -> bool {
         self.all().iter().any(|known| is_near(known, joints, SAME_JOINT))
     }
@@ -189,7 +194,7 @@ impl JointSolutions {
     }
 }
 
-/// Returns whether no joint angle (rad) of two postures differs by `limit` or more, but for whole turns.
+/// Returns whether all joint angles of two postures differ by less than `limit` (rad), up to whole turns.
 fn is_near(one: &[f64; 6], other: &[f64; 6], limit: f64) -> bool {
     one.iter().zip(other).all(|(a, b)| (a - b - TAU * ((a - b) / TAU).round()).abs() < limit)
 }

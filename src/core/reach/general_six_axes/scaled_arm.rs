@@ -1,4 +1,4 @@
-//! The arm in units of its own length, and Newton's method for a pose of its flange.
+//! Arm in units of its own length, and Newton's method for a pose of the flange.
 
 use super::elimination::solve_six;
 use crate::pose::Pose;
@@ -8,20 +8,20 @@ use nalgebra::{Matrix3, Vector3};
 /// Error of a pose, rad and in units of the arm's length, below which the pose is reached.
 const POSE_ERROR: f64 = 1e-11;
 
-/// Error (rad and units of the arm's length) that rounding leaves. Newton's method ends below it.
+/// Error (rad and units of the arm's length) that is due to rounding. Newton's method ends below this error.
 const EXACT: f64 = 1e-13;
 
-/// Share of the error that a step leaves. Once the pose is reached, Newton's method ends after a step that
-/// leaves more than this.
+/// Share of the error that remains after a step. Once the pose is reached, Newton's method ends if a step
+/// leaves a larger share.
 const PROGRESS: f64 = 0.01;
 
-/// Largest error of a pose, rad and in units of the arm's length, from which Newton's method goes on.
+/// Largest error of a pose, rad and in units of the arm's length, at which Newton's method continues.
 const FAR: f64 = 1.0;
 
 /// Largest number of steps of Newton's method.
 const STEPS: usize = 20;
 
-/// Longest step of a joint, rad. A longer step is shortened, with its direction kept.
+/// Longest step of a joint, rad. A longer step is shortened without a change of direction.
 const LONGEST_STEP: f64 = 0.5;
 
 /// Length, in units of the arm's length, by which rounding may increase the distance of a point in reach.
@@ -65,7 +65,7 @@ impl ScaledArm {
     /// Returns the distance, in units of the arm's length, of the origin of frame 5 beyond its sphere of
     /// reach.
     ///
-    /// It is at most 0 in the sphere, and NaN or infinite if the pose is not finite.
+    /// The result is at most 0 inside the sphere, and NaN or infinite if the pose is not finite.
     pub fn beyond_reach(&self, target: &Pose) -> f64 {
         (*target * self.links[5].inverse()).translation.norm() - self.reach
     }
@@ -78,11 +78,10 @@ impl ScaledArm {
             .fold(Pose::IDENTITY, |frame, (angle, link)| turned(&frame, *angle) * *link)
     }
 
-    /// Returns the solution to which Newton's method leads from joint angles (rad), if the flange reaches
-    /// `target` there.
+    /// Returns the solution to which Newton's method leads from `angles` (rad); None if the flange does not
+    /// reach `target`.
     ///
-    /// Newton's method ends early, without the full accuracy, where joint angles are those of a known
-    /// solution.
+    /// Newton's method ends early, without the full accuracy, if it arrives at a known solution.
     pub fn refined(
         &self,
         mut angles: [f64; 6],

@@ -1,24 +1,24 @@
-//! The set of distinct solutions that the numeric solver has found so far.
+//! Set of distinct solutions that the numeric solver has found so far.
 
 use super::joint_ranges::JointRanges;
 use crate::cell::JointVector;
 
-/// Number of consecutive start postures without a new solution that ends the search, if a solution is known.
+/// Number of consecutive start postures without a new solution after which the search ends, if a solution is
+/// known.
 const MAX_IDLE_STARTS: usize = 256;
 /// Largest number of reported solutions: a chain of six revolute joints has up to 16.
 const MAX_SOLUTIONS: usize = 16;
 /// Largest number of collected solutions, from which at most [`MAX_SOLUTIONS`] are chosen.
 const MAX_COLLECTED: usize = 64;
-/// Largest joint difference of two solutions that count as the same, rad (m for a prismatic joint).
+/// Largest joint difference between two solutions that count as the same, rad (m for a prismatic joint).
 const SAME_SOLUTION: f64 = 1e-4;
-/// Least joint difference of two collected solutions if the solutions form a continuum, rad (m for a
-/// prismatic joint).
+/// Least joint difference between two collected solutions of a continuum, rad (m for a prismatic joint).
 const CONTINUUM_SPACING: f64 = 0.1;
 
 /// Solution of the numeric solver, and the start posture that leads to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumericSolution {
-    /// Number of the start posture. For a full descent, the total number of start postures is added.
+    /// Index of the start posture. For a full descent, the total number of start postures is added.
     pub start: usize,
     /// Joint coordinates, rad or m.
     pub joints: JointVector,

@@ -13,19 +13,20 @@ const MAX_STEPS: usize = 40;
 const PATIENCE: usize = 6;
 /// Least factor by which the cost must fall in [`PATIENCE`] steps.
 const MIN_GAIN: f64 = 2.0;
-/// Largest step of a revolute joint, rad. For a prismatic joint, it is a multiple of the length of the chain.
+/// Largest step of a revolute joint, rad. For a prismatic joint, the limit is this multiple of the length of
+/// the chain.
 const MAX_STRIDE: f64 = 1.0;
 /// Ratio of the damping to the cost.
 const DAMPING: f64 = 0.1;
 /// Least damping of a chain that is not redundant.
 ///
-/// It is small, so that the descent can take large steps near a singular posture.
+/// The damping is small, so that the descent can take large steps near a singular posture.
 const MIN_DAMPING: f64 = 1e-15;
 /// Damping added if the Hessian is singular up to rounding, and for every redundant chain.
 const SINGULAR_DAMPING: f64 = 1e-12;
 /// Factor of the term that pulls a redundant chain towards the middle of its joint ranges.
 ///
-/// It is multiplied by the damping and by the smaller of the cost and 1.
+/// The factor is multiplied by the damping and by the smaller of the cost and 1.
 const PULL: f64 = 0.1;
 
 impl Numeric {
@@ -33,7 +34,7 @@ impl Numeric {
     /// or needs more than [`MAX_STEPS`] steps.
     ///
     /// The damping is proportional to the cost `|e|^2 / 2`, where e is the twist from the TCP to the goal. No
-    /// step is tried and rejected, and the convergence remains quadratic (T. Sugihara 2011,
+    /// step has to be rejected, and the convergence remains quadratic (T. Sugihara 2011,
     /// doi:10.1109/TRO.2011.2148230).
     pub(super) fn descend_fast(
         &self,

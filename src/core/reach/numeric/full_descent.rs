@@ -10,7 +10,8 @@ use crate::robot::Frames;
 
 /// Largest number of steps of one descent.
 const MAX_STEPS: usize = 100;
-/// Largest step of a revolute joint, rad. For a prismatic joint, it is a multiple of the length of the chain.
+/// Largest step of a revolute joint, rad. For a prismatic joint, the limit is this multiple of the length of
+/// the chain.
 const MAX_STRIDE: f64 = 0.7;
 /// Damping of the first step, as a share of the largest diagonal entry of the Hessian.
 const FIRST_DAMPING: f64 = 1e-3;
@@ -20,7 +21,8 @@ const DAMPING_DECREASE: f64 = 0.2;
 const DAMPING_INCREASE: f64 = 5.0;
 /// Largest damping, at which no joint moves any more.
 ///
-/// It is a multiple of the largest diagonal entry of the Hessian, or of the cost if that is larger.
+/// The value is a multiple of the largest diagonal entry of the Hessian, or of the cost if the cost is
+/// larger.
 const MAX_DAMPING: f64 = 1e10;
 /// Least damping after a step that lowers the cost.
 const MIN_DAMPING: f64 = 1e-15;
@@ -34,7 +36,7 @@ const MIN_GAIN: f64 = 1e-13;
 pub(super) struct RestingPoint {
     pub q: JointVector,
     pub miss: TwistError,
-    /// Joint whose limit restricts the descent the most; None if no limit does.
+    /// Joint whose limit restricts the descent the most; None if no limit restricts it.
     pub joint: Option<usize>,
     /// Whether the descent converged; false if the steps ran out.
     pub still: bool,
@@ -112,8 +114,8 @@ impl Descent<'_> {
         Linearization { miss, cost: miss.cost(self.scale), h, b }
     }
 
-    /// Returns the joint coordinates after a step that lowers the cost, and the quadratic model of the cost
-    /// there. Returns None if no step lowers the cost.
+    /// Returns the joint coordinates after a step that lowers the cost, and the quadratic model at these
+    /// coordinates. Returns None if no step lowers the cost.
     ///
     /// The damping is increased until the step lowers the cost.
     fn downhill(&mut self, q: &JointVector, here: &Linearization) -> Option<(JointVector, Linearization)> {

@@ -27,14 +27,14 @@ pub enum AttitudeGoal {
     Any,
     /// Elevation (rad) of the tool axis above the horizontal xy plane of the base.
     Elevation(f64),
-    /// Unit vector along the tool axis; the rotation about it is free.
+    /// Unit vector along the tool axis; the rotation about this axis is free.
     Axis(Vector3<f64>),
     /// Orientation of the TCP in the base frame.
     Rotation(Matrix3<f64>),
 }
 
 impl TcpGoal {
-    /// Returns the goal in a form that can be solved; None if it is not valid.
+    /// Returns the goal in a form that can be solved; None if the goal is not valid.
     ///
     /// The elevation of a vertical tool becomes an axis. The goal is not valid if a number is not finite, the
     /// axis is zero or the matrix is not a rotation.
@@ -45,7 +45,7 @@ impl TcpGoal {
             AttitudeGoal::Elevation(angle) if angle.cos().abs() < VERTICAL => {
                 AttitudeGoal::Axis(Vector3::z() * angle.sin().signum())
             }
-            // An angle beyond the vertical becomes the equal elevation between -90 and 90 degrees.
+            // An angle beyond the vertical becomes the equivalent elevation between -90 and 90 degrees.
             AttitudeGoal::Elevation(angle) => AttitudeGoal::Elevation(angle.sin().atan2(angle.cos().abs())),
             AttitudeGoal::Axis(axis) => {
                 AttitudeGoal::Axis(axis.try_normalize(ORTHOGONAL_TOLERANCE).filter(finite)?)
@@ -79,7 +79,7 @@ impl TcpGoal {
                 let axis = tcp.rotation * tool_axis;
                 let across = axis.x.hypot(axis.y);
                 // A rotation about `axis` x z, which is horizontal, raises the tool. For a vertical tool, any
-                // horizontal axis will do.
+                // horizontal axis is suitable.
                 let about = if across > 0.0 { vector![axis.y, -axis.x, 0.0] / across } else { Vector3::x() };
                 (about * (angle - axis.z.atan2(across)), ConstrainedRotation::Along(about))
             }
@@ -145,7 +145,7 @@ impl ConstrainedRotation {
 pub(super) struct TwistError {
     /// Translation from the TCP to the position of the goal, m.
     pub position: Vector3<f64>,
-    /// Rotation vector from the orientation of the TCP to that of the goal, rad.
+    /// Rotation vector from the orientation of the TCP to the orientation of the goal, rad.
     pub rotation: Vector3<f64>,
     pub seen: ConstrainedRotation,
 }
@@ -177,7 +177,7 @@ pub fn least_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     if cosine > 0.0 {
         return Vector3::zeros();
     }
-    // For opposite vectors any perpendicular axis will do.
+    // For opposite vectors, any perpendicular axis is suitable.
     let other = if from.x.abs() < 0.5 { Vector3::x() } else { Vector3::y() };
     from.cross(&other).normalize() * std::f64::consts::PI
 }

@@ -1,4 +1,4 @@
-//! The geometric Jacobian of a chain and the normal equations of a goal.
+//! Geometric Jacobian of a chain, and the normal equations of a goal.
 
 use super::goal::TwistError;
 use super::step::NormalMatrix;
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 /// beyond the number of joints are 0.
 pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = dh_jacobian(chain, frames);
-    // The coupling is lower triangular: the columns after j are still those of the D-H coordinates.
+    // The coupling matrix is lower triangular: the columns after j still refer to the D-H coordinates.
     for (i, row) in chain.coupling.iter().enumerate() {
         for (j, &factor) in row[..i].iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
             columns[j] = columns[j] + columns[i] * factor;

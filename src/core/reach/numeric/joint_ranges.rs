@@ -1,4 +1,4 @@
-//! Joint ranges as the numeric solver uses them.
+//! Joint ranges for the numeric solver.
 
 use super::step::{NormalMatrix, StepBounds};
 use crate::cell::{JointKind, JointVector, MAX_JOINTS};
@@ -120,8 +120,8 @@ impl JointRanges {
         }
     }
 
-    /// Returns the joint that the descent direction `b` pushes the most against its limit; None if there is
-    /// no such joint.
+    /// Returns the joint that the descent direction `b` pushes the most against its limit; None if no joint
+    /// is pushed against a limit.
     pub fn held(&self, q: &JointVector, b: &JointVector) -> Option<usize> {
         let push = |i: usize| {
             let (range, b) = (&self.0[i], b[i]);

@@ -5,7 +5,7 @@
 //! Damped Gauss-Newton steps within the limits reduce the twist from the TCP to the goal (`fast_descent`).
 //! The descents start from a fixed set of postures; the posture with its TCP nearest to the goal comes first
 //! (`starts`). A descent that stalls is abandoned after a few steps, because another start is cheaper. If all
-//! descents fail, a few full descents follow (`full_descent`), which continue as long as the cost falls. The
+//! descents fail, a few full descents follow, which continue as long as the cost falls (`full_descent`). The
 //! cost is half the squared length of the twist. Where joint limits are active, full descents solve a
 //! quadratic program (`quadratic_program`). Full descents also explain why there is no solution
 //! (`shortfall`). The result depends neither on chance nor on an earlier call.
@@ -60,10 +60,10 @@ impl Numeric {
         Self { chain: chain.clone(), scale, starts: Starts::new(chain, &searched), joints }
     }
 
-    /// Returns one solution within the limits: the first that a start posture leads to.
+    /// Returns one solution within the limits: the first solution to which a start posture leads.
     ///
-    /// This solution is one of those that [`Self::all`] collects. The result is None if and only if `all`
-    /// collects no solution.
+    /// This solution is one of the solutions that [`Self::all`] collects. The result is None if and only if
+    /// `all` collects no solution.
     pub fn one(&self, goal: &TcpGoal) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
@@ -78,11 +78,12 @@ impl Numeric {
         self.solve_fully(&goal, &mut frames).map(|found| found.joints)
     }
 
-    /// Writes the distinct solutions within the limits to `out`, sorted; if there are none, returns the
+    /// Writes the distinct solutions within the limits to `out`, sorted. If there are none, returns the
     /// reason.
     ///
     /// A coordinate whose range spans several turns is in the turn nearest to the middle of the range. A
-    /// redundant chain has a continuum of solutions; then `out` holds solutions spread over it.
+    /// redundant chain has a continuum of solutions. In this case, `out` holds solutions spread over the
+    /// continuum.
     pub fn all(&self, goal: &TcpGoal, out: &mut Vec<NumericSolution>) -> Shortfall {
         out.clear();
         let Some(goal) = goal.checked() else {
@@ -94,7 +95,8 @@ impl Numeric {
         if self.spans(&goal) {
             for (tried, (number, start)) in self.starts.ranked(&goal, self.scale).enumerate() {
                 if tried == STARTS_BEFORE_REACH && distinct.found.is_empty() {
-                    // Most goals that so many descents miss are out of reach, as a few full descents show.
+                    // Most goals that so many descents miss are out of reach. A few full descents decide
+                    // this.
                     if let Some(by) = self.out_of_reach(&goal, &mut frames) {
                         return Shortfall::OutOfReach { by };
                     }
@@ -119,8 +121,10 @@ impl Numeric {
         if out.is_empty() { self.missing(&goal, &mut frames) } else { Shortfall::None }
     }
 
-    /// Returns a solution that [`Self::all`] has found, by one descent; `start` is
-    /// [`NumericSolution::start`].
+    /// Returns a solution that [`Self::all`] has found, by a repetition of one descent; None if the descent
+    /// fails.
+    ///
+    /// `start` is [`NumericSolution::start`].
     pub fn again(&self, goal: &TcpGoal, start: usize) -> Option<JointVector> {
         let goal = goal.checked()?;
         let mut frames = Frames::default();
@@ -133,7 +137,7 @@ impl Numeric {
         }
     }
 
-    /// Returns the solution that a descent from `start` leads to; None if it leads to no solution.
+    /// Returns the solution to which a descent from `start` leads; None if the descent leads to no solution.
     pub fn from(&self, goal: &TcpGoal, start: &JointVector) -> Option<JointVector> {
         let goal = goal.checked().filter(|goal| self.spans(goal))?;
         let mut frames = Frames::default();
@@ -144,7 +148,7 @@ impl Numeric {
         })
     }
 
-    /// Returns the solution that a descent from `start` leads to. The joint with the index `held` does not
+    /// Returns the solution to which a descent from `start` leads. The joint with the index `held` does not
     /// move.
     ///
     /// # Errors
@@ -169,7 +173,8 @@ impl Numeric {
         }
     }
 
-    /// Solves by full descents for a goal that every fast descent has missed.
+    /// Returns a solution by full descents for a goal that every fast descent has missed; None if there is no
+    /// solution.
     fn solve_fully(&self, goal: &TcpGoal, frames: &mut Frames) -> Option<NumericSolution> {
         let mut starts = self.starts.ranked(goal, self.scale).take(FULL_DESCENTS);
         starts.find_map(|(number, start)| {

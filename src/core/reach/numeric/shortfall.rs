@@ -11,7 +11,8 @@ const POSITION_STARTS: usize = 12;
 const ATTITUDE_STARTS: usize = 16;
 /// Factor of the position error when the orientation error is minimized.
 ///
-/// It is large, so a descent reaches the position of the goal before it reduces the orientation error.
+/// The factor is large, so a descent reaches the position of the goal before it reduces the orientation
+/// error.
 const POSITION_WEIGHT: f64 = 1e4;
 /// Least position error (m) or orientation error (rad) that counts as the reason for a missing solution.
 const MIN_SHORTFALL: f64 = 1e-6;
@@ -28,7 +29,8 @@ pub enum Shortfall {
     OutOfReach { by: f64 },
     /// The position is reached, but not the attitude; `by` is the least orientation error found (rad).
     ///
-    /// `joint` is the joint whose limit restricts the attitude the most; None if no limit does.
+    /// `joint` is the index of the joint whose limit restricts the attitude the most; None if no limit
+    /// restricts it.
     Attitude { by: f64, joint: Option<usize> },
     /// The search found neither a solution nor a reason why there is none.
     ///
@@ -81,8 +83,7 @@ impl Numeric {
         }
     }
 
-    /// Returns the least distance found between the TCP and the goal, m, and whether the descent to it
-    /// converged.
+    /// Returns the least distance found between the TCP and the goal, m, and whether that descent converged.
     fn least_distance(&self, goal: &TcpGoal, frames: &mut Frames) -> (f64, bool) {
         // Scaling before the norm keeps the squares of huge numbers finite.
         let size = goal.position.amax();

@@ -42,7 +42,7 @@ impl Starts {
         Self { all: all.collect(), tool_axis: chain.tool_axis }
     }
 
-    /// Returns the start posture with the number `start`.
+    /// Returns the start posture with the index `start`; None if there is no such posture.
     pub fn get(&self, start: usize) -> Option<&JointVector> {
         self.all.get(start).map(|start| &start.q)
     }
@@ -67,7 +67,7 @@ pub(super) struct Ranked<'a> {
 }
 
 impl<'a> Iterator for Ranked<'a> {
-    /// Number of a start posture, and its joint coordinates.
+    /// Index of a start posture, and its joint coordinates.
     type Item = (usize, &'a JointVector);
 
     fn next(&mut self) -> Option<Self::Item> {

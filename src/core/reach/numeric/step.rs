@@ -57,7 +57,9 @@ pub(super) fn holds_too_much(
     })
 }
 
-/// Solves for the steps of the joints that are not held; held joints keep their values in `step`.
+/// Solves for the steps of the free joints; the joints in `held` keep their values in `step`.
+///
+/// Returns None if the matrix of the free joints is not positive definite.
 fn solve_free(
     n: usize,
     h: &NormalMatrix,
