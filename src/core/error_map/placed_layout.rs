@@ -63,8 +63,8 @@ impl<'a> PlacedLayout<'a> {
         Self { kept, ..self }
     }
 
-    /// Returns this layout with permission to return lower bounds instead of the values of held postures, if
-    /// the values cost much more.
+    /// Returns this layout, whose queries may now return lower bounds instead of the values of held postures
+    /// if the values cost much more.
     #[must_use]
     pub fn bounding(self) -> Self {
         Self { takes_bounds: true, ..self }

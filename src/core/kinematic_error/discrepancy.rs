@@ -26,7 +26,7 @@ pub fn discrepancy(nonlinear: &Vector3<f64>, linear: &Vector3<f64>) -> Discrepan
     }
 }
 
-/// Size, m or rad, below which an error counts as rounding alone. An example is the residual after a
+/// Size, m or rad, below which an error counts as a mere rounding error. An example is the residual after a
 /// registration.
 pub const NEGLIGIBLE: f64 = 1e-12;
 

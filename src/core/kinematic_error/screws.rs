@@ -24,7 +24,7 @@ pub struct Screws {
     pub points: [Vector3<f64>; MAX_JOINTS],
     /// Position of the TCP, m.
     pub tip: Vector3<f64>,
-    /// Position of the point whose error counts, m.
+    /// Position of the measured point, whose error the sense measures, m.
     pub point: Vector3<f64>,
     /// Unit vector along the tool.
     pub tool: Vector3<f64>,
@@ -43,7 +43,7 @@ pub struct PosedScrews {
 impl Screws {
     /// Returns the nominal chain. `frames` gives the reference posture.
     ///
-    /// `point` is the point whose error counts, in the TCP frame, m.
+    /// `point` is the point whose error the sense measures, in the TCP frame, m.
     pub fn nominal(chain: &Chain, frames: &Frames, point: &Vector3<f64>) -> Self {
         let (mut axes, mut points) = ([Vector3::z(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
         for i in 0..chain.axes() {

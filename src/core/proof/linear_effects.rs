@@ -11,16 +11,17 @@ use crate::cell::{JointKind, MAX_JOINTS};
 use crate::kinematic_error::{JointValues, PosedScrews, ScrewMotion, Screws};
 use nalgebra::{Matrix3, Vector3};
 
-/// Effect of one small motion in the chain, at a posture, on the point whose error counts.
+/// Effect of one small motion in the chain, at a posture, on the measured point, whose error the sense
+/// measures.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Effect {
-    /// Displacement of the point whose error counts, per unit of the motion.
+    /// Displacement of the measured point, per unit of the motion.
     pub g: Vector3<f64>,
     /// Unit vector along the rotation axis; 0 for a translation.
     pub w: Vector3<f64>,
     /// Distance from the axis of a rotation to the next joint axis, m; 0 for a translation.
     ///
-    /// For a motion after the last joint, this is the distance to the point whose error counts.
+    /// For a motion after the last joint, this is the distance to the measured point.
     own: f64,
 }
 
@@ -54,7 +55,7 @@ pub(super) struct WeightedMotions<'a> {
 /// The sum over the motions k is `phi = sum eta_k . g_k + zeta_k . w_k`. The weights are (eta, zeta), and the
 /// effects are (g, w).
 ///
-/// `rates` are the derivatives of the point whose error counts, with respect to the joint displacements.
+/// `rates` are the derivatives of the measured point with respect to the joint displacements.
 pub(super) fn expand(
     geometry: ChainGeometry<'_>,
     placed: &PosedScrews,
@@ -123,8 +124,8 @@ fn by_theta(
         gradient[i] += axial(&f[i + 1]).dot(z);
         let before = z.cross(&axial(&p[i]));
         for j in i..n {
-            // Motions before joint i give eta . (w x (z_i x rate_j)). Motions between joints i and j give eta
-            // . (z_i x (w x rate_j)).
+            // Motions before joint i contribute eta . (w x (z_i x rate_j)). Motions between joints i and j
+            // contribute eta . (z_i x (w x rate_j)).
             let between = p[j] - p[i];
             let tilted = z * between.trace() - between * z;
             hessian[i][j] = (before + tilted).dot(&rates[j]);

@@ -27,8 +27,8 @@ pub(super) struct Task<'a> {
     pub coordinates: Coordinates,
     /// Segments of the chain from joint axis to joint axis, and from the last axis to the TCP.
     to_tip: RigidPieces,
-    /// Segments of the chain from joint axis to joint axis, and from the last axis to the point whose error
-    /// counts.
+    /// Segments of the chain from joint axis to joint axis, and from the last axis to the measured point,
+    /// whose error the sense measures.
     to_point: RigidPieces,
     rows: Vec<Row>,
     error: BoundedError,
@@ -178,7 +178,7 @@ impl<'a> Task<'a> {
         rows * (moved + slid) * sum * sum / 2.0
     }
 
-    /// Returns an upper bound of the distance from the axis of a rotation to the point whose error counts, m.
+    /// Returns an upper bound of the distance from the axis of a rotation to the measured point, m.
     fn lever(&self, m: &ScrewMotion) -> f64 {
         let n = self.screws.kinds.len();
         let next = if m.link == n { &self.screws.point } else { &self.screws.points[m.link] };
@@ -188,8 +188,8 @@ impl<'a> Task<'a> {
     /// Returns an upper bound of the change of the value by the elastic errors of a signed sample, m or rad.
     ///
     /// The lower bound of the value ignores these errors, because their size changes with the posture. A
-    /// deflection by an angle moves the point whose error counts by at most the angle times the lever. The
-    /// lever is the distance of the point from the axis in the chain with all other errors.
+    /// deflection by an angle moves the measured point by at most the angle times the lever. The lever is the
+    /// distance of the point from the axis in the chain with all other errors.
     fn elastic_part(&self) -> f64 {
         if self.evaluator.reading != Reading::Signed || self.deflections.is_empty() {
             return 0.0;

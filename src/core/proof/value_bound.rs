@@ -50,8 +50,7 @@ const DERIVATIVE_ERROR: f64 = 1e-5;
 
 /// Weights (eta, zeta) of the effect of one motion.
 ///
-/// The vector eta multiplies the displacement of the point whose error counts, and zeta multiplies the
-/// rotation.
+/// The vector eta multiplies the displacement of the measured point, and zeta multiplies the rotation.
 pub(super) type Weight = (Vector3<f64>, Vector3<f64>);
 
 /// Way in which a reading combines the effects of all error sources into one value.

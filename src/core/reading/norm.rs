@@ -4,8 +4,8 @@
 //!
 //! This is a generalized chi distribution. The Laplace transform of the density of `|e|^2` has a closed form,
 //! and the inverse transform gives the probability `P(|e| <= c)`. No moments are fitted. For normal
-//! parameters the probability is accurate to 1e-10, whatever the ratios of the eigenvalues of the covariance.
-//! For other parameters, the fourth and sixth cumulants correct the transform to second order. In three
+//! parameters the probability is accurate to 1e-10, for any ratios of the eigenvalues of the covariance. For
+//! other parameters, the fourth and sixth cumulants correct the transform to second order. In three
 //! dimensions, the result is accurate within 0.2 % for ten uniform parameters and within 3 % for five. If
 //! even fewer uniform or triangular parameters dominate, [`NormLaw`] uses a [`ConditionalNorm`] instead.
 

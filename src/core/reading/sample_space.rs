@@ -2,7 +2,7 @@
 //! equipment.
 //!
 //! Operations share the parameters of the robot, and the parameters of equipment that they have in common.
-//! Each of these parameters has one value per draw, whichever operations are judged.
+//! Each of these parameters has one value per draw, which all operations share.
 
 use super::error_sources::{ErrorSource, ErrorSources};
 use super::normal_quantile::normal_quantile;

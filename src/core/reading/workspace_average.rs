@@ -67,7 +67,7 @@ struct AveragedErrors<'a> {
 }
 
 impl WorkspaceAverage {
-    /// Prepares the averages over the workspace of a chain; `elastic` says whether any error is elastic.
+    /// Prepares the averages over the workspace of a chain; `elastic` states whether any error is elastic.
     pub fn new(chain: &Chain, elastic: bool) -> Self {
         let axes = chain.axes();
         let drives = |j: usize, i: usize| {

@@ -2,8 +2,8 @@
 //! the density.
 //!
 //! The three results use the same values of the transform. All singularities of the transform lie on the
-//! negative real axis. So the trapezoidal rule on a contour around this axis converges geometrically,
-//! whatever the ratios of the eigenvalues `l_i` of the covariance.
+//! negative real axis. So the trapezoidal rule on a contour around this axis converges geometrically, for any
+//! ratios of the eigenvalues `l_i` of the covariance.
 //!
 //! For a small mean the contour is the parabola `z x = M (1 + i t)^2` with real t and `M = pi N / 12`. The
 //! upper half of the parabola has `N` points, at steps of `3 / N` in t. The points `z x` do not depend on x,
