@@ -497,13 +497,13 @@ fn figures(name: &str, whole: bool) -> String {
 }
 
 const FIGURES: &str = "# How good is the best layout found?\n\n\
-    The table has the proven bound of every cell in cells/, and the objective of the best layout of one search with the\n\
-    budget and the seed of the cell. Each cell has `ideal = true`: its layouts need only work exactly as drawn. The gap\n\
-    is the largest possible improvement, as a share of the best objective. \"Boxes\" is the number of boxes of the branch\n\
-    and bound for each operation. The branch and bound of an operation stops soon after 100000 boxes. \"Seconds\" is the\n\
-    time of the proof alone, on 2 cores that other jobs used, too. If a bound covers only some operations, the others\n\
-    count as 0. For an arm with seven axes, there may be no bound above 0. `sweetspot search` says for which operations\n\
-    there is none, and why. This command makes the table:\n\n\
+    The table states the proven bound of every cell in cells/, and the objective of the best layout of one search with\n\
+    the budget and the seed of the cell. Each cell has `ideal = true`: its layouts need only work exactly as drawn. The\n\
+    gap is the largest possible improvement, as a share of the best objective. \"Boxes\" is the number of boxes that\n\
+    branch and bound examines for each operation. Branch and bound stops soon after 100000 boxes for one operation.\n\
+    \"Seconds\" is the time of the proof alone, on 2 cores that other jobs also used. If a bound covers only some\n\
+    operations, the errors of the other operations count as 0. There may be no bound above 0 for an arm with seven axes.\n\
+    `sweetspot search` says which operations have no bound, and why. This command makes the table:\n\n\
     \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths proof::figures -- --nocapture\n\n\
     | cell | bound | covers | best found | evaluations | gap | boxes | seconds |\n\
     |---|---|---|---|---|---|---|---|\n";

@@ -128,13 +128,13 @@ fn table(rows: &[SolverRow], study: &Study) -> String {
 }
 
 const README: &str = "# Which solver\n\n\
-    The table has the number of layout evaluations until the best layout found is within 1 % or 1 um of the best known\n\
-    layout. The best known layout is the best of all runs of all solvers on that cell. Each entry is the median over the\n\
-    seeds, with the number of seeds that reached this accuracy within the budget. The random cells are those of\n\
-    tests/common/random_cells.rs with three or more free coordinates. Every cell has `ideal = true`: its layouts need\n\
-    only work exactly as drawn. The other cells of cells/ are left out, because thousands of searches in them take hours.\n\
-    Two of them would add nothing: hitachi_paper has nothing to search for, and hitachi_urdf has the same arm as\n\
-    hitachi_cell.\n\n";
+    The table states how many layout evaluations a solver needs until its best objective is within 1 % or 1 um of the\n\
+    best known objective. The best known objective is the least objective of all runs of all solvers on the cell. Each\n\
+    entry is the median over the seeds, with the number of seeds that reached this accuracy within the budget. The\n\
+    random cells are those of tests/common/random_cells.rs with three or more free coordinates. Every cell has\n\
+    `ideal = true`: its layouts need only work exactly as drawn. The other cells in cells/ are left out, because thousands of\n\
+    searches in them take hours. Two of these cells would add no information: in hitachi_paper nothing may change, and\n\
+    hitachi_urdf has the same arm as hitachi_cell.\n\n";
 
 #[test]
 fn the_study_recommends_the_default_solver() {

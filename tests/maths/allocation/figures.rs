@@ -1,4 +1,5 @@
-//! Savings of the cheapest tolerances against uniform tightening, on the shipped cells, and times.
+//! Measures savings of the cheapest tolerances compared with uniform tightening on the shipped cells, and
+//! computing times.
 
 use super::independent::{random_arm, random_cost};
 use super::search::{priced, searched};
@@ -12,18 +13,18 @@ use sweetspot::cell::{Cell, Interpretation, Objective, Quantity, Reading, Unit};
 use sweetspot::layout::{Workcell, evaluate};
 
 const HEAD: &str = "# What the cheapest tolerances save\n\n\
-    This table applies `sweetspot allocate` to every cell in cells/, as drawn. The error set of the cell is read as\n\
-    tolerances. The limit of each operation is a share of the present worst case or 95th percentile, at the spot or at\n\
-    the worst of all usable nodes. Every tolerance costs 1 at present and 1 / scale otherwise, with scales from 0.1 to 3.\n\
-    \"Uniform\" is the cost of uniform tightening, which gives all tolerances the same scale. \"Cheapest\" is the cost of the\n\
-    cheapest tolerances. Both solutions keep the limits according to the error model of the cell. Limits of percentiles\n\
-    are also checked by samples. \"Gap\" is the duality gap. The times are those of one run on 2 cores that other jobs\n\
-    used, too. The times include maps and samples. This command makes the table:\n\n\
+    This table states the results of `sweetspot allocate` for every cell in cells/, as drawn. The errors of each cell\n\
+    are read as tolerances. The limit of each operation is a share of the present worst case or 95th percentile, at the\n\
+    spot or at the worst of all usable nodes. A tolerance costs 1 at its present value and 1 / scale at another value,\n\
+    with scales from 0.1 to 3. \"Uniform\" is the cost of uniform tightening, which gives all tolerances the same scale.\n\
+    \"Cheapest\" is the cost of the cheapest tolerances. Both solutions keep the limits according to the error model of\n\
+    the cell. Limits of percentiles are also checked by samples. \"Gap\" is the duality gap. The times were measured in\n\
+    one run, on 2 cores that other jobs also used, and include maps and samples. This command makes the table:\n\n\
     \u{20}   SWEETSPOT_FIGURES=1 cargo test --test maths allocation::figures -- --nocapture\n\n\
     | cell | reading | limits at | of present | tolerances | uniform | cheapest | saved | rounds | gap | seconds |\n\
     |---|---|---|---|---|---|---|---|---|---|---|\n";
 
-/// Question about one cell.
+/// Allocation problem for one cell.
 #[derive(Clone, Copy)]
 struct Asked {
     reading: Reading,
@@ -126,7 +127,7 @@ fn search_row((reading, quantity): (Reading, Quantity), limit_mm: f64, ideal: bo
     priced.search.ideal = ideal;
     let mut by_error = priced.clone();
     by_error.search.objective = Objective::WeightedSum;
-    // The limits bound the tolerances, not the error at the present ones.
+    // The limits constrain the tolerances to be found, not the error at the present tolerances.
     by_error.operations.iter_mut().for_each(|o| o.limit = None);
     let found = |cell: &Cell| {
         let (workcell, clock) = (Workcell::new(cell.clone()).unwrap(), Instant::now());
@@ -137,7 +138,7 @@ fn search_row((reading, quantity): (Reading, Quantity), limit_mm: f64, ideal: bo
     let workcell = Workcell::new(priced.clone()).unwrap();
     let [start, error, cost] =
         [&priced.start(), &by_error, &cheapest].map(|layout| evaluate(&workcell, layout).objective.unwrap());
-    // A layout to build may cost more by the indifference, for the sake of room.
+    // The search may choose a layout with more room whose cost is higher by up to the indifference.
     let most = error.min(start) * if ideal { 1.0 } else { 1.0 + priced.search.indifference };
     assert!(cost <= most, "{cost} at the cheapest, {error} and {start} elsewhere");
     let (name, layout) = (quantity.name(), if ideal { "ideal" } else { "to build" });
@@ -147,7 +148,7 @@ fn search_row((reading, quantity): (Reading, Quantity), limit_mm: f64, ideal: bo
     )
 }
 
-/// Writes results/allocation/README.md with SWEETSPOT_FIGURES; otherwise checks two cells quickly.
+/// Writes results/allocation/README.md if SWEETSPOT_FIGURES is set. Otherwise checks two cells quickly.
 #[test]
 fn figures() {
     let (worst, random) = (Reading::WorstCase, Reading::Statistical);
@@ -175,8 +176,8 @@ fn figures() {
             put(row(name, Asked { reading, nodes, share: 0.7 }));
         }
     }
-    put("\nThe next table has the times of `allocation::allocate` alone on one core (median of five). The arms are random. One\n\
-         third of the costs are reciprocal, one third reciprocal powers, and one third exponential.\n\n\
+    put("\nThe next table states the time of `allocation::allocate` alone on one core (median of five runs), for random arms.\n\
+         One third of the costs are reciprocal, one third are reciprocal powers, and one third are exponential.\n\n\
          | tolerances | nodes | requirement | milliseconds | cone programs |\n|---|---|---|---|---|\n".into());
     for (nodes, rows, statistical, what) in [
         (1, 1, false, "worst case in an axis"),
@@ -193,10 +194,10 @@ fn figures() {
         }
     }
     put("\nThe last table compares searches for the least cost with searches for the least error. The cell is hitachi_cell, the\n\
-         seed is 1, and both operations have the limit of the row. The costs are those that `allocate` finds for a layout by\n\
-         the linear model, at the spots of the search. An ideal layout need only work as drawn. A layout to build must work\n\
-         everywhere within the placement tolerances, and its pieces have room. The last two columns are the times of the two\n\
-         searches in seconds, one after the other, on two cores.\n\n\
+         seed is 1, and both operations have the limit of the row. `allocate` computes the cost of each layout by the linear\n\
+         model, at the spots of the search. An ideal layout need only work as drawn. A layout to build must work everywhere\n\
+         within the placement tolerances, and leaves room to place the pieces. The last two columns are the times in seconds\n\
+         of the search for the least error and of the search for the least cost, on two cores.\n\n\
          | reading | limit mm | layout | cost at the start | least error | cheapest | s by error | s by cost |\n\
          |---|---|---|---|---|---|---|---|\n".into());
     for (reading, quantity, limit_mm) in
