@@ -68,7 +68,11 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
         |what: String| Err(format!("{} and {} cannot be compared: {what}", shown(&a.label), shown(&b.label)));
     let names = |c: &Cell| c.operations.iter().map(|o| o.name.clone()).collect::<Vec<_>>().join(", ");
     if names(a.cell) != names(b.cell) {
-        return refuse(format!("one has the operations {}; the other has {}", names(a.cell), names(b.cell)));
+        return refuse(format!(
+            "the first has the operations {}; the second has {}",
+            names(a.cell),
+            names(b.cell)
+        ));
     }
     let read = |c: &Cell| {
         let quantity = if c.reading == Reading::Statistical { c.quantity.name() } else { "" };
@@ -79,16 +83,18 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
             let (reading, quantity, registration) = read(c);
             format!("{reading} {quantity}").trim().to_string() + &format!(" with registration {registration}")
         };
-        return refuse(format!("the reading of one is {}, of the other {}", said(a.cell), said(b.cell)));
+        return refuse(format!(
+            "the reading of the first is {}, of the second {}",
+            said(a.cell),
+            said(b.cell)
+        ));
     }
     if a.cell.search.objective != b.cell.search.objective {
         let [x, y] = [a, b].map(|a| a.cell.search.objective.name());
-        return refuse(format!("the objective of one is {x}, of the other {y}"));
+        return refuse(format!("the objective of the first is {x}, of the second {y}"));
     }
     if a.cell.search.robust != b.cell.search.robust {
-        return refuse(
-            "one is evaluated as drawn, the other with its placement tolerances (robust = true)".into(),
-        );
+        return refuse("only one of them is evaluated with its placement tolerances (robust = true)".into());
     }
     let question = |o: &Operation| {
         (o.sense.clone(), o.place.in_words(), o.over, o.weight.to_bits(), o.limit.map(f64::to_bits))
@@ -104,7 +110,7 @@ fn same_question(a: &Assessment<'_>, b: &Assessment<'_>) -> Result<(), String> {
                 );
                 format!("sense {}, {} of {of}, weight {weight}, {limit}", sense.name, over.name())
             };
-            return refuse(format!("{} has {} in one, but {} in the other", x.name, said(x), said(y)));
+            return refuse(format!("{} has {} in the first, but {} in the second", x.name, said(x), said(y)));
         }
     }
     Ok(())

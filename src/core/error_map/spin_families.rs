@@ -85,7 +85,7 @@ impl OperationQuery<'_> {
         }
     }
 
-    /// Opens a family: bounds its members, or judges them if a bound costs as much. A single member is
+    /// Opens a family: bounds its members, or judges the members if a bound costs as much. A single member is
     /// judged, or its bound is sharpened.
     ///
     /// If `queue.is_nearest_known` is true, members whose arm collides are left out. Such a member could only

@@ -49,7 +49,7 @@ pub struct ErrorSources {
     /// the factor.
     pub factors: Vec<Vec<(usize, f64)>>,
     /// Number of robot parameters in a sample. The elastic parameters are left out if none of them has an
-    /// error. The parameters of the joint frames are left out, too, if none of these has an error either.
+    /// error. If the parameters of the joint frames have no error either, they are also left out.
     parameters: usize,
     /// Indices of two pieces of equipment: first the work equipment, then the equipment from which the part
     /// was picked.

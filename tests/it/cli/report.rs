@@ -394,7 +394,7 @@ fn layouts_of_another_question_make_no_page() {
     let shop = shop();
     for (other, said) in [
         ("cells/hitachi_cell.toml", "grid 10 by 8"),
-        ("cells/scara_cell.toml", "the reading of one is signed"),
+        ("cells/scara_cell.toml", "the reading of the first is signed"),
     ] {
         let ran = shop.run(&["compare", "cells/small.toml", other, "-o", "two.html"]);
         assert_eq!(ran.code, Some(2), "{}", ran.err);
