@@ -2,11 +2,11 @@
 
     cargo build --release && python3 results/robots/library.py target/release/sweetspot
 
-Names of robots after the program choose a part of the table. *Reach* is the greatest distance of the flange
-from the base axis with the tool pointing down, as `sweetspot robot` prints it. For an arm with a spherical
-wrist, it is the distance of the wrist centre, which most makers state. Envelopes of redundant arms and of
-arms without a closed form take long to compute, and are left out. *Stated* is the reach that the source
-states. *s* is the time of `map` in seconds.
+If names of robots follow the program, the table has only these robots. *Reach* is the greatest distance of
+the flange from the base axis with the tool pointing down, as `sweetspot robot` prints it. For an arm with a
+spherical wrist, this equals the greatest distance of the wrist centre, which most makers state. For redundant
+arms and arms without a closed form, computing the envelope takes long, so these arms have no reach. *Stated*
+is the reach that the source states. *s* is the time of `map` in seconds.
 """
 
 import json
