@@ -3,10 +3,10 @@
 //!
 //! # The problem
 //!
-//! A robot is built with small errors `e` in its link parameters, so its end effector is not where its
-//! controller assumes. This project grew from a 1990s journal paper on a *kinematic error mapping and layout
-//! facility* (AutoCAD and AutoLISP, Hitachi PW 10-II). The author, title and year of the paper are not known
-//! to us. The documentation calls it the seed paper. In the equations of the paper, `A_i` is the
+//! A robot is built with small errors `e` in its link parameters, so its end effector is not exactly where
+//! the controller expects it. This project grew from a 1990s journal paper on a *kinematic error mapping and
+//! layout facility* (AutoCAD and AutoLISP, Hitachi PW 10-II). The author, title and year of the paper are not
+//! known to us. The documentation calls it the seed paper. In the equations of the paper, `A_i` is the
 //! Denavit-Hartenberg matrix of link i. The term with Hayati's fifth parameter `beta_i` (section 2.3 of the
 //! paper) is in brackets. `T` is the pose of the end effector at the joint coordinates `q`, and `dT` is the
 //! error of this pose:
@@ -77,8 +77,8 @@
 //!
 //! # What holds everywhere
 //!
-//! - SI units inside: m, rad, f64. Millimetres and degrees occur only in files and reports, where every name
-//!   states its unit. Only [`units`] converts.
+//! - The library computes in SI units: m and rad, as f64. Millimetres and degrees occur only in files and
+//!   reports, where every name states its unit. Only [`units`] converts units.
 //! - The core does no input or output: only `cli` touches files, clock and terminal.
 //! - A [`cell::Cell`] is valid by construction. The reader reports all faults at once. Each fault states
 //!   file, line and column, what is wrong and what to do.
@@ -122,7 +122,7 @@
 //! them, and may change with any version. Items that serve only the command line are hidden from this
 //! documentation.
 //!
-//! The other modules give more, such as the error at every node:
+//! The other modules give more detail, such as the error at every node:
 //!
 //! ```
 //! use sweetspot::{error_map, files, layout};
@@ -145,7 +145,7 @@ pub use sweetspot_core::{
     kinematic_error, layout, motion, pose, pose_accuracy, proof, raster, reach, reading, region, robot,
     search, units, verification,
 };
-// Parts of the machinery that no user of the library needs.
+// Internal modules that no user of the library needs.
 #[doc(hidden)]
 pub use sweetspot_core::{colours, geometry, low_discrepancy, mesh, safe_text, svg_text};
 

@@ -160,9 +160,9 @@ impl Study {
         Ok(Self { origin, settings, loaded })
     }
 
-    /// Returns a study that differs from this one in the value of a key. The key is a dotted path as in TOML.
-    /// The name `"*"` in the path stands for every name of a table, as in `operation."*".limit_mm`. Lengths
-    /// are in mm, angles in degrees.
+    /// Returns a copy of this study with another value of a key. The key is a dotted path as in TOML. The
+    /// name `"*"` in the path stands for every name of a table, as in `operation."*".limit_mm`. Lengths are
+    /// in mm, angles in degrees.
     ///
     /// # Errors
     /// Fails with the faults of the setting, such as an unknown key.
@@ -170,8 +170,8 @@ impl Study {
         self.set_all([(key, value.into())])
     }
 
-    /// Returns a study that differs from this one in the values of several keys. The keys are set at once, so
-    /// the values may be valid only together.
+    /// Returns a copy of this study with other values of several keys. The keys are set together, so the
+    /// values need to be valid only in combination.
     ///
     /// # Errors
     /// Fails with the faults of all settings.

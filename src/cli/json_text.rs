@@ -6,7 +6,7 @@ use super::{Exit, output};
 use erased_serde::Serialize;
 use std::io::{BufWriter, Write};
 
-/// Description of a sealed file that [`unsealed`] refuses.
+/// Message about a sealed file that [`unsealed`] refuses.
 pub const DAMAGED: &str = "it is damaged: its text does not match the hash in its key sha256";
 
 /// End of the text of a JSON object.

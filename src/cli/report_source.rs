@@ -114,7 +114,7 @@ fn refuse_other_numbers(folder: &Path, subject: &Subject<'_>) -> Result<(), Exit
     refuse_other_limits(folder, found, subject.best.as_ref())
 }
 
-/// Refuses a search.json whose limits differ from those of the cell in inputs/.
+/// Refuses a search.json whose limits differ from the limits of the cell in inputs/.
 fn refuse_other_limits(
     folder: &Path,
     found: &SearchResult,

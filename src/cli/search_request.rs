@@ -61,7 +61,7 @@ impl SearchRequest {
     }
 }
 
-/// Refuses settings that differ from those with which the search began.
+/// Refuses settings that differ from the settings with which the search began.
 fn refuse_changes(then: &[Setting], now: &[Setting]) -> Result<(), Exit> {
     let mut said: Vec<String> = Vec::new();
     for setting in now {

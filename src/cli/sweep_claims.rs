@@ -1,8 +1,8 @@
 //! Claims of workers to the combinations of a sweep. Workers share nothing but a folder.
 //!
 //! Claim G to combination NNNN is the file `claims/NNNN-G`. The worker that creates the file owns the
-//! combination. Creation that fails if the file exists is atomic on local disks, on SMB, and on NFS since
-//! version 3. A rename cannot decide who came first, because it replaces the target.
+//! combination. Exclusive creation, which fails if the file exists, is atomic on local disks, on SMB, and on
+//! NFS since version 3. A rename cannot decide who came first, because it replaces the target.
 //!
 //! The owner rewrites its claim with a growing count: the heartbeat. Another worker takes over the
 //! combination if it sees no change for the time of the lease. That worker measures the time with its own

@@ -15,7 +15,7 @@ pub struct CalibrateArguments {
     /// the calibration.conf of a Universal Robots controller, or a calibrated URDF
     #[arg(required_unless_present = "plan")]
     pub data: Vec<PathBuf>,
-    /// Judge the calibration by a table that is not part of the fit; can be given several times
+    /// Test the calibration with a table that is not part of the fit; can be given several times
     #[arg(long, value_name = "FILE")]
     pub test: Vec<PathBuf>,
     /// Also identify the deflections of the joints under the weight of the links
@@ -31,7 +31,7 @@ pub struct CalibrateArguments {
     /// for joint zeros, 0.1 degrees for other angles]
     #[arg(long, value_name = "ERRORS")]
     pub prior: Option<String>,
-    /// Use this many randomly drawn rows of every table [default: all]
+    /// Use this many randomly drawn rows of every table [default: all rows]
     #[arg(long, value_name = "N")]
     pub poses: Option<usize>,
     /// Seed of the random draw of --poses, or of the postures among which --plan chooses
@@ -51,7 +51,7 @@ pub struct CalibrateArguments {
     /// Print the calibration as JSON on stdout
     #[arg(long)]
     pub json: bool,
-    /// Plot the distance between every measured position and its prediction over the coordinate of every
+    /// Plot the distance between every measured position and its prediction against the coordinate of every
     /// joint
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,

@@ -22,7 +22,8 @@ pub struct ErrorsArguments {
     /// Take the tolerances from the preset of this class of arms; --presets lists the presets
     #[arg(long, value_name = "NAME", conflicts_with = "errors")]
     pub preset: Option<String>,
-    /// Take the tolerances from this error set of the robot [default: its first set of tolerances]
+    /// Take the tolerances from this error set of the robot [default: the first set of tolerances of the
+    /// robot]
     #[arg(long, value_name = "NAME")]
     pub errors: Option<String>,
     /// Scale the tolerances so that the predicted pose accuracy AP equals this value from the data sheet

@@ -140,7 +140,7 @@ fn metres(mm: [f64; 3]) -> Vector3<f64> {
     Vector3::from(mm.map(m_from_mm))
 }
 
-/// Refuses fewer poses than the unknowns need.
+/// Refuses a plan with fewer poses than the number of unknowns requires.
 fn enough(intended: &IntendedCalibration<'_>, count: usize) -> Result<(), Exit> {
     let (least, unknowns) = (intended.least_poses(), intended.unknowns_with_set_up());
     if count >= least {

@@ -7,18 +7,18 @@ use crate::units::rad_from_deg;
 /// Place of the table in a first cell, in whole mm and degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TablePlace {
-    /// Height of the robot base above the floor.
+    /// Height of the robot base above the floor, mm.
     pub pedestal: i32,
-    /// Height of the top of the table above the floor.
+    /// Height of the top of the table above the floor, mm.
     pub top: i32,
-    /// Distance of the middle of the table from the base axis.
+    /// Distance of the middle of the table from the base axis, mm.
     pub radius: i32,
-    /// Azimuth of the table about the base axis.
+    /// Azimuth of the table about the base axis, degrees.
     pub azimuth: i32,
-    /// Size of the table along the radius and perpendicular to the radius.
+    /// Size of the table along the radius and perpendicular to the radius, mm.
     pub size: (i32, i32),
     pub standoff: i32,
-    /// Elevation of the tool axis.
+    /// Elevation of the tool axis, degrees.
     pub bend: i32,
 }
 

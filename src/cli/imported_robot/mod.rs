@@ -120,7 +120,7 @@ fn imported(query: ImportQuery<'_>, text: &str) -> Result<ImportedRobot, Vec<Fau
         loaded = source.robot(&meshes, &guesses);
     }
     let loaded = loaded.map_err(refuse)?;
-    // The outline has already issued all warnings except those of the meshes.
+    // The outline has already issued all warnings except the warnings about meshes.
     let own = loaded.warnings.iter().filter(|own| !warnings.iter().any(|known| known.message == own.message));
     warnings.extend(own.cloned().collect::<Vec<_>>());
     let file = file_path(query.path);

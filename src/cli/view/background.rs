@@ -1,4 +1,4 @@
-//! Page of `view` that a thread of this process serves.
+//! Page of `view`, served by a thread of this process.
 
 use super::{AccessControl, LiveView, LocalServer, Origin, secret};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ impl BackgroundView {
         Ok(Self { url, over, thread: Some(thread) })
     }
 
-    /// Returns the address of the page, which contains its secret.
+    /// Returns the URL of the page, including the secret.
     pub fn url(&self) -> &str {
         &self.url
     }

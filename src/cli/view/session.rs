@@ -15,8 +15,8 @@ pub struct Step {
 
 /// Undo history and evaluation settings of one run of `sweetspot view`.
 pub struct Session {
-    /// Number of changes in this session. A page compares this number to notice a change that another page
-    /// made.
+    /// Counter that grows with every change in this session. A page compares the counter to notice a change
+    /// that another page made.
     pub revision: u64,
     pub question: EvaluationSettings,
     steps: Vec<Step>,

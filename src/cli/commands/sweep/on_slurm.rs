@@ -81,7 +81,7 @@ pub fn run_on_slurm(
 /// Submission of a sweep to a cluster.
 struct ClusterRun<'s> {
     sweep: &'s CheckedSweep,
-    /// Combinations without a file.
+    /// Combinations whose files are not complete.
     missing: Vec<usize>,
     /// Number of combinations that were missing at the start.
     total: usize,

@@ -1,4 +1,4 @@
-//! Threads of a sweep.
+//! Thread pools of a sweep.
 
 use crate::cli::{Exit, output};
 

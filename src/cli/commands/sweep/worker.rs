@@ -46,7 +46,7 @@ pub fn run_shared(sweep: &CheckedSweep, missing: Vec<usize>, jobs: usize, lease:
     run.refuse_given_up()
 }
 
-/// Run of one worker.
+/// State of the run of one worker.
 struct SharedRun<'s> {
     sweep: &'s CheckedSweep,
     work: SharedWork<'s>,

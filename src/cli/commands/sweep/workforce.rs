@@ -49,7 +49,8 @@ impl Workforce<'_> {
     }
 }
 
-/// Returns the number of combinations to process in parallel, given the number that the user asks for.
+/// Returns the number of combinations to process in parallel: the number that the user states, or one per
+/// core.
 pub fn jobs(asked: Option<u16>) -> usize {
     asked.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
 }
