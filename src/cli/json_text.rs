@@ -39,7 +39,8 @@ fn not_json(e: serde_json::Error) -> Exit {
     Exit::Io
 }
 
-/// Returns a document as the text of a JSON file. Its last key, `sha256`, is the hash of the text before it.
+/// Returns a document as the text of a JSON file. The last key, `sha256`, is the hash of the text before the
+/// key.
 ///
 /// The SHA-256 hash covers all bytes before the comma in front of the key.
 pub fn sealed(document: &dyn Serialize) -> Result<Vec<u8>, Exit> {

@@ -143,7 +143,7 @@ pub fn portable(name: &str) -> String {
 
 /// Returns the path of every input relative to the folder of the inputs. The first input is the cell file.
 ///
-/// Only the cell file is renamed, because no other file refers to it. Its new name differs from the path of
+/// Only the cell file is renamed, because no other file refers to it. The new name differs from the path of
 /// every other input, even if the case of letters is ignored.
 pub fn input_places<'p>(paths: impl IntoIterator<Item = &'p str>) -> Vec<String> {
     // Some file systems allow no colon in a name.

@@ -115,7 +115,7 @@ impl LiveView {
         Ok(document)
     }
 
-    /// Evaluates a layout while equipment is dragged. With `draws`, adds the drawing for the 3-D view.
+    /// Evaluates a layout while equipment is dragged. If `draws` is true, adds the drawing for the 3-D view.
     fn attempt(&self, asked: &Map<String, Value>, draws: bool) -> Result<Value, String> {
         let (question, values) = {
             let session = locked(&self.session);

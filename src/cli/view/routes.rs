@@ -35,7 +35,7 @@ fn got(view: &LiveView, inside: &str) -> HttpResponse {
     said(document)
 }
 
-/// Returns the page. Its scripts and styles carry a nonce that is unique to this response.
+/// Returns the page. The scripts and styles of the page carry a nonce that is unique to this response.
 fn page() -> HttpResponse {
     let page = secret().and_then(|nonce| HttpResponse::page(&nonce, report::page::live(&nonce)));
     page.unwrap_or_else(|why| HttpResponse::refused(StatusCode::INTERNAL_SERVER_ERROR, &why))

@@ -20,7 +20,7 @@ pub struct Workforce<'a> {
 }
 
 impl Workforce<'_> {
-    /// Processes the missing combinations. With --dry-run, only shows what would be submitted.
+    /// Processes the missing combinations. If --dry-run is given, only shows the job that would be submitted.
     ///
     /// Returns the exit code of the command if combinations may still be missing: the job was only shown, or
     /// a signal has stopped this program.
