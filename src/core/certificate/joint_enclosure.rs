@@ -1,5 +1,5 @@
-//! Joint enclosure: all joint coordinates with which the arm follows a target through the target box, in one
-//! branch.
+//! Joint enclosure: bounds of the joint coordinates while the arm follows a target through the target box, in
+//! one branch.
 
 use super::posed_chain::{PosedChain, Rows, times};
 use super::target_box::{BoxAxis, TargetBox};
@@ -44,11 +44,11 @@ impl JointEnclosure {
     /// Returns the joint enclosure of a posture with the actuator coordinates `joints` and the frames
     /// `frames`.
     ///
-    /// The result holds for every nominal posture whose D-H coordinates are within `beyond` (rad or m) of the
-    /// given posture. For a single posture, `beyond` is 0.
+    /// The result is valid for every nominal posture whose D-H coordinates are within `beyond` (rad or m) of
+    /// the given posture. For a single posture, `beyond` is 0.
     ///
     /// # Errors
-    /// Returns the reason if there is no joint enclosure, or if it exceeds the joint limits.
+    /// Returns the reason if there is no joint enclosure, or if the enclosure exceeds the joint limits.
     pub fn new(
         chain: &Chain,
         task: &ToolTask,
@@ -69,7 +69,7 @@ impl JointEnclosure {
                 return Err(NoEnclosure::NearlySingular);
             }
         }
-        // The linear part alone suffices to refuse most postures near a limit.
+        // The linear part alone is enough to refuse most postures near a limit.
         let linear = Self::of_coordinates(&posed, &first, &[0.0; MAX_ROWS], target);
         linear.check_limits(chain, joints)?;
         let mut around = [0.0; MAX_ROWS];
@@ -85,7 +85,7 @@ impl JointEnclosure {
         Ok(found)
     }
 
-    /// Returns half widths of the actuator coordinates about the nominal posture, rad or m.
+    /// Returns the half widths of the actuator coordinates about the nominal posture, rad or m.
     pub fn actuators(&self, chain: &Chain) -> JointVector {
         let mut half = [0.0; MAX_JOINTS];
         for theta in &self.first {
@@ -177,7 +177,7 @@ impl JointEnclosure {
         if turned < 0.5 { sum / (1.0 - turned) } else { f64::INFINITY }
     }
 
-    /// Returns the enclosure for displacements of the coordinates of a posed chain.
+    /// Returns the enclosure that follows from displacements in the coordinates of a [`PosedChain`].
     fn of_coordinates(
         posed: &PosedChain<'_>,
         first: &[Rows; BoxAxis::COUNT],
@@ -197,7 +197,8 @@ impl JointEnclosure {
         let half: JointVector =
             std::array::from_fn(|j| first.iter().map(|steps| steps[j].abs()).sum::<f64>() + bend[j]);
         // If the orientation of the tool is not controlled as a whole, the tool can only rotate about the
-        // vertical with the first joint. With a numeric solver, the tool can rotate with every joint.
+        // vertical with the first joint. If a numeric solver controls the tool axis, the tool can rotate with
+        // every joint.
         let tool_turn = match (posed.task.keeps_orientation, posed.task.rotation[0].0) {
             (true, _) if posed.task.radial => target.heading + target.yaw,
             (true, _) => 0.0,
@@ -208,7 +209,7 @@ impl JointEnclosure {
     }
 }
 
-/// Returns the changes of the actuator coordinates that belong to changes of the D-H coordinates, rad or m.
+/// Returns the changes of the actuator coordinates that follow from changes of the D-H coordinates, rad or m.
 fn actuators(chain: &Chain, theta: &JointVector) -> JointVector {
     let mut q = *theta;
     for i in 0..chain.axes() {

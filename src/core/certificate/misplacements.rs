@@ -8,9 +8,9 @@ use crate::robot::{Chain, Frames};
 /// Upper bounds of the motion of equipment, fence and floor relative to the robot base, m.
 #[derive(Debug, Clone, Default)]
 pub struct Misplacements {
-    /// Bound of each piece of equipment; the last entry is the bound of the fence.
+    /// Bound of the motion of each piece of equipment; the last entry is the bound for the fence.
     equipment: Vec<f64>,
-    /// Bound of the floor below the robot.
+    /// Bound of the motion of the floor below the robot.
     floor: f64,
 }
 
@@ -40,13 +40,13 @@ impl Misplacements {
             self.equipment.push((slid + sum) * (1.0 + turned));
         }
         let [x, y, z, yaw] = cell.base_tolerance.0;
-        // The fence is not limited in size, but only its points within reach count.
+        // The fence may have any size, but only its points within reach count.
         self.equipment.push(x.hypot(y).hypot(z) + yaw * reach);
         self.floor = z;
     }
 
-    /// Returns the bound of a piece of equipment, m. The index after all equipment stands for the fence, and
-    /// None for the floor.
+    /// Returns the bound of the motion of a piece of equipment, m. The index after the last piece denotes the
+    /// fence, and None denotes the floor.
     pub fn of(&self, equipment: Option<usize>) -> f64 {
         equipment.map_or(self.floor, |k| self.equipment[k])
     }
@@ -93,8 +93,8 @@ impl SolidMotion for PostureMotion<'_> {
             let centre = self.frames.links[sphere.frame].transform(&sphere.centre);
             let lever = (centre - self.frames.tcp.translation).norm() + sphere.radius;
             let tcp = self.layout.base.pose().transform(&self.frames.tcp.translation);
-            // Relative to a carrier, the equipment moves by its own tolerances and those of the pieces in
-            // between.
+            // Relative to a carrier, the equipment moves by its own tolerances and by the tolerances of the
+            // pieces in between.
             let (mut piece, mut slid, mut turned, mut sum) = (self.equipment, 0.0, 0.0, 0.0);
             while piece != equipment {
                 let (at, [x, y, z, yaw]) =

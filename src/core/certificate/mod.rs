@@ -9,8 +9,8 @@
 //! - every solid keeps its clearance: no solid moves farther than its distance allows ([`Misplacements`]);
 //! - the value of the operation is at most a known bound ([`ValueBound`]).
 //!
-//! All steps use bounds that cover the whole target box, not samples. If a bound is too wide, the certificate
-//! is refused, although the posture may be usable.
+//! All steps use bounds that cover the whole target box, not samples. If a bound is too wide, no certificate
+//! is issued, although the posture may be usable.
 //!
 //! | file | content |
 //! |---|---|
@@ -45,7 +45,7 @@ pub enum NotCertified {
     NoTask,
     /// The posture is too near to a singular posture for a target box of this size.
     NearlySingular,
-    /// A joint may exceed its limit, margin included, by up to `by` (rad or m).
+    /// A joint may exceed its limit, reduced by the margin, by up to `by` (rad or m).
     JointLimit { joint: usize, by: f64 },
     /// The distance from singular postures may fall to `measure`, which is below the margin.
     Singular { measure: f64 },
@@ -65,7 +65,7 @@ impl From<NoEnclosure> for NotCertified {
 }
 
 impl NotCertified {
-    /// Describes the reason with the names of the cell, as a clause about the operation.
+    /// Returns the reason as a clause about the operation, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
             Self::NoTask => "no bound of its joint coordinates is known for this attitude and arm".into(),
@@ -76,7 +76,7 @@ impl NotCertified {
                     JointKind::Revolute => (deg_from_rad(*by), "deg"),
                     JointKind::Prismatic => (mm_from_m(*by), "mm"),
                 };
-                format!("joint {} may pass its limit or margin by {by:.2} {unit}", shown(&joint.name))
+                format!("joint {} may exceed its limit or margin by {by:.2} {unit}", shown(&joint.name))
             }
             Self::Singular { measure } => PostureRefusal::Singular { measure: *measure }.in_words(cell),
             Self::Clearance(Hit { solid, other }) => {

@@ -3,16 +3,17 @@
 //!
 //! Let J be the Jacobian of the tool task at the nominal posture, and `J + D` the Jacobian at another
 //! posture. Along a straight path of the target at the velocity v, the joint rates are `q' = (J + D)^-1 v`.
-//! To first order, the rates are `a = J^-1 v`. Their deviation `e'` from `a` is
+//! To first order, the rates are `a = J^-1 v`. The deviation `e'` of the rates from `a` is
 //!
 //! ```text
 //! e' = -J^-1 D (a + e').
 //! ```
 //!
 //! Assume that every component of the deviation is at most r. This assumption bounds D, and therefore the
-//! right side. If the bound of the right side is at most r, the path exists and keeps the assumption. This is
-//! Krawczyk's test (R. Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken",
-//! Computing 4, 1969) for a path. J + D is regular along the path, so the arm stays in its branch.
+//! right-hand side. If the bound of the right-hand side is at most r, the path exists and the assumption is
+//! true. This is Krawczyk's test (R. Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit
+//! Fehlerschranken", Computing 4, 1969) for a path. J + D is regular along the path, so the arm stays in its
+//! branch.
 //!
 //! D is bounded by its first derivatives at the nominal posture and by a bound of its second derivatives.
 //! Every derivative of a column is a product of unit axes and one lever arm.
@@ -36,14 +37,14 @@ const TRIALS: usize = 20;
 /// One number per row of a tool task, or per coordinate.
 pub type Rows = [f64; MAX_ROWS];
 
-/// Square matrix, stored as a list of rows or of columns; each use states which.
+/// Square matrix, stored as a list of rows or of columns; each use states which of the two.
 pub type Square = [Rows; MAX_ROWS];
 
 /// Chain at its nominal posture, prepared for a joint enclosure.
 ///
 /// The coordinates y are displacements of the active joints. For successive revolute joints with parallel
-/// axes, they are sums of the angles from the first of these joints on. Such a sum rotates one link and
-/// shifts the links after it, so a planar arm decouples into independent links.
+/// axes, the coordinates are sums of joint angles, beginning with the first of these joints. Such a sum
+/// rotates one link and shifts the links after it, so a planar arm decouples into independent links.
 pub struct PosedChain<'a> {
     pub chain: &'a Chain,
     pub task: &'a ToolTask,
@@ -163,7 +164,7 @@ impl<'a> PosedChain<'a> {
         sums
     }
 
-    /// Returns the motion of the target per unit of one axis of the target box.
+    /// Returns the motion of the target per unit of one axis of the target box, in the rows of the tool task.
     pub fn rate(&self, axis: BoxAxis) -> Rows {
         let mut rate = [0.0; MAX_ROWS];
         match axis {
@@ -209,8 +210,8 @@ impl<'a> PosedChain<'a> {
     /// Returns an upper bound of the deviation of the coordinates from their linear expansion; None if the
     /// test fails.
     ///
-    /// `first` are the linear displacements along each axis of the target box. `around` bounds the
-    /// displacements of the nominal posture over which the result must hold, too.
+    /// `first` are the linear displacements along each axis of the target box. The result is also valid if
+    /// the nominal posture is displaced by up to `around`.
     pub fn bend(&self, inverse: &Square, first: &[Rows; BoxAxis::COUNT], around: &Rows) -> Option<Rows> {
         let n = self.task.rows;
         let derivatives = self.derivatives(inverse);
@@ -261,8 +262,8 @@ impl<'a> PosedChain<'a> {
         None
     }
 
-    /// Returns an upper bound of the third-order terms in the rows of the task: `D q'` without the first
-    /// derivatives of D. The displacements are at most `wide`, and the rates at most `rates`.
+    /// Returns an upper bound of the third-order terms in the rows of the task: `D q'` without the terms of
+    /// the first derivatives of D. The displacements are at most `wide`, and the rates at most `rates`.
     fn third(&self, wide: &Rows, rates: &Rows) -> Rows {
         let n = self.task.rows;
         let turned = |by: &Rows, bits: u8| -> f64 {

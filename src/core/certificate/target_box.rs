@@ -33,11 +33,11 @@ pub struct TargetBox {
 }
 
 impl TargetBox {
-    /// Returns the box of a target on a piece of equipment; `target` is the nominal position of the target in
-    /// the world, m.
+    /// Returns the box of a target on a piece of equipment. `target` is the nominal position of the target in
+    /// the world frame, m.
     ///
     /// The position of the target depends on the placements of the equipment, of all equipment that carries
-    /// it, and of the robot base. Each placement is expanded to first order; the bound of the second-order
+    /// it, and of the robot base. Each placement is expanded to first order, and a bound of the second-order
     /// terms is added.
     pub fn new(cell: &Cell, layout: &Layout, equipment: usize, target: &Vector3<f64>) -> Self {
         let mut sum = Self { position: Vector3::zeros(), yaw: 0.0, heading: 0.0 };
@@ -82,7 +82,7 @@ impl TargetBox {
     ///
     /// `target` is the nominal position of the target in the base frame, m.
     ///
-    /// The heading is not limited if the box reaches the base axis.
+    /// The half width of the heading is infinite if the box reaches the base axis.
     #[must_use]
     pub fn with_radial_heading(mut self, target: &Vector3<f64>) -> Self {
         let (aside, radius) = (self.position.xy().norm(), target.xy().norm());
@@ -122,7 +122,7 @@ struct Body<'a> {
 struct SecondOrder {
     /// Sum of all yaw tolerances, rad.
     turned: f64,
-    /// Sum of all tolerances in plan, m.
+    /// Sum of all horizontal position tolerances, m.
     slid: f64,
     /// Longest lever arm, m.
     levers: f64,

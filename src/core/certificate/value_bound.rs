@@ -8,10 +8,10 @@
 //!
 //! The size of a signed sample, the worst case, the RMS and the mean are convex functions of the effects.
 //! Their largest value is therefore at most the largest value at the corners, plus the value of the
-//! deviations. A percentile of a normal error is not convex. But it grows with the covariance S (T. W.
-//! Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer. Math.
-//! Soc. 6, 1955): if `S <= (1 + e) S_0` holds for every position, the percentile is at most `sqrt(1 + e)`
-//! times the percentile at S_0.
+//! deviations. A percentile of a normal error is not convex. But a percentile grows with the covariance S (T.
+//! W. Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer.
+//! Math. Soc. 6, 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most
+//! `sqrt(1 + e)` times the percentile at S_0.
 
 use super::joint_enclosure::JointEnclosure;
 use super::target_box::{BoxAxis, TargetBox};
@@ -23,7 +23,7 @@ use crate::reading::{ErrorEvaluator, EvaluatorScratch, WorkContext};
 use crate::robot::{Chain, Frames, Posture};
 use nalgebra::{Matrix3, Matrix6};
 
-/// Relative difference of two weights up to which they count as equal.
+/// Largest relative difference of two weights that count as equal.
 const ROUNDING: f64 = 1e-12;
 
 /// Reason why the value of an operation has no upper bound over its target box.
@@ -76,8 +76,8 @@ pub struct ValueBound {
     gain: f64,
     /// Whether the value stays the same if error and sense rotate relative to each other about the vertical.
     is_isotropic: bool,
-    /// Total of the translations among the errors, m, and of the rotations, rad. Both are 0 for the linear
-    /// model and for the statistical reading.
+    /// Sum of the translational errors, m, and sum of the rotational errors, rad. Both sums are 0 for the
+    /// linear model and for the statistical reading.
     totals: (f64, f64),
     /// Distance from the TCP to the point whose error counts, m.
     point: f64,
@@ -93,7 +93,7 @@ struct SourceMotion {
     /// Number of joints that precede the motion; None for a motion of the equipment.
     link: Option<usize>,
     turns: bool,
-    /// Largest size that counts in the reading: rad or m.
+    /// Size of the motion in the reading of the errors, rad or m.
     size: f64,
 }
 
@@ -247,8 +247,8 @@ impl ValueBound {
 
     /// Returns an upper bound of the change of the mean error over the box, m.
     ///
-    /// The mean error is a sum of second-order terms: each is a product of two sizes, unit axes and a lever
-    /// arm.
+    /// The mean error is a sum of second-order terms. Each term is a product of two sizes, unit axes and a
+    /// lever arm.
     fn mean(&self, boxed: &BoxedPosture<'_>, lever: f64) -> f64 {
         let total: f64 = self.motions.iter().map(|m| m.size).sum();
         let turned: f64 = boxed.joints.half.iter().sum();
@@ -271,8 +271,8 @@ impl ValueBound {
         levers
     }
 
-    /// Returns an upper bound of the value of all deviations of the effects from their interpolation between
-    /// the corners, m. In the statistical reading, the value is the RMS of their sum.
+    /// Returns an upper bound, m, of the value of all deviations of the effects from their interpolation
+    /// between the corners. In the statistical reading, this value is the RMS of the sum of the deviations.
     fn rest(
         &self,
         evaluator: &ErrorEvaluator,
@@ -365,7 +365,8 @@ fn corners(chain: &Chain, boxed: &BoxedPosture<'_>, mut visit: impl FnMut(&Frame
     }
 }
 
-/// Returns a matrix W with `W S W^T = 1` for a covariance S of `rows` components; None if S is not regular.
+/// Returns a matrix W with `W S W^T = 1` for a covariance S of `rows` components; None if S is not positive
+/// definite.
 fn inverse_root(covariance: &Matrix6<f64>, rows: usize) -> Option<Matrix6<f64>> {
     let mut regular = Matrix6::identity();
     regular.view_mut((0, 0), (rows, rows)).copy_from(&covariance.view((0, 0), (rows, rows)));

@@ -95,7 +95,7 @@ impl SampleLimits {
 /// `at` holds the length of the path up to each joint vector, m. `speed` is the greatest speed along the
 /// path, m/s.
 ///
-/// Between the joint vectors the path is a cubic spline. The path is divided into 128 steps, so the result
+/// Between the joint vectors, the path is a cubic spline. The path is divided into 128 steps, so the result
 /// exceeds the exact least time by up to 1 %. This excess is largest if the ramps at the ends are shorter
 /// than a step.
 pub(super) fn path_time(at: Vec<f64>, values: Vec<JointVector>, bounds: &RateBounds, speed: f64) -> f64 {

@@ -23,11 +23,11 @@ pub struct RateBounds {
 impl RateBounds {
     /// Returns the bounds of a robot.
     ///
-    /// A joint without a greatest acceleration reaches its greatest speed in [`Robot::full_speed_after`], or
-    /// in [`ASSUMED_FULL_SPEED_AFTER`].
+    /// A joint without a stated acceleration reaches its greatest speed in [`Robot::full_speed_after`], or in
+    /// [`ASSUMED_FULL_SPEED_AFTER`].
     ///
     /// # Errors
-    /// Returns the indices of the joints without a greatest speed.
+    /// Returns the indices of the joints without a stated speed.
     pub fn new(robot: &Robot) -> Result<Self, Vec<usize>> {
         let missing = robot.joints_without_speed();
         if !missing.is_empty() {

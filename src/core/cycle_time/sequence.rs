@@ -59,10 +59,10 @@ pub struct MotionSequence<'a> {
     pub chain: &'a Chain,
     /// Motion rules of the cell; None if the cell has no such rules.
     pub guard: Option<&'a Guard>,
-    /// Postures at the spots, in the order in which the robot takes them.
+    /// Postures at the spots, in the order in which the robot visits the spots.
     pub stops: &'a [OperationPosture],
-    /// Moves from each stop to the next, and in a cycle also from the last stop to the first. Empty if the
-    /// cell demands no checked moves.
+    /// Moves from each stop to the next, and in a cycle also from the last stop to the first. The list is
+    /// empty if the cell does not require checked moves.
     pub transfers: &'a [Transfer],
 }
 
@@ -121,7 +121,8 @@ impl MotionSequence<'_> {
         self.guard.map_or((0.0, 0.0), |guard| guard.approach_and_retract(operation))
     }
 
-    /// Returns the joint vectors of the line back from a spot along the tool axis.
+    /// Returns the joint vectors of the line back from a spot along the tool axis; None if the arm cannot
+    /// follow the line.
     ///
     /// Whole revolutions may bring `joints` too near to a limit for the line. The line then begins at the
     /// posture of the stop itself, which was checked. The time of the line is the same.

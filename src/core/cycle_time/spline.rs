@@ -6,7 +6,7 @@ use crate::cell::{JointVector, MAX_JOINTS};
 ///
 /// The third derivative is continuous at the second and at the second-to-last vector. So the derivatives at
 /// the ends need not be known (C. de Boor, A Practical Guide to Splines, 1978). Three vectors give a
-/// parabola, and two a line.
+/// parabola, and two vectors give a line.
 pub(super) struct JointSpline {
     /// Parameter of every joint vector, increasing.
     at: Vec<f64>,
@@ -44,7 +44,7 @@ impl JointSpline {
     }
 }
 
-/// Returns the second derivatives at the joint vectors: the solution of a tridiagonal system of equations.
+/// Returns the second derivatives at the joint vectors, which solve a tridiagonal system of equations.
 fn second_derivatives(at: &[f64], values: &[JointVector]) -> Vec<JointVector> {
     let count = at.len();
     let mut second = vec![[0.0; MAX_JOINTS]; count];

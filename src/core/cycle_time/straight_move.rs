@@ -27,8 +27,8 @@ pub fn rest_to_rest(distance: f64, velocity: f64, acceleration: f64) -> f64 {
 /// The joints are synchronised: every joint completes the same share of its travel at every instant. So the
 /// arm stays on the straight line that is checked for collision. The share has a trapezoidal speed profile.
 /// Let d be the travel of a joint, v its greatest speed and a its greatest acceleration. The greatest speed
-/// of the share is the least v / |d| over all joints. The greatest acceleration of the share is the least a /
-/// |d|.
+/// of the share is the least `v / |d|` over all joints. The greatest acceleration of the share is the least
+/// `a / |d|`.
 pub fn straight_move_time(from: &JointVector, to: &JointVector, bounds: &RateBounds) -> f64 {
     limited_move_time(from, to, bounds, f64::INFINITY)
 }

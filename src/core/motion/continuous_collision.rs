@@ -47,9 +47,9 @@ pub struct PathSlack<'a> {
 /// Returns the first point of a path at which the distance of the robot from other solids may fall below
 /// the clearance of the cell. Robot and equipment may deviate from the path by up to `slack`.
 ///
-/// The path consists of straight moves between `knots`, rad or m. The result None proves that there is no
-/// contact. A reported contact may also be a near miss of solids that pass each other within [`RESOLUTION`]
-/// of the clearance.
+/// The path consists of straight moves between the joint vectors `knots`, rad or m. The result None proves
+/// that there is no contact. A reported contact may also be a near miss of solids that pass each other within
+/// [`RESOLUTION`] of the clearance.
 pub fn first_hit(
     chain: &Chain,
     scene: &Scene,
@@ -67,7 +67,7 @@ pub fn first_hit(
     PathQuery { chain, scene, placed, knots, slack }.first_hit_between(0, last, &mut pairs)
 }
 
-/// Pair of solids, with its number among all pairs of the path.
+/// Pair of solids, and the index of the pair among all pairs of the path.
 #[derive(Clone, Copy)]
 struct NumberedPair {
     number: usize,
@@ -135,7 +135,7 @@ impl<'w> PathQuery<'w> {
         self.first_hit_between(first, middle, near).or_else(|| self.first_hit_between(middle, last, near))
     }
 
-    /// Returns the pairs with the amounts by which their distances can decrease between two knots.
+    /// Returns the pairs, each with the amount by which its distance can decrease between two knots.
     fn approaching(
         &self,
         bounds: &MotionBounds<'_>,
@@ -154,8 +154,7 @@ impl<'w> PathQuery<'w> {
             };
             (bounds.displacement(&spheres[link], first), of_deviation)
         };
-        // Most pairs are with equipment, so the displacement of a solid relative to the base is computed
-        // once.
+        // Most pairs contain equipment, so the displacement of a solid relative to the base is computed once.
         let from_base: Vec<_> = (0..spheres.len()).map(|link| displacements(link, 0)).collect();
         let approached = |&NumberedPair { number, pair }: &NumberedPair| {
             let equipment = self.scene.equipment_of(self.placed, pair);

@@ -34,7 +34,7 @@ pub enum PostureRefusal {
     Retract(Hindrance),
 }
 
-/// Hindrance that blocks a move.
+/// Contact or limit that blocks a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hindrance {
     /// Contact with a solid. On an approach or retract line, [`PathHit::at`] is the share of the line
@@ -122,8 +122,11 @@ impl Guard {
         if measure < self.singularity { Err(PostureRefusal::Singular { measure }) } else { Ok(()) }
     }
 
-    /// Returns the value to which the [`singularity`] measure of a posture may fall if its scaled Jacobian
-    /// changes by up to `change`. Returns None if the measure certainly keeps the margin.
+    /// Returns the value to which the [`singularity`] measure of a posture may fall if the scaled Jacobian
+    /// changes. Returns None if the measure certainly stays above the margin.
+    ///
+    /// `change` returns the largest change of the Jacobian, whose lengths are divided by the given
+    /// characteristic length (m).
     ///
     /// A singular value changes by at most the spectral norm of the change (H. Weyl 1912).
     pub fn may_become_singular(&self, frames: &Frames, change: impl Fn(f64) -> f64) -> Option<f64> {

@@ -70,7 +70,7 @@ pub fn is_regular(chain: &Chain, frames: &Frames, reach: f64, least: f64) -> boo
 }
 
 /// Returns `J^T J` over the columns of the moving joints. There are at most six moving joints. The unused
-/// rows and columns are those of the identity matrix.
+/// rows and columns are taken from the identity matrix.
 fn gram(chain: &Chain, jacobian: &ScaledJacobian) -> Matrix6<f64> {
     let mut gram = Matrix6::identity();
     for (a, j) in moving_joints(chain).enumerate() {
@@ -90,8 +90,8 @@ fn moving_joints(chain: &Chain) -> impl Iterator<Item = usize> {
 /// scaled like the Jacobian.
 ///
 /// The function solves the normal equations, which takes a fifth of the time of a singular value
-/// decomposition. It uses that decomposition only for a nearly singular posture or for more than six moving
-/// joints. Singular values below `rank_tolerance` count as 0.
+/// decomposition. It uses this decomposition only for a nearly singular posture or for more than six moving
+/// joints. Singular values below `rank_tolerance` count as 0. Returns None if the decomposition fails.
 pub(super) fn joint_displacements(
     chain: &Chain,
     frames: &Frames,

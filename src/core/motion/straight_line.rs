@@ -14,8 +14,8 @@ pub const DEVIATION: f64 = 5e-4;
 /// Greatest length of the line that one move covers, m.
 const MAX_STEP: f64 = 0.02;
 
-/// Least length of the line that one move covers, m. If a shorter move is needed, the arm cannot follow the
-/// line.
+/// Least length of the line that one move covers, m. If a shorter move is needed, the arm counts as unable to
+/// follow the line.
 const MIN_STEP: f64 = 1e-4;
 
 /// Convergence threshold of Newton's method: position as a share of the arm's reach, rotation in rad.
@@ -35,8 +35,8 @@ const LIMIT_TOLERANCE: f64 = 1e-6;
 pub enum Stopped {
     /// The joint `joint` exceeds its limit after the length `after` of the line, m.
     Limit { joint: usize, after: f64 },
-    /// The arm cannot follow the line beyond the length `after`, m. The line is out of reach there, or the
-    /// arm is singular.
+    /// The arm cannot follow the line beyond the length `after`, m. The line is out of reach beyond this
+    /// length, or the arm is singular.
     Lost { after: f64 },
 }
 
@@ -96,9 +96,9 @@ fn passed(chain: &Chain, q: &JointVector) -> Option<usize> {
     chain.links.iter().zip(q).position(outside)
 }
 
-/// Returns the extrapolated joint vector after the last of several equally spaced joint vectors. It lies on
-/// the parabola through the last three vectors, or on the line through two vectors. A single vector is
-/// returned unchanged.
+/// Returns the extrapolated joint vector after the last of several equally spaced joint vectors. The result
+/// lies on the parabola through the last three vectors, or on the line through two vectors. A single vector
+/// is returned unchanged.
 fn extrapolated(knots: &[JointVector]) -> JointVector {
     match knots {
         [.., c, b, a] => std::array::from_fn(|i| 3.0 * (a[i] - b[i]) + c[i]),

@@ -37,7 +37,7 @@ pub struct Transfer {
     /// Index of the operation that follows the transfer.
     pub to: usize,
     pub way: TransferRoute,
-    /// Joint vectors (rad or m) of the path, which consists of straight moves between them.
+    /// Joint vectors (rad or m) of the path; straight moves in joint coordinates lie between them.
     pub path: Vec<JointVector>,
     /// Indices of the joint vectors at which the arm stops, including both ends of the path.
     ///
