@@ -1,10 +1,10 @@
-"""Runs three optimisers of other projects on the evaluator of the Python package, beside the search of
+"""Compares three optimisers of other projects, run on the evaluator of the Python package, with the search of
 sweetspot.
 
     pip install ./python cma optuna nevergrad && python results/optimisers/run.py
 
 This command writes results.json and the tables of README.md beside this file. `--quick` runs one seed of each
-optimiser, only to test that everything runs, and prints the tables. `--speed` measures the evaluator alone.
+optimiser as a quick test, and prints the tables. `--speed` measures only the speed of the evaluator.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 CELLS = ["hitachi_cell", "ur_cell"]
 BUDGET = 10_000
-# Optuna's sampler takes several ms for each trial, more the more trials there are.
+# Optuna's sampler takes several ms for each trial, and slows down with the number of trials.
 OPTUNA_BUDGET = 1_000
 SEEDS = range(1, 6)
 LAYOUTS = 100_000
@@ -103,7 +103,7 @@ PACKAGES = {"pycma": "cma", "nevergrad": "nevergrad", "optuna": "optuna"}
 
 
 def study(name: str, seeds: range) -> dict[str, Any]:
-    """Runs every optimiser on a cell, and looks when each came within 1 % of the best of all."""
+    """Runs every optimiser on a cell, and finds when each run came within 1 % of the least cost of all runs."""
     cell = ss.Cell.read(ROOT / "cells" / f"{name}.toml")
     runs: dict[str, list[list[tuple[int, float, float]]]] = {}
     for kind, (optimise, budget) in OPTIMISERS.items():
@@ -117,7 +117,7 @@ def study(name: str, seeds: range) -> dict[str, Any]:
     optimum = min([*least, *(trace[-1][2] for traces in runs.values() for trace in traces)])
     target = 1.01 * optimum
     rows = {kind: [first(trace, target) for trace in traces] for kind, traces in runs.items()}
-    # The search of sweetspot ends by itself at the target: seconds of the whole call, with proof and assessment.
+    # The search of sweetspot ends at the target. The seconds include the proof and the assessment.
     bound = searches[0].bound
     assert bound is not None, f"{name} has no bound"
     ours = []
@@ -148,7 +148,7 @@ def speed(name: str) -> dict[str, Any]:
     words = ["cargo", "bench", "--quiet", "--bench", "evaluator", "--", f"cells/{name}.toml"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
     rust = json.loads(done.stdout.strip().splitlines()[-1])
-    # Added in the order of the layouts, as the bench does.
+    # The costs are added in the order of the layouts, as in the bench.
     same = sum(costs.tolist()) == rust["sum"]
     return {"cell": name, "python": round(LAYOUTS / best), "rust": rust["layouts_per_s"], "same_bits": same}
 
@@ -158,7 +158,7 @@ def tables(results: dict[str, Any]) -> str:
     for entry in results["studies"]:
         for kind, hits in entry["rows"].items():
             found = [hit for hit in hits if hit]
-            # The median over all seeds, of which those that did not come there took the longest.
+            # Median over all seeds. A seed that did not reach the target counts as the slowest.
             is_known = len(found) * 2 > len(hits)
             middle = lambda k: statistics.median_high([hit[k] if hit else float("inf") for hit in hits])  # noqa: E731
             layouts, seconds = (str(middle(0)), f"{middle(1):.2f}") if is_known else ("-", "-")

@@ -2,9 +2,9 @@
 
     python3 results/tutorial/transcript.py
 
-This command installs the program from a copy of the committed files with `cargo install --path .`, as the
-tutorial says, into a scratch folder. With the path of a program, it skips the installation. Commands and
-files are read from docs/src/tutorial.md; a command that fails ends the run.
+This command clones the committed files and installs the program with `cargo install --path .` into a scratch
+folder, as the tutorial says. If the path of the program is given as an argument, the installation is skipped.
+Commands and files are read from docs/src/tutorial.md. A command that fails ends the run.
 """
 
 import os
