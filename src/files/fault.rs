@@ -25,7 +25,7 @@ pub enum FaultKind {
     Unreadable,
     /// The content of the cell or robot file itself shows that it is a file of another kind.
     Foreign(FileContent),
-    /// Warning from the import of a URDF, which stays the same until the URDF changes.
+    /// Warning from the import of a URDF. The warning stays the same until the URDF changes.
     Import,
 }
 
@@ -135,13 +135,13 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     names.join(", ")
 }
 
-/// Largest number of names that are compared with a mistyped one.
+/// Largest number of names that are compared with a mistyped name.
 const MAX_CANDIDATES: usize = 100;
 
 /// Returns the candidate nearest to a mistyped `word`; None if no candidate is near enough to suggest.
 ///
-/// A candidate is near if it differs by a few letters. It is also near if it names the same quantity in
-/// another unit or without a unit (`x_m` or `x` for `x_mm`).
+/// A candidate is near if it differs by a few letters. A candidate is also near if it names the same quantity
+/// in another unit or without a unit (`x_m` or `x` for `x_mm`).
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = word.chars().count();
     let quantity = word.rsplit_once('_').map_or(word, |(stem, _)| stem);

@@ -61,8 +61,9 @@ pub fn load(path: &str, read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
 
 /// Reads a cell as [`load`] does. The keys in `settings` come from the command line and override the file.
 ///
-/// # Errors Returns faults as [`load`] does. A fault of a setting states the flag of the setting instead of a
-/// file, and line 0.
+/// # Errors
+/// Returns faults as [`load`] does. A fault of a setting states the flag of the setting instead of a file,
+/// and line 0.
 pub fn load_with(path: &str, settings: &[Setting], read: &mut ReadFile<'_>) -> Result<Loaded, Vec<Fault>> {
     let mut lib = Library::new(read);
     let root = from::load(path, settings, &mut lib);
@@ -115,8 +116,8 @@ pub fn load_robot(path: &str, read: &mut ReadFile<'_>) -> Result<LoadedRobot, Ve
     }
 }
 
-/// Reads the outline of a URDF file, and the warnings about it. Neither a robot file nor meshes are read.
-/// `tip` names the link that carries the tool; if it is None, the link is guessed.
+/// Reads the outline of a URDF file, and the warnings about the file. Neither a robot file nor meshes are
+/// read. `tip` names the link that carries the tool; if it is None, the link is guessed.
 ///
 /// # Errors
 ///
@@ -137,8 +138,8 @@ pub fn urdf_outline(
         .ok_or(faults)
 }
 
-/// Returns whether the file at `path` is a robot file. The key `schema` of the file states its kind. A file
-/// without this key inherits `schema` through `from`.
+/// Returns whether the file at `path` is a robot file. The key `schema` of a file states the kind of the
+/// file. A file without this key inherits `schema` through `from`.
 pub fn is_robot(path: &str, read: &mut ReadFile<'_>) -> bool {
     let root = from::load(path, &[], &mut Library::new(read));
     let schema = root.as_ref().and_then(|root| root.value.get("schema"));

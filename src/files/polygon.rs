@@ -28,7 +28,7 @@ pub fn rings_meet(a: &[Vector2<f64>], b: &[Vector2<f64>]) -> bool {
 fn cross(a: Edge, b: Edge, follows: bool, leads: bool) -> bool {
     let (u, v) = (a.1 - a.0, b.1 - b.0);
     if follows || leads {
-        // Neighbouring edges meet again only if one runs back over the other.
+        // Neighbouring edges meet again only if one edge runs back over the other edge.
         let back = if follows { u.dot(&v) } else { v.dot(&u) };
         let flat = u.perp(&v).abs() <= 1e-12 * u.norm() * v.norm();
         return flat && back < 0.0;

@@ -12,7 +12,7 @@ pub struct TargetRow {
     pub rotation_deg: Option<[f64; 3]>,
 }
 
-/// Columns of the position, then of the rotation, with the names that each may have.
+/// Columns of the position, then of the rotation. Each column may have one of two names.
 const COLUMNS: [[&str; 2]; 6] =
     [["x", "x_mm"], ["y", "y_mm"], ["z", "z_mm"], ["rx", "rx_deg"], ["ry", "ry_deg"], ["rz", "rz_deg"]];
 

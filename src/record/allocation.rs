@@ -129,7 +129,7 @@ pub struct AllocationRequirement {
     pub after: Option<f64>,
     /// Whether the figure is at its limit.
     pub is_binding: bool,
-    /// Decrease of the cost per unit by which the limit is raised; null if infeasible.
+    /// Decrease of the cost for each unit by which the limit is raised; null if infeasible.
     pub shadow_price: Option<f64>,
     /// Figure by Monte Carlo samples of the nonlinear model; null if the node was not sampled.
     pub sampled: Option<f64>,

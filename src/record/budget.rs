@@ -108,7 +108,7 @@ pub struct ShareEntry {
 /// Gain from halving the tolerances of the parameters in `halved`.
 ///
 /// In the statistical reading, `of` and `to` are the first-order quantity before and after the halving. In
-/// any other reading, they are the worst case before and after the halving.
+/// any other reading, `of` and `to` are the worst case before and after the halving.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TightenEntry {

@@ -39,8 +39,8 @@ pub struct CheckDocument {
 #[serde(deny_unknown_fields)]
 pub struct OperationOrderEntry {
     pub name: String,
-    /// Postures that the search judges. If lower bounds of the error leave some postures out, this is
-    /// "ranked-nodes", "spin-families" or "bounded-postures". Otherwise, it is "every-posture".
+    /// Postures that the search judges. If lower bounds of the error leave some postures out, the value is
+    /// "ranked-nodes", "spin-families" or "bounded-postures". Otherwise, the value is "every-posture".
     pub judges: String,
     /// Reason why every posture is judged; null if lower bounds leave some postures out.
     pub why: Option<String>,

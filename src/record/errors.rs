@@ -22,8 +22,8 @@ pub struct ErrorsDocument {
     pub robot: String,
     /// Name of the error set in the table for the robot file.
     pub name: String,
-    /// Whether the tolerances are guessed from a preset or a data sheet. If not, they are the tolerances of
-    /// an error set of the robot.
+    /// Whether the tolerances are guessed from a preset or a data sheet. If not, the tolerances come from an
+    /// error set of the robot.
     pub guess: bool,
     /// Origin of the numbers in words, as in the table for the robot file.
     pub source: String,

@@ -57,8 +57,8 @@ pub struct ExplanationDocument {
     /// Rows of the Denavit-Hartenberg table at the posture, always in standard convention.
     ///
     /// For modified rows in the robot file, `l_mm` and `alpha_deg` of row k come from row k + 1 of the file.
-    /// `l_mm` and `alpha_deg` of row 1 of the file are part of frame 0. In the last row of this table, both
-    /// are 0.
+    /// `l_mm` and `alpha_deg` of row 1 of the file are part of frame 0. In the last row of this table, `l_mm`
+    /// and `alpha_deg` are 0.
     pub dh: Vec<DhEntry>,
     /// Frames of the links and of the TCP, in the base frame.
     pub frames: Vec<FrameEntry>,
@@ -167,8 +167,8 @@ pub struct MotionEntry {
     #[schemars(extend("enum" = AXES))]
     pub axis: String,
     pub frame: String,
-    /// Amount of the motion per unit of the parameter. For an elastic parameter, this is a lever in m or a
-    /// torque in N m.
+    /// Amount of the motion per unit of the parameter. For an elastic parameter, the amount is a lever in m
+    /// or a torque in N m.
     pub factor: f64,
     pub axis_base: [f64; 3],
     /// Vector from the origin of `frame` to the TCP, in the base frame.
@@ -195,8 +195,8 @@ pub struct DisplacementEntry {
 }
 
 /// Discrepancies of the linear and the second-order model at a posture. A discrepancy is the distance between
-/// the position errors of the model and of the nonlinear model. It is in percent of the length of the
-/// nonlinear position error.
+/// the position errors of the model and of the nonlinear model. The discrepancy is in percent of the length
+/// of the nonlinear position error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PostureGuardEntry {
@@ -213,7 +213,7 @@ pub struct PostureGuardEntry {
 #[serde(deny_unknown_fields)]
 pub struct SenseRowEntry {
     pub kind: SenseRowKind,
-    /// Direction in the base frame; its length is the weight.
+    /// Direction in the base frame. The length of the vector is the weight.
     pub direction_base: [f64; 3],
     pub value: f64,
 }

@@ -198,8 +198,8 @@ impl<'a> OperationMapEntry<'a> {
     }
 }
 
-/// Numbers of nodes by status. Each of the last three fields is left out if no node has the status that it
-/// counts.
+/// Numbers of nodes by status. Each of the last three fields is left out if no node has the status that the
+/// field counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct StatusCounts {

@@ -27,11 +27,11 @@ pub struct ComparedFile {
     pub residual: AccuracyEntry,
     /// Share of the positions inside their predicted 95 % ellipsoids. Null if the errors have no random part.
     ///
-    /// The random errors are taken as constant over the poses. The fit of base and reflectors absorbs a part
+    /// The random errors are assumed constant over the poses. The fit of base and reflectors absorbs a part
     /// of the random errors.
     pub coverage_95: Option<f64>,
     /// Share of the positions inside their 95 % ellipsoids if the random errors change from pose to pose. The
-    /// misfit of a calibration changes like this. Null unless the errors are measured.
+    /// misfit of a calibration changes from pose to pose. Null unless the errors are measured.
     pub coverage_95_varying: Option<f64>,
     /// Spearman correlation of predicted and measured sizes over all positions. Null if all predicted or all
     /// measured sizes are equal.

@@ -71,7 +71,7 @@ pub struct ExpectedEntry {
 pub struct TriedEntry {
     /// Number of postures among which the plan chose.
     pub candidates: usize,
-    /// Number of postures at which the robot touches something or comes nearer to it than the clearance.
+    /// Number of postures at which the robot touches an object or is nearer to an object than the clearance.
     pub colliding: usize,
     /// Number of other postures at which the tracker does not see the reflector.
     pub hidden: usize,

@@ -58,7 +58,7 @@ pub struct RobustnessEntry {
     /// Value of the operation without misplacement, in the unit of the objective.
     pub value: f64,
     /// Half widths of the tolerance box of the robot base and the equipment on which the operation depends.
-    /// Empty if their placements have no tolerance.
+    /// Empty if these placements have no tolerance.
     pub tolerance: MovesByName,
     /// Number of evaluated corners of the tolerance boxes of all bodies, including bodies not in `tolerance`.
     pub corners: usize,

@@ -140,7 +140,7 @@ fn by_sense(
     (!values.is_empty()).then_some(values)
 }
 
-/// Nodes of an operation. A map can have a million nodes, so each is converted only when it is written.
+/// Nodes of an operation. A map can have a million nodes, so each node is converted only when it is written.
 #[derive(Debug, Clone)]
 pub enum MapNodes<'a> {
     /// Nodes of a document that was read.

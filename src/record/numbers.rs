@@ -49,7 +49,7 @@ pub fn plain(v: &Vector3<f64>) -> [f64; 3] {
     v.map(nine_digits).into()
 }
 
-/// Converts a joint coordinate: to degrees for a revolute joint, to mm for a prismatic one.
+/// Converts a joint coordinate: to degrees for a revolute joint, to mm for a prismatic joint.
 pub fn joint_coordinate(kind: JointKind, q: f64) -> f64 {
     match kind {
         JointKind::Revolute => degrees(q),
@@ -57,12 +57,12 @@ pub fn joint_coordinate(kind: JointKind, q: f64) -> f64 {
     }
 }
 
-/// Converts the coordinates of all joints: to degrees for revolute joints, to mm for prismatic ones.
+/// Converts the coordinates of all joints: to degrees for revolute joints, to mm for prismatic joints.
 pub fn joints(cell: &Cell, q: &JointVector) -> Vec<f64> {
     cell.robot.joints.iter().zip(q).map(|(joint, &q)| joint_coordinate(joint.kind, q)).collect()
 }
 
-/// Distance from a joint limit below which a joint counts as near it, as a share of the travel.
+/// Distance from a joint limit below which a joint counts as near the limit, as a share of the travel.
 pub const NEAR_LIMIT: f64 = 0.05;
 
 /// Returns whether each joint is near one of its limits.

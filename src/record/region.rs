@@ -93,7 +93,7 @@ fn inward([least, most]: [f64; 2], digits: i32) -> [f64; 2] {
     }
 }
 
-/// Rounds a displacement or angle down, because a larger one may not be feasible.
+/// Rounds a displacement or angle down, because a larger displacement or angle may not be feasible.
 fn down(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);
     // Adding 1e-6 keeps values that are multiples up to rounding errors. Adding 0 avoids a negative zero.

@@ -34,7 +34,7 @@ pub struct RemediesDocument {
     pub evaluations: u64,
     /// One entry for each remedy: none, calibrate, move, both.
     pub remedies: Vec<RemedyEntry>,
-    /// Remedies each of which is sufficient alone; empty if no remedy helps.
+    /// Remedies that are each sufficient alone; empty if no remedy helps.
     pub advised: Vec<Remedy>,
     /// Advice in one sentence.
     pub advice: String,
@@ -50,7 +50,7 @@ pub struct RemedyEntry {
     pub objective: Option<f64>,
     /// Reduction of the objective relative to the present layout, percent.
     pub gain_percent: Option<f64>,
-    /// Whether every operation keeps its limit; null if no operation has one.
+    /// Whether every operation keeps its limit; null if no operation has a limit.
     pub within_limits: Option<bool>,
     /// Reasons why the layout is not feasible.
     pub reasons: Vec<String>,

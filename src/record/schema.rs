@@ -126,7 +126,7 @@ impl DocumentKind {
 
 /// Returns the schema of a record.
 ///
-/// A field is required if it is always written; its value may then be null.
+/// A field is required if it is always written. The value of a required field may be null.
 fn of<T: JsonSchema>() -> Value {
     SchemaSettings::draft07().for_serialize().into_generator().into_root_schema_for::<T>().into()
 }

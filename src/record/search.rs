@@ -61,7 +61,7 @@ pub struct SearchResult {
     pub notes: Vec<String>,
     pub objective: Objective,
     pub solver: Solver,
-    /// Seed of the random numbers; for several islands, the seed of the first one.
+    /// Seed of the random numbers; for several islands, the seed of the first island.
     pub seed: u64,
     /// Largest number of layouts to evaluate; for several islands, the largest number for each island.
     pub budget: u64,
@@ -83,11 +83,11 @@ pub struct SearchResult {
     /// keeps every limit.
     #[serde(default)]
     pub least_value: Option<f64>,
-    /// Regions in which each piece that the search places may stand instead.
+    /// Regions in which each piece that the search places may also stand.
     #[serde(default)]
     pub regions: Vec<RegionEntry>,
-    /// Rotation of all pieces together about the base axis, which keeps the errors; null if a piece cannot be
-    /// rotated.
+    /// Rotation of all pieces together about the base axis. The rotation does not change the errors. Null if
+    /// a piece cannot be rotated.
     #[serde(default)]
     pub whole_cell: Option<TurnEntry>,
     /// Reasons why the best layout is not feasible.
@@ -124,7 +124,7 @@ pub struct SearchResult {
 #[serde(deny_unknown_fields)]
 pub struct IslandEntry {
     pub seed: u64,
-    /// Whether this island found the best layout, the one with the least objective. If several islands are
+    /// Whether this island found the best layout: the layout with the least objective. If several islands are
     /// equally good, the first one counts.
     pub is_best: bool,
     /// Least objective found, in `unit`; null if no layout is feasible and keeps every limit.

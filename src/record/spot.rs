@@ -10,8 +10,8 @@ use crate::reading::Figures;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One operation of a layout: its spot and the errors there. Positions are in the world frame, mm; angles are
-/// in degrees.
+/// One operation of a layout: its spot and the errors at the spot. Positions are in the world frame, mm;
+/// angles are in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpotEntry {

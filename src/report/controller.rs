@@ -58,7 +58,7 @@ const FANUC: [&str; 6] = [
 /// Returns the file of a controller. All characters are ASCII.
 ///
 /// Lengths have 4 decimals in mm or 7 in m. Angles have 6 decimals in degrees or 9 in rad. Quaternions have
-/// 10 decimals. `stem` is the file name without its extension, after which KRL and RAPID modules are named.
+/// 10 decimals. `stem` is the file name without its extension. KRL and RAPID modules are named after `stem`.
 pub fn file(controller: Controller, stem: &str, frames: &LayoutFrames) -> String {
     let module = |longest: usize| {
         let prefix = if stem.starts_with(|c: char| c.is_ascii_alphabetic()) { "" } else { "cell_" };

@@ -1,9 +1,9 @@
 //! Polygons that replace outlines with arcs and contain them.
 //!
-//! Tangents replace an arc that bulges out of the outline, and chords replace an arc that bulges into it.
-//! Tangents and chords lie on the outer side of the outline. The distance between tangents and arc is at most
-//! `r (1 / cos(d / 2) - 1)`. The distance between chords and arc is at most `r (1 - cos(d / 2))`. Here, `r`
-//! is the radius of the arc and `d` is the angle of one piece.
+//! Tangents replace an arc that bulges out of the outline, and chords replace an arc that bulges into the
+//! outline. Tangents and chords lie on the outer side of the outline. The distance between tangents and arc
+//! is at most `r (1 / cos(d / 2) - 1)`. The distance between chords and arc is at most `r (1 - cos(d / 2))`.
+//! Here, `r` is the radius of the arc and `d` is the angle of one piece.
 
 use super::entities::PathVertex;
 use crate::geometry::polygon_area;
@@ -16,7 +16,8 @@ const MAX_PIECES: f64 = 500.0;
 /// Returns the corners of the polygon for a closed outline. No corner is farther than `tolerance` from
 /// the outline.
 ///
-/// # Errors Returns a message if an arc would need more than [`MAX_PIECES`] pieces.
+/// # Errors
+/// Returns a message if an arc would need more than [`MAX_PIECES`] pieces.
 pub fn polygon(vertices: &[PathVertex], tolerance: f64) -> Result<Vec<Vector2<f64>>, String> {
     let is_left = area(vertices) > 0.0;
     let mut corners = Vec::new();

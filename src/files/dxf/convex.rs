@@ -49,7 +49,8 @@ fn is_within(corners: &[PlanePoint], [a, b, c]: [usize; 3], p: usize) -> bool {
     [(a, b), (b, c), (c, a)].iter().all(|(i, j)| turn(corners[*i], corners[*j], corners[p]) >= 0.0)
 }
 
-/// Returns the union of two parts that share an edge; None if they share no edge or the union is not convex.
+/// Returns the union of two parts that share an edge; None if the parts share no edge, or if the union is not
+/// convex.
 fn joined(corners: &[PlanePoint], first: &[usize], second: &[usize]) -> Option<Vec<usize>> {
     let next = |part: &[usize], k: usize| part[(k + 1) % part.len()];
     let shared = |k: &usize| {
@@ -57,7 +58,7 @@ fn joined(corners: &[PlanePoint], first: &[usize], second: &[usize]) -> Option<V
         (next(second, at) == first[*k]).then_some(at)
     };
     let (k, at) = (0..first.len()).find_map(|k| Some((k, shared(&k)?)))?;
-    // The union runs from the end of the shared edge around the first part. It then runs around the
+    // The union runs from the end of the shared edge around the first part. Then the union runs around the
     // second part without the ends of the edge.
     let round = (0..first.len()).map(|i| first[(k + 1 + i) % first.len()]);
     let rest = (2..second.len()).map(|i| second[(at + i) % second.len()]);

@@ -60,7 +60,8 @@ pub struct Insert {
     pub spacing: Vector2<f64>,
 }
 
-/// Entities that are not part of a floor plan, such as texts. They are ignored without a warning.
+/// Entities that are not part of a floor plan, such as texts. The reader ignores these entities without a
+/// warning.
 const ANNOTATIONS: [&str; 16] = [
     "TEXT",
     "MTEXT",

@@ -40,7 +40,7 @@ impl PlaneMap {
         self.linear.singular_values().max()
     }
 
-    /// Returns whether the map keeps angles, so that arcs stay arcs; it may mirror.
+    /// Returns whether the map keeps angles, so that arcs stay arcs. The map may also mirror.
     pub fn keeps_arcs(&self) -> bool {
         let values = self.linear.singular_values();
         values.min() > 0.0 && values.max() - values.min() <= 1e-9 * values.max()

@@ -1,9 +1,9 @@
 //! Reader of floor plans: closed outlines on named layers of a DXF drawing (ASCII), as bodies of a given
 //! height.
 //!
-//! The reader supports LWPOLYLINE, POLYLINE, CIRCLE, LINE and ARC, in blocks and in the model space.
-//! Open lines whose ends meet form outlines, too. Other entities on the named layers are reported. The
-//! group codes are those of Autodesk's DXF reference. Each submodule declares the limits that it applies.
+//! The reader supports LWPOLYLINE, POLYLINE, CIRCLE, LINE and ARC, in blocks and in the model space. Open
+//! lines whose ends meet form outlines, too. Other entities on the named layers are reported. The group codes
+//! follow Autodesk's DXF reference. Each submodule declares the limits that it applies.
 
 mod bodies;
 mod chords;

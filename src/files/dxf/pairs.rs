@@ -26,7 +26,7 @@ impl GroupCode<'_> {
         self.code == 0 && self.value == name
     }
 
-    /// Returns the value as a number; fails if it is not a number of at most [`MAX_NUMBER`].
+    /// Returns the value as a number; fails if the value is not a number or exceeds [`MAX_NUMBER`].
     pub fn number(&self) -> Result<f64, DxfFault> {
         let number = self.value.parse::<f64>().ok().filter(|v| v.abs() <= MAX_NUMBER);
         number.ok_or_else(|| {
@@ -35,7 +35,7 @@ impl GroupCode<'_> {
         })
     }
 
-    /// Returns the value as a whole number; fails if it is not one.
+    /// Returns the value as a whole number; fails if the value is not a whole number.
     pub fn whole(&self) -> Result<i64, DxfFault> {
         self.value.parse().map_err(|_| {
             let message = format!("group {} needs a whole number, not `{}`", self.code, shown(self.value));

@@ -173,12 +173,12 @@ impl KeyTable {
         Self { own_refused, ..self }
     }
 
-    /// Returns all keys of the table, with those of the tables that it extends.
+    /// Returns all keys of the table and of the tables that it extends.
     pub fn keys(&'static self) -> impl Iterator<Item = &'static Key> {
         self.and_extended().flat_map(|table| table.own)
     }
 
-    /// Returns all rules of the table, with those of the tables that it extends.
+    /// Returns all rules of the table and of the tables that it extends.
     pub fn rules_of_keys(&'static self) -> impl Iterator<Item = &'static Rule> {
         self.and_extended().flat_map(|table| table.own_rules)
     }

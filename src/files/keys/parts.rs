@@ -3,7 +3,7 @@
 use super::key::*;
 use serde_json::{Value, json};
 
-/// Declares a table of keys as a module: a constant for each key, and `TABLE` with all of them.
+/// Declares a table of keys as a module: a constant for each key, and `TABLE` with all keys.
 macro_rules! key_table {
     ($(#[$doc:meta])* $name:ident, $what:literal, $help:literal,
      { $($key:ident = $entry:expr;)* } $(extends $base:path;)? $(rules $rules:expr;)? $(refused $refused:expr;)?

@@ -26,7 +26,7 @@ pub struct FoundColumns {
     pub joints: Vec<usize>,
     pub reflectors: Vec<ReflectorColumns>,
     pub rotation: Option<(RotationForm, Vec<usize>)>,
-    /// Columns of the uncertainty, and the number of standard deviations that their numbers cover.
+    /// Columns of the uncertainty, and the number of standard deviations in a stated uncertainty.
     pub uncertainty: Option<(Vec<usize>, f64)>,
     /// Column that names the reflector of a row.
     pub reflector: Option<usize>,
@@ -90,7 +90,7 @@ impl<'h> TableNames<'h> {
     }
 
     /// Finds all columns. If `is_numbered` is true, the table has no column names: the first columns are the
-    /// joints, and the next three are the position.
+    /// joints, and the next three columns are the position.
     ///
     /// # Errors
     ///
@@ -112,7 +112,7 @@ impl<'h> TableNames<'h> {
         Ok((joints, unit))
     }
 
-    /// Finds all columns except those of the joints. `joints` is empty if a second table holds the
+    /// Finds all columns except the columns of the joints. `joints` is empty if a second table holds the
     /// joints.
     ///
     /// # Errors
@@ -206,8 +206,9 @@ impl<'h> TableNames<'h> {
         numbers.into_iter().find(|k| !is_named(*k)).map_or("q1".into(), |k| format!("q{}", k + 1))
     }
 
-    /// Returns the columns of the joints. The first rule that gives a column for every joint decides: the
-    /// joint names of the robot, numbers from 1, numbers from 0, the letters of Motoman, or the word joint.
+    /// Returns the columns of the joints. The rules are tried in this order: joint names of the robot,
+    /// numbers from 1, numbers from 0, letters of Motoman, the word joint. The first rule that gives a column
+    /// for every joint applies.
     fn guessed_joints(&self) -> Option<Vec<usize>> {
         let axes = self.robot_joints.len();
         let by_name = || {
@@ -301,7 +302,8 @@ impl<'h> TableNames<'h> {
         matrix.or(quaternion).or_else(angles)
     }
 
-    /// Returns the columns of the uncertainty of the position: one for each axis, or one for all.
+    /// Returns the columns of the uncertainty of the position: one column for each axis, or one column for
+    /// all axes.
     fn uncertainty(&self) -> Option<(Vec<usize>, f64)> {
         let column = |wanted: &[&str]| {
             let names = self.words.iter().enumerate();

@@ -2,8 +2,9 @@
 
 /// Returns the text of a data file without byte order mark.
 ///
-/// A byte order mark, or a zero in every second byte, identifies UTF-16. Bytes that are not UTF-8 are read
-/// as Windows-1252, the encoding of old spreadsheets; only its degree sign and umlauts matter here.
+/// A byte order mark, or a zero in every second byte, identifies UTF-16. Bytes that are not UTF-8 are read as
+/// Windows-1252, the encoding of old spreadsheets. Only the degree sign and the umlauts of this encoding
+/// matter here.
 ///
 /// # Errors
 ///

@@ -32,8 +32,8 @@ pub struct MeasuredTable {
     pub position: [String; 3],
     /// Names of the columns of the orientation.
     pub rotation: Vec<String>,
-    /// Names of the columns of the uncertainty, and the number of standard deviations that their numbers
-    /// cover.
+    /// Names of the columns of the uncertainty, and the number of standard deviations in a stated
+    /// uncertainty.
     pub uncertainty: Option<(Vec<String>, f64)>,
     /// Names of the reflectors; a single empty name if each row has one position of one reflector.
     pub reflectors: Vec<String>,

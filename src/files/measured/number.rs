@@ -20,7 +20,7 @@ const UNITS: [&str; 6] = ["mm", "deg", "rad", "°", "in", "m"];
 const TOO_LARGE: f64 = 1e15;
 
 impl FieldValue {
-    /// Reads a field without its quotes.
+    /// Reads a field from which the quotes have been removed.
     pub fn read(text: &str) -> Self {
         let text = text.trim();
         // Most fields are plain numbers.
@@ -57,7 +57,7 @@ fn plain(text: &str) -> Option<FieldValue> {
     Some(if number.abs() < TOO_LARGE { FieldValue::Number(number) } else { FieldValue::Other })
 }
 
-/// Removes thousands separators. If a number has a point and a comma, the later one is the decimal sign.
+/// Removes thousands separators. If a number has a point and a comma, the later sign is the decimal sign.
 fn without_thousands(text: &str) -> String {
     match (text.rfind('.'), text.rfind(',')) {
         (Some(point), Some(comma)) if comma > point => text.replace('.', "").replace(',', "."),

@@ -126,7 +126,7 @@ impl RowReader<'_, '_> {
         faults
     }
 
-    /// Returns the index of a reflector. Its columns, or its name in the row, identify the reflector.
+    /// Returns the index of a reflector. The columns, or the name in the row, identify the reflector.
     fn reflector(&mut self, of_columns: usize, fields: &[&str]) -> usize {
         let columns = &self.found.reflectors;
         let name = match (self.found.reflector, columns.len()) {

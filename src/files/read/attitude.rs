@@ -11,8 +11,8 @@ use crate::files::toml::value;
 use crate::files::toml::value::plain;
 use crate::units;
 
-/// Attitude with the start values of its angles, and the search variables for elevation, azimuth and spin;
-/// None for an angle that is not a search variable.
+/// Attitude with the start values of its angles, and the search variables for elevation, azimuth and spin.
+/// The entry of an angle that is not a search variable is None.
 type SearchedAttitude = (Attitude, [Option<Coordinate>; 3]);
 
 /// Reads `bend_deg`, `azimuth_deg`, `spin_deg` and `tolerance_deg` of an operation.

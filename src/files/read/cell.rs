@@ -82,8 +82,8 @@ pub fn read(stem: &str, root: &Node, lib: &mut Library) -> Option<Cell> {
     })
 }
 
-/// Returns which quantities the file states. If one of them is missing, a search for a layout to build
-/// assumes a value.
+/// Returns which quantities the file states. If a quantity is missing, a search for a layout to build assumes
+/// a value.
 fn stated_keys(t: &mut Table, read: &Cell) -> StatedKeys {
     let mut stated = |table: &Key, key: &Key| t.get(table).is_some_and(|n| n.value.get(key.name).is_some());
     let [turn_margin, slide_margin, singularity] =

@@ -32,7 +32,7 @@ pub enum CostedUnit {
 pub struct CostedParameter {
     /// Name in the file; empty if the file cannot name the parameter.
     pub name: String,
-    /// Tolerance in SI units; 0 if the parameter has no tolerance of its own.
+    /// Tolerance in SI units; 0 if the parameter has no individual tolerance.
     pub plus_minus: f64,
     pub unit: CostedUnit,
 }

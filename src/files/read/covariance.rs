@@ -17,8 +17,8 @@ const ROUNDING: f64 = 1e-9;
 
 /// Reads `covariance`.
 ///
-/// `values` are the plus-or-minus values of all parameters. They must be 0 for the parameters of the
-/// covariance.
+/// `values` are the plus-or-minus values of all parameters. The values of the parameters in the covariance
+/// must be 0.
 pub fn read(t: &mut Table, arm: ErrorRows<'_>, values: Option<&SignedErrors>) -> Option<Covariance> {
     let (names, rows) = (t.get(&covariance::PARAMETERS), t.get(&covariance::MATRIX));
     let items = names.and_then(|names| items_of(names, arm, t))?;

@@ -9,8 +9,8 @@ use crate::files::toml::value;
 
 /// Reads `schema` and `units`.
 ///
-/// Returns None for a file of another kind; its other keys are then not read. A robot, tool or piece of
-/// equipment inside a cell file needs neither key, because the keys of the cell file apply.
+/// Returns None for a file of another kind. The other keys of such a file are not read. A robot, tool or
+/// piece of equipment inside a cell file needs neither key, because the keys of the cell file apply.
 pub fn header(t: &mut Table, schema: &Key) -> Option<()> {
     let given = t.get(schema);
     if given.is_some_and(|node| !is_schema(node, t, schema)) {

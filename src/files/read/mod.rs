@@ -1,5 +1,5 @@
-//! Readers of each kind of file. They convert trees of TOML values to the model of the cell. Tables of keys
-//! define names, kinds and ranges.
+//! Readers of each kind of file. The readers convert trees of TOML values to the model of the cell. Tables of
+//! keys define names, kinds and ranges.
 
 pub mod attitude;
 pub mod cell;

@@ -192,7 +192,8 @@ fn read_limit(t: &mut Table, sense: Option<&Sense>) -> Option<Option<f64>> {
 
 /// Reads `relative_to = "NAME"`; returns the index of that operation.
 ///
-/// That operation must come before this one, have a single spot and not be relative to another operation.
+/// That operation must come before the operation that is read, have a single spot, and not be relative to
+/// another operation.
 fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<usize> {
     let node = t.get(&operation::RELATIVE_TO)?;
     let other = t.text(&operation::RELATIVE_TO)?;

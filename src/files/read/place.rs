@@ -13,8 +13,8 @@ use crate::units;
 /// Largest distance (m) by which rounding may put a point beyond the edge of its surface.
 const EDGE_ROUNDING: f64 = 1e-9;
 
-/// Time (s) and memory (bytes) that `map --json` takes per node. Both were measured on `hitachi_cell.toml`
-/// with a quarter of a million nodes.
+/// Time (s) and memory (bytes) that `map --json` takes per node. The two values were measured on
+/// `hitachi_cell.toml` with a quarter of a million nodes.
 const NODE_COST: (f64, f64) = (1.2e-4, 1600.0);
 
 /// Reads the nodes of an operation, and how the errors at the nodes become one value.

@@ -182,7 +182,7 @@ fn joined(mut drawn: Vec<LinkSolid>, own: Vec<LinkSolid>) -> Vec<LinkSolid> {
 
 /// Converts modified D-H rows to standard rows; returns the mount, which is the pose of frame 0 in the base.
 ///
-/// The common normal and twist of a row move to the row before it. The common normal and twist of the first
+/// The common normal and twist of a row move to the preceding row. The common normal and twist of the first
 /// row become the mount. The conversion is exact, because a translation along x and a rotation about x
 /// commute.
 fn standard_rows(joints: &mut [Joint]) -> Pose {

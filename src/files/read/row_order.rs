@@ -45,7 +45,7 @@ impl ErrorRows<'_> {
     /// Converts `list`, one entry per robot parameter, from the rows of the file to standard rows. The
     /// parameters are in the order of [`Parameter::of_robot`]. A list for standard rows does not change.
     ///
-    /// The entries for dl, dalpha and dbeta ([`Self::of_row`]) of a modified row move to the row before it.
+    /// The entries for dl, dalpha and dbeta ([`Self::of_row`]) of a modified row move to the preceding row.
     /// The entries for row 1 move to the indices [`Self::of_first_row`]. The entries that were at these
     /// indices move to the indices [`Self::unused`].
     pub fn in_order<T>(&self, list: &mut [T]) {

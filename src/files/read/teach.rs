@@ -12,7 +12,8 @@ use crate::files::toml::value::plain;
 use crate::units;
 use nalgebra::Vector2;
 
-/// Reads the points, m. Checks that they span a triangle and, if `surface` is known, that they lie on it.
+/// Reads the points, m. Checks that the points span a triangle and, if `surface` is known, that they lie on
+/// the surface.
 pub fn read(t: &mut Table, surface: Option<Rectangle>) -> Option<[(f64, f64); 3]> {
     let node = t.get(&operation::TEACH)?;
     let items = t.items(&operation::TEACH)?;

@@ -130,7 +130,7 @@ fn read_distributions(t: &mut Table, axes: usize) -> Option<Vec<Distribution>> {
     })
 }
 
-/// Reads one word for all `len` parameters, or a list with one word for each.
+/// Reads one word for all `len` parameters, or a list with one word for each parameter.
 pub fn read_words(t: &mut Table, key: &Key, len: usize, default: Distribution) -> Option<Vec<Distribution>> {
     let Some(node) = t.get(key) else { return Some(vec![default; len]) };
     let Value::Array(items) = &node.value else {

@@ -44,7 +44,7 @@ pub fn read(t: &mut Table) -> Option<Tool> {
     })
 }
 
-/// Appends the solids of the tool to those of the links.
+/// Appends the solids of the tool to the solids of the links.
 ///
 /// `interface` is the index of the last link, which carries the tool. `tip` is the pose of the mechanical
 /// interface in the frame after the last row.

@@ -1,11 +1,11 @@
 //! JSON Schema of the files.
 //!
-//! The schemas use draft 7. It is the oldest draft with `if`, which the keys of joints and of files with
-//! `from` need. It is also the newest draft that TOML editors support fully. There is no `$ref`, so that
+//! The schemas use draft 7. Draft 7 is the oldest draft with `if`, which the keys of joints and of files with
+//! `from` need. Draft 7 is also the newest draft that TOML editors support fully. There is no `$ref`, so that
 //! every key shows its description.
 //!
 //! Only the reader decides whether a file is valid. A schema sees a single file: it knows keys, types, ranges
-//! and words. It knows neither the keys that another file contributes nor what a name refers to.
+//! and words. A schema knows neither the keys that another file contributes nor what a name refers to.
 
 use super::FileKind;
 use super::merging::{WHOLE, add_rule, separated, unless};

@@ -25,7 +25,7 @@ pub fn unless(key: &str, then: Value) -> Value {
 /// A table that is merged over another file may lack required keys, because the other file may have them. The
 /// returned schema applies to tables that are complete by themselves.
 ///
-/// `merges` states whether the tables of the schema can be merged over another file. It is false for
+/// `merges` states whether the tables of the schema can be merged over another file. The value is false for
 /// items of lists and for ranges. Items and ranges are replaced as a whole, so the schema keeps their
 /// requirements.
 pub fn separated(schema: &mut Value, merges: bool) -> Option<Value> {

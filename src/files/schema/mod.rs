@@ -1,4 +1,5 @@
-//! JSON Schemas and a Markdown reference of the keys of all files, made from the reader's own tables of keys.
+//! JSON Schemas and a Markdown reference of the keys of all files, made from the tables of keys that the
+//! reader uses.
 
 mod json;
 mod merging;

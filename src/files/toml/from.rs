@@ -11,7 +11,7 @@ use super::setting::Setting;
 use super::tree::{At, Entry, Node, Value, laid_over};
 use crate::files::fault::shown;
 
-/// Largest number of files in a chain, in which each file includes the next one through `from`.
+/// Largest number of files in a chain, in which each file includes the next file through `from`.
 const MAX_CHAIN: usize = 16;
 
 /// Returns the tree of a file, with every `from` followed and the settings applied.
@@ -43,7 +43,7 @@ pub fn load(path: &str, settings: &[Setting], lib: &mut Library<'_>) -> Option<N
 /// Takes the missing keys of a robot and of its tool from the files that their `from` keys name.
 ///
 /// A tool with its own `from` replaces the tool of the robot file completely. A mix of both tools would
-/// describe neither.
+/// describe neither tool.
 fn lay_robot(node: &mut Node, chain: &[String], lib: &mut Library<'_>) {
     let Value::Table(entries) = &mut node.value else { return lay_part(node, chain, lib) };
     let is_own = |e: &Entry| e.0 == "tool" && e.2.value.get("from").is_some();

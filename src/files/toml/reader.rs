@@ -312,7 +312,7 @@ impl<'n, 'l, 'a> Table<'n, 'l, 'a> {
                 self.lib.error(node.at, refused.message.into(), refused.remedy);
                 continue;
             }
-            // A key that the same file also gives cannot be the one that was misspelt.
+            // A key that the same file also gives cannot be the misspelt key.
             let meant = known.iter().filter(|(_, file)| *file != Some(at.file));
             let near = did_you_mean(key, meant.map(|(name, _)| *name));
             missing.retain(|(names, _)| !near.is_some_and(|n| names.contains(&n)));

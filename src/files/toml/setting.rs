@@ -1,7 +1,7 @@
 //! Settings: keys of a cell stated on the command line instead of in the file, by `--set` or by another flag.
 //!
 //! The settings are read like a small file that overrides the cell file, before anything is checked. So every
-//! check of the cell applies to them. A fault in a setting names the flag as its place.
+//! check of the cell applies to the settings. A fault in a setting names the flag as its place.
 
 use super::document::{Library, Source};
 use super::tree::{Entry, Node, Value, is_range, parse};
@@ -51,7 +51,7 @@ impl Setting {
         format!("{}={}", self.path, self.value)
     }
 
-    /// Returns the setting as typed. Faults of the setting state this text in place of a file.
+    /// Returns the setting as typed. Faults of the setting state this text instead of a file name.
     fn place(&self) -> String {
         self.flag.clone().unwrap_or_else(|| format!("--set {}", self.words()))
     }
@@ -111,7 +111,8 @@ impl Choices {
         Ok(Self { path, values })
     }
 
-    /// Returns whether both choices set the same key, or one sets a key inside the table that the other sets.
+    /// Returns whether both choices set the same key, or one choice sets a key inside the table that the
+    /// other choice sets.
     pub fn meets(&self, other: &Self) -> bool {
         let (a, b) = (keys(&self.path), keys(&other.path));
         a.iter().zip(&b).all(|(a, b)| a == b)

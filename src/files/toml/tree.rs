@@ -50,7 +50,7 @@ pub enum Value {
     Table(Vec<Entry>),
     /// Value that could not be read; its fault is recorded.
     ///
-    /// If it is the `from` of a table, any key may be missing from that table.
+    /// If the unread value is the `from` of a table, any key may be missing from that table.
     Unread,
 }
 
@@ -201,7 +201,7 @@ impl Reader {
     }
 }
 
-/// Merges `own` over `under`: keys of `own` override those of `under`. A table that both have is merged, but
+/// Merges `own` over `under`: keys of `own` override equal keys of `under`. Tables in both are merged, but
 /// lists and ranges are replaced as a whole.
 pub fn laid_over(own: Vec<Entry>, mut under: Vec<Entry>) -> Vec<Entry> {
     let known: HashMap<String, usize> = under.iter().enumerate().map(|(i, e)| (e.0.clone(), i)).collect();

@@ -5,16 +5,16 @@
 //! a frame with z along the next axis. The x axis of the second frame lies along the common normal of
 //! the two axes. If this definition leaves a choice, the following rules apply:
 //!
-//! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. Its x axis is the
-//!   projection of the base x axis onto the plane perpendicular to axis 1. If axis 1 is within 26 degrees of
-//!   the base x axis, the base y axis is projected instead;
+//! - frame 0: its origin is the point of axis 1 nearest to the origin of the base. The x axis of frame 0 is
+//!   the projection of the base x axis onto the plane perpendicular to axis 1. If axis 1 is within 26 degrees
+//!   of the base x axis, the base y axis is projected instead;
 //! - parallel axes: r = 0. Two axes on the same line: theta = 0 and l = 0, too;
 //! - direction of x: a row rotates x by at most a right angle. So l may be negative, as in many data sheets.
 //!   If the rotation is a right angle, l > 0. If the axes also intersect (l = 0), theta = +90 degrees;
-//! - the last row leads from the last joint axis to the z axis of the tip link. If the two are parallel, this
-//!   row ends at the origin of the tip link. If they are almost but not quite parallel, the row is empty:
-//!   theta = r = l = alpha = 0. [`Derived::tip`] is then the pose of the tip link in the frame of the last
-//!   joint axis.
+//! - the last row leads from the last joint axis to the z axis of the tip link. If the two axes are parallel,
+//!   this row ends at the origin of the tip link. If they are almost but not exactly parallel, the row is
+//!   empty: theta = r = l = alpha = 0. [`Derived::tip`] is then the pose of the tip link in the frame of the
+//!   last joint axis.
 
 use crate::cell::JointKind;
 use crate::pose::Pose;
@@ -65,11 +65,12 @@ const MAX_ROUNDING: f64 = 1e-9;
 /// Shortest common normal, m, that defines a direction.
 const SHORTEST: f64 = 1e-13;
 
-/// Angles, rad, below which two axes count as parallel. They are tried in turn until the rows are exact.
+/// Angles, rad, below which two axes count as parallel. The angles are tried in this order until the rows are
+/// exact.
 const PARALLEL: [f64; 9] = [1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6];
 
-/// Least sine of the angle between the last joint axis and the z axis of the tip at which a row connects
-/// the two. At a smaller angle all values of the last row are 0, unless the axes are parallel.
+/// Least sine of the angle between the last joint axis and the z axis of the tip at which a row connects the
+/// two axes. At a smaller angle all values of the last row are 0, unless the axes are parallel.
 const SLANTED: f64 = 0.01;
 
 /// Number of postures at which rows and URDF are compared.
@@ -201,7 +202,7 @@ impl ArmModel<'_> {
     }
 }
 
-/// Returns the coordinate of joint k in sample posture i, as a share of its sampled range, from -1 to 1.
+/// Returns the coordinate of joint k in sample posture i, as a share of the sampled range, from -1 to 1.
 ///
 /// The value 1 stands for pi rad if the joint is revolute, and for 1 m if it is prismatic.
 /// Fractional parts of the multiples of the square root of a prime are evenly distributed (Weyl 1916).
@@ -243,8 +244,9 @@ fn first_frame(z: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
     Pose { rotation: Matrix3::from_columns(&[x, z.cross(&x), *z]), translation: point - z * z.dot(point) }
 }
 
-/// Returns the D-H row that leads to the axis through `p` along the unit vector `d`; both are in the frame
-/// before the row. The axis counts as parallel to z if the sine of its angle to z is at most `parallel`.
+/// Returns the D-H row that leads to the axis through `p` along the unit vector `d`; `p` and `d` are in the
+/// frame before the row. The axis counts as parallel to z if the sine of its angle to z is at most
+/// `parallel`.
 fn between(d: &Vector3<f64>, p: &Vector3<f64>, parallel: f64) -> UrdfDhRow {
     let s = d.x.hypot(d.y);
     if s <= parallel {

@@ -1,10 +1,10 @@
-//! List of faults found while the text of a URDF is borrowed. The [`Library`] receives them afterwards.
+//! List of faults found while the text of a URDF is borrowed. The [`Library`] receives the faults afterwards.
 
 use crate::files::fault::Severity;
 use crate::files::toml::document::Library;
 use crate::files::toml::tree::At;
 
-/// Largest number of faults that are kept. It exceeds the number that [`Library`] lists.
+/// Largest number of faults that are kept. This number exceeds the number that [`Library`] lists.
 const MAX_FAULTS: usize = 600;
 
 pub struct UrdfFault {

@@ -1,4 +1,4 @@
-//! Reduced copy of a URDF: the links and joints that are used, with only those elements that are read.
+//! Reduced copy of a URDF: only the links and joints that are used, with only the elements that are read.
 
 use super::outline::UrdfOutline;
 use super::xml::right_angle;
@@ -10,9 +10,9 @@ use std::fmt::Write;
 
 /// Copies the parts of a URDF that are used.
 ///
-/// `meshes` gives new paths. The shape of a mesh without a new path is left out. Angles that plainly
-/// mean right angles are written with all digits. Continuous joints get the limits with which they are
-/// read. `about` becomes a comment.
+/// `meshes` gives new paths. The shape of a mesh without a new path is left out. Angles that plainly mean
+/// right angles are written with all digits. Continuous joints get the limits that the reader assumes for
+/// them. `about` becomes a comment.
 pub fn lean(
     text: &str,
     outline: &UrdfOutline,

@@ -1,8 +1,8 @@
 //! Reader of URDF files (the XML of ROS): converts a chain of links to standard D-H rows and solids.
 //!
-//! Only the chain from `base_link` to `tip_link` and the links fixed to the chain are used: their joints and
-//! collision shapes. All other elements are counted, and one warning reports them. As in the URDF format,
-//! lengths are in m and angles in rad.
+//! The reader uses only the joints and collision shapes of the chain from `base_link` to `tip_link`, and of
+//! the links fixed to the chain. All other elements are counted, and one warning reports them. As in the URDF
+//! format, lengths are in m and angles in rad.
 
 mod dh;
 mod fault_list;

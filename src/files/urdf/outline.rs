@@ -24,7 +24,7 @@ pub struct UrdfOutline {
     pub joints: usize,
     /// Guessed working direction of the tool in the frame of the tip link.
     pub direction: Vector3<f64>,
-    /// Links of the chain, and links fixed to them.
+    /// Links of the chain, and links that are fixed to the chain.
     pub links: Vec<String>,
     /// Moving joints that are not on the chain, such as the joints of a gripper.
     pub joints_off: Vec<String>,
@@ -33,7 +33,8 @@ pub struct UrdfOutline {
     pub shapes: Vec<(usize, Option<String>)>,
 }
 
-/// Reads the outline of the URDF at `path`; `tip` names the tip link; if it is None, the tip link is guessed.
+/// Reads the outline of the URDF at `path`. `tip` names the tip link. If `tip` is None, the tip link is
+/// guessed.
 pub fn outline(path: &str, tip: Option<&str>, lib: &mut Library<'_>) -> Option<UrdfOutline> {
     let file = lib.text(path, None)?;
     let urdf = parsed(file, lib)?;

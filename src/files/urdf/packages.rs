@@ -43,7 +43,7 @@ fn is_package(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
 }
 
-/// Returns a path with `.` and `..` resolved; None if it leaves its folder or does not name a file.
+/// Returns a path with `.` and `..` resolved; None if the path leaves its folder or does not name a file.
 fn normal(path: &str) -> Option<String> {
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {

@@ -225,7 +225,7 @@ fn end(e: Node<'_, '_>, tag: &str, faults: &mut Faults) -> Option<Named> {
 
 /// Returns `lower` and `upper` of `<limit>`; Some(None) if neither is given.
 ///
-/// If only one of the two is missing, it is 0, which is the default of URDF.
+/// If only one of the two attributes is missing, its value is 0, which is the default of URDF.
 #[allow(clippy::option_option)]
 fn read_limits(
     e: Node<'_, '_>,

@@ -1,5 +1,5 @@
-//! Cheap checks of XML text before it is parsed. They refuse text that would make the parser slow, recurse
-//! deeply or use much memory.
+//! Cheap checks of XML text before it is parsed. The checks refuse text that would make the parser slow,
+//! recurse deeply or use much memory.
 
 use super::fault_list::{Faults, UrdfFault};
 
@@ -20,7 +20,7 @@ const MAX_TAG: usize = 4_000;
 
 const LARGE: &str = "is this the URDF of one robot? remove everything but its links and joints";
 
-/// Returns the first reason why the text must not be parsed, if there is one.
+/// Returns the first reason why the text must not be parsed; None if the text may be parsed.
 pub fn refuse(text: &str, faults: &Faults) -> Option<UrdfFault> {
     let many = |what: &str, most: usize| {
         Some(faults.wrong(0, format!("the file has more than {most} {what}"), LARGE)) // the file as a whole

@@ -58,7 +58,8 @@ pub fn guess(urdf: &Urdf, tree: &Tree<'_>, base: usize) -> usize {
     far.filter(|&link| length(link) > SAME_POINT).unwrap_or(end)
 }
 
-/// Returns the distance of a link from a link above it, to which it is fixed, m.
+/// Returns the distance, m, of the link `link` from the link `from`. `from` is above `link` in the tree, and
+/// the two links are fixed to each other.
 fn distance(urdf: &Urdf, tree: &Tree<'_>, from: usize, link: usize) -> f64 {
     let (mut pose, mut at) = (Pose::identity(), link);
     while at != from {
@@ -99,8 +100,8 @@ fn is_short_slide(joint: &UrdfJoint) -> bool {
     joint.kind == UrdfJointKind::Prismatic && travel <= JAW
 }
 
-/// Returns whether branches are fingers: several of them are driven, or one is driven and the others
-/// mimic its joints.
+/// Returns whether branches are fingers: several branches are driven, or one branch is driven and all other
+/// branches mimic its joints.
 ///
 /// The passive bars of a parallelogram, in contrast, mimic joints that come before the branching.
 fn are_fingers(urdf: &Urdf, tree: &Tree<'_>, branches: &[usize]) -> bool {

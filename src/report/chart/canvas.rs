@@ -14,8 +14,8 @@ pub const BODY: f64 = 13.0;
 const BOLD: f64 = 1.14;
 pub const SMALL: f64 = 12.0;
 
-/// Colour role in a chart, with one colour on white paper and one on black. A style sheet can replace these
-/// colours through a CSS class.
+/// Colour role in a chart, with one colour on white paper and one colour on black paper. A style sheet can
+/// replace these colours through a CSS class.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ink {
     Paper,

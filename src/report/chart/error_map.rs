@@ -105,7 +105,7 @@ impl<'a> ErrorMapPicture<'a> {
     }
 
     /// Draws the reach of the arm at the height of each operation, clipped at the frame of the drawing.
-    /// Returns, for each outline, the names of the operations that share it.
+    /// Returns, for each outline, the names of the operations that share the outline.
     fn draw_envelopes(&mut self) -> Vec<String> {
         let (a, view) = (self.a, self.view);
         self.canvas.put(&format!(
@@ -154,7 +154,8 @@ impl<'a> ErrorMapPicture<'a> {
         }
     }
 
-    /// Draws a name centred on a point. Moves it into the picture and, if possible, away from other names.
+    /// Draws a name centred on a point. Moves the name into the picture and, if possible, away from other
+    /// names.
     fn draw_name(&mut self, name: &str, (x, y): (f64, f64)) {
         let said = words::shortened(name, SMALL, self.width - 16.0);
         let half = words::width(&said, SMALL) / 2.0;
@@ -170,7 +171,7 @@ impl<'a> ErrorMapPicture<'a> {
         let errors =
             self.a.maps.iter().flat_map(|map| map.usable().map(|(_, _, p)| drawn_error(self.a, map, p)));
         let longest = errors.map(|error| error.norm()).fold(0.0, f64::max);
-        // A factor with one significant digit reads better than one with six.
+        // A factor with one significant digit is easier to read than a factor with six digits.
         if longest > 0.0 { round_down(LONGEST_ARROW / (longest * self.view.scale), DIGITS) } else { 1.0 }
     }
 
@@ -260,7 +261,7 @@ fn thinning(map: &OperationMap) -> usize {
 
 /// Returns the error in x and y that the arrow of a node shows, m.
 ///
-/// An error without a sign has the size of its figure in the sense `xy`. Its direction is the direction of
+/// An error without a sign has the size of its figure in the sense `xy`. The direction is the direction of
 /// the error at the worst corner of the tolerance box.
 fn drawn_error(a: &Assessment<'_>, map: &OperationMap, p: &PostureRecord) -> Vector2<f64> {
     let (cell, error) = (a.cell, p.error.xy());

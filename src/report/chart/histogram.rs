@@ -91,7 +91,7 @@ fn names(marks: &[&HistogramMark], x: &AxisScale, word: &str) -> Vec<Name> {
 }
 
 /// Returns a row for each name, such that no name crosses a line or another name. Row 0 is the lowest row. A
-/// mark holds the x of its line, then the left and the right end of its name, px.
+/// mark consists of the x of its line, and the left and the right end of its name, px.
 pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let mut rows = vec![0; marks.len()];
     let crosses =
@@ -101,7 +101,7 @@ pub fn rows(marks: &[(f64, f64, f64)]) -> Vec<usize> {
     let pairs = || (0..marks.len()).flat_map(|k| (0..marks.len()).map(move |other| (k, other)));
     for _ in 0..marks.len() * marks.len() {
         for (k, other) in pairs().filter(|(k, other)| k != other) {
-            // If each line crosses the name of the other, the left name moves up.
+            // If each of two lines crosses the name of the other line, the left name moves up.
             let is_below = crosses(other, k) && (k < other || !crosses(k, other));
             if is_below && rows[k] <= rows[other] || rows[k] == rows[other] && k < other && touches(k, other)
             {

@@ -1,4 +1,5 @@
-//! Residuals of a calibration over the coordinate of every joint: a trend shows on which joint they depend.
+//! Residuals of a calibration over the coordinate of every joint: a trend shows on which joint the residuals
+//! depend.
 
 use super::axes::{self, AxisScale};
 use super::canvas::{ChartCanvas, EDGE, Ink, LegendEntry};

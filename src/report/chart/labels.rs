@@ -5,7 +5,7 @@
 pub struct OccupiedBoxes(Vec<[f64; 4]>);
 
 impl OccupiedBoxes {
-    /// Occupies a box if it is free. Returns whether it was free.
+    /// Occupies a box if it is free. Returns whether the box was free.
     pub fn take(&mut self, [left, top, right, bottom]: [f64; 4]) -> bool {
         let free = self.0.iter().all(|[l, t, r, b]| right <= *l || left >= *r || bottom <= *t || top >= *b);
         if free {

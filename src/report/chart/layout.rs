@@ -173,8 +173,8 @@ impl LayoutView<'_> {
         rings.map(|ring| ring.iter().map(|p| view.at(p)).collect())
     }
 
-    /// Returns all visible parts, with the tool at the spot. They are in the order of drawing: by kind, then
-    /// from the farthest to the nearest.
+    /// Returns all visible parts, with the tool at the spot. The parts are in the order of drawing: by kind,
+    /// then from the farthest to the nearest.
     fn parts(&self) -> Vec<VisiblePart<'_>> {
         let movement = &self.drawing.movement;
         let frames = movement.at(self.operation).unwrap_or(movement.home());

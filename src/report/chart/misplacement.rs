@@ -64,7 +64,7 @@ fn bar(canvas: &mut ChartCanvas, x: &AxisScale, (name, value): (&str, Option<f64
         return;
     };
     let to = x.at(value);
-    // An increase is bad and a decrease is good. They have different colours.
+    // An increase is bad and a decrease is good. The two cases have different colours.
     let fill = if value > 0.0 { Ink::Vermilion } else { Ink::Blue }.fill();
     canvas.put(&format!(
         "<rect x=\"{:.2}\" y=\"{:.1}\" width=\"{:.2}\" height=\"{:.1}\" {fill}/>",

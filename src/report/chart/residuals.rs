@@ -22,7 +22,7 @@ const TALLEST: f64 = 520.0;
 pub fn residuals(file: &ComparedFile) -> String {
     let every = thinning(file.positions.len(), MAX_DOTS);
     let mut drawn: Vec<_> = file.positions.iter().step_by(every).collect();
-    // Large residuals are drawn last, so that none is hidden.
+    // Large residuals are drawn last, so that no large residual is hidden.
     drawn.sort_by(|a, b| a.residual_mm.total_cmp(&b.residual_mm));
     let heading = format!("{}: residuals of the prediction", shown(&file.file));
     let mut told = vec!["size of measured minus predicted error, base frame of the robot".to_string()];

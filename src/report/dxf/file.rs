@@ -130,8 +130,8 @@ impl DxfFile {
         self.spaces.push(DxfSpace { name, layout: 0, record, begin, end, content: Codes::default() });
     }
 
-    /// Writes a block; the entities of `content` belong to it, and their coordinates are in the frame of the
-    /// block.
+    /// Writes a block. The entities of `content` belong to the block; their coordinates are in the frame of
+    /// the block.
     ///
     /// Returns the name of the block: `name`, with a number if another block has this name.
     pub fn block(&mut self, name: &str, content: impl FnOnce(&mut Self)) -> String {
@@ -208,7 +208,7 @@ impl DxfFile {
         (head.0 + &body.0).into_bytes()
     }
 
-    /// Writes the header. It has no date and no GUID, so equal drawings give equal files.
+    /// Writes the header. The header has no date and no GUID, so equal drawings give equal files.
     fn header(&self, out: &mut Codes) {
         let name = |out: &mut Codes, name: &str| out.put(9, name);
         name(out, "$ACADVER");

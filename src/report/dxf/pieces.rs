@@ -1,4 +1,4 @@
-//! Blocks of robot, equipment and obstacles: each is one object that a CAD program moves as a whole.
+//! Blocks of robot, equipment and obstacles: each block is one object that a CAD program moves as a whole.
 
 use super::file::DxfFile;
 use super::labels::{Labels, at_height};

@@ -14,7 +14,8 @@ use std::fmt::Display;
 const HEADER: [&str; 3] =
     ["700 0 1 0", "@9 sweetspot @12 ACIS 32.0 NT @24 Thu Jan 01 00:00:00 2026", "1 1e-06 1e-10"];
 const END: &str = "End-of-ACIS-data";
-/// Number of the record of the face. The next two constants are the numbers of its plane and its first loop.
+/// Number of the record of the face. The next two constants are the numbers of the plane and the first loop
+/// of the face.
 const FACE: usize = 3;
 const PLANE: usize = 4;
 const FIRST_LOOP: usize = 5;
@@ -45,7 +46,7 @@ pub fn planar_faces(rings: &[Vec<PlanePoint>]) -> Vec<PlanarFace> {
     faces.filter(PlanarFace::is_valid).collect()
 }
 
-/// Returns the corners of a ring (m) in mm without repeated points; None if they enclose no area.
+/// Returns the corners of a ring (m) in mm without repeated points; None if the corners enclose no area.
 fn corners(ring: &[PlanePoint]) -> Option<Vec<Vector2<f64>>> {
     let in_mm = |p: &PlanePoint| Vector2::new(rounded(mm_from_m(p.0), 6), rounded(mm_from_m(p.1), 6));
     let mut corners: Vec<Vector2<f64>> = ring.iter().map(in_mm).collect();
@@ -60,7 +61,7 @@ fn area(corners: &[Vector2<f64>]) -> f64 {
     polygon_area(&corners.iter().map(|p| (p.x, p.y)).collect::<Vec<_>>())
 }
 
-/// Returns the ring with its corners anticlockwise or clockwise.
+/// Returns the ring with its corners anticlockwise if `anticlockwise` is true, otherwise clockwise.
 fn oriented(ring: &[Vector2<f64>], anticlockwise: bool) -> Vec<Vector2<f64>> {
     let mut ring = ring.to_vec();
     if (area(&ring) > 0.0) != anticlockwise {

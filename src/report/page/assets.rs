@@ -1,4 +1,4 @@
-//! Scripts, styles and templates of the pages. They use no library and make no network request.
+//! Scripts, styles and templates of the pages. The scripts use no library and make no network requests.
 
 use crate::drawing::{GlyphRing, NodeGlyph, node_glyph};
 use crate::error_map::NodeSign;
@@ -72,13 +72,13 @@ pub const COMPARE_CSS: &str = include_str!("compare.css");
 pub const COMPARE_JS: &str = include_str!("compare.js");
 
 /// Returns the script of the 3-D viewer. The script defines `sweetspotViewer(host, document, options)` and no
-/// other global name. It begins with the table of [`node_signs`].
+/// other global name. The script begins with the table of [`node_signs`].
 pub fn viewer_js() -> String {
     let table = node_signs();
     format!("\"use strict\";\n(() => {{\nconst NODE_SIGN_TABLE = {table};\n{VIEWER_PARTS}}})();\n")
 }
 
-/// Returns the script of the live page. It must follow the script of the viewer.
+/// Returns the script of the live page. This script must follow the script of the viewer.
 #[cfg(feature = "view")]
 pub fn live_js() -> String {
     format!("\"use strict\";\n(() => {{\n{LIVE_PARTS}}})();\n")

@@ -1,4 +1,4 @@
-// Every layout has a view of its own; cameras and switches are shared. Without WebGL, the still pictures
+// Every layout has a separate view; cameras and switches are shared. Without WebGL, the still pictures
 // remain.
 (() => {
   /** @type {(keyof ViewerState)[]} */

@@ -172,9 +172,9 @@ fn discrepancies(subject: &Subject<'_>) -> Section {
     section
 }
 
-/// Returns whether figures of a layout depend on the linearized model. They do if the cell does not choose
-/// the nonlinear model. They also do if a reading of tolerances uses the linearized model where the two
-/// models differ by more than the guard.
+/// Returns whether figures of a layout depend on the linearized model. This is true if the cell does not
+/// choose the nonlinear model. It is also true if a reading of tolerances uses the linearized model, and the
+/// two models differ by more than the guard.
 fn rests_on_linearized(a: &Assessment<'_>) -> bool {
     let differs = || a.maps.iter().any(|map| map.off(Model::Linear, a.cell.guard).1 > 0);
     a.cell.model != Model::Nonlinear || (a.cell.reading != Reading::Signed && differs())

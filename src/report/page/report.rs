@@ -34,7 +34,7 @@ struct ReportPage<'a> {
     version: &'static str,
 }
 
-/// Returns the report. `drawings` has one entry per layout; the first is the layout as drawn.
+/// Returns the report. `drawings` has one entry per layout; the first layout is the layout of the cell file.
 ///
 /// # Errors
 /// Fails if a part cannot be rendered.
@@ -61,8 +61,8 @@ pub fn report(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Result<Report,
     Ok(Report { html, verdict })
 }
 
-/// Returns the sections below the verdict. `drawings` has one entry per layout; the first is the layout as
-/// drawn.
+/// Returns the sections below the verdict. `drawings` has one entry per layout; the first layout is the
+/// layout of the cell file.
 pub fn sections(subject: &Subject<'_>, drawings: &[Drawing<'_>]) -> Vec<Section> {
     let mut sections = figures::sections(subject, drawings);
     let measured = measured::section(subject);

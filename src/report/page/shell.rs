@@ -21,8 +21,8 @@ pub fn rendered(template: &str, page: &impl Serialize) -> Result<String, String>
     environment.render_str(template, Serde(page)).map_err(|e| format!("{e:#}"))
 }
 
-/// Returns the Content-Security-Policy (W3C, Level 3) of a page. It allows no request, and only the script
-/// and the style whose hashes it states.
+/// Returns the Content-Security-Policy (W3C, Level 3) of a page. The policy allows no requests, and only the
+/// script and the style whose hashes it states.
 pub fn policy(script: &str, style: &str) -> String {
     format!(
         "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",

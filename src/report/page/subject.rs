@@ -1,4 +1,4 @@
-//! Subject of a report: a layout as drawn, or the result of a search.
+//! Subject of a report: the layout of a cell file, or the result of a search.
 
 use super::content::PageTable;
 use crate::assess::Assessment;
@@ -15,9 +15,9 @@ pub fn si(unit: Unit, value: f64) -> f64 {
     }
 }
 
-/// Input of a report: a layout as drawn or the result of a search, and the provenance.
+/// Input of a report: the layout of a cell file or the result of a search, and the provenance.
 pub struct Subject<'a> {
-    /// The layout as drawn.
+    /// Layout of the cell file, before a search.
     pub start: Assessment<'a>,
     /// Best layout of the search; None without a search, or if the search found no feasible layout.
     pub best: Option<Assessment<'a>>,
@@ -31,13 +31,13 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// Returns the layout that the report recommends: the best layout of the search, otherwise the layout as
-    /// drawn.
+    /// Returns the layout that the report recommends: the best layout of the search, otherwise the layout of
+    /// the cell file.
     pub fn shown(&self) -> &Assessment<'a> {
         self.best.as_ref().unwrap_or(&self.start)
     }
 
-    /// Returns all layouts, the layout as drawn first.
+    /// Returns all layouts; the layout of the cell file is the first.
     pub fn layouts(&self) -> impl Iterator<Item = &Assessment<'a>> {
         std::iter::once(&self.start).chain(&self.best)
     }
@@ -63,7 +63,7 @@ pub struct Manifest {
     pub seed: u64,
     /// Path and SHA-256 of every file read, the cell file first.
     pub inputs: Vec<(String, String)>,
-    /// Path and SHA-256 of every file that the search wrote; empty for a layout as drawn.
+    /// Path and SHA-256 of every file that the search wrote; empty without a search.
     pub outputs: Vec<(String, String)>,
     /// Name of the file that lists every node, or the command that writes that file.
     pub csv: String,

@@ -20,7 +20,7 @@ pub struct PdfPage {
     pub headings: Vec<String>,
 }
 
-/// Returns the fonts that texts may use. Fonts of the machine are not among them, so a page looks the same
+/// Returns the fonts that texts may use. The fonts of the machine are not used, so a page looks the same
 /// everywhere.
 fn options() -> usvg::Options<'static> {
     let mut fonts = fontdb::Database::new();

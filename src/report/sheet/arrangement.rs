@@ -5,7 +5,7 @@ use crate::cell::Projection;
 
 /// Scales of ISO 5455; the entry `n` means 1:n.
 pub const SCALES: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4];
-/// Paper formats of ISO 216: name, width and height, mm. Smaller ones come first.
+/// Paper formats of ISO 216: name, width and height, mm. Smaller formats come first.
 const PAPERS: [Paper; 4] = [
     Paper { name: "A4", width: 297.0, height: 210.0 },
     Paper::A4,
@@ -16,7 +16,7 @@ const PAPERS: [Paper; 4] = [
 /// the other sides.
 pub const FILING_MARGIN: f64 = 20.0;
 pub const MARGIN: f64 = 10.0;
-/// Width and height of the title block (ISO 7200), mm. It is as wide as the frame of an upright A4.
+/// Width and height of the title block (ISO 7200), mm. The block is as wide as the frame of an upright A4.
 pub const BLOCK: (f64, f64) = (210.0 - FILING_MARGIN - MARGIN, 40.0);
 /// Distance between the frame and its content, mm.
 const INSIDE: f64 = 5.0;
@@ -115,7 +115,7 @@ fn placed(needs: &Needs, paper: Paper, ratio: f64, projection: Projection) -> Ar
     let (plan, front) = (size(&needs.plan, ratio), size(&needs.front, ratio));
     let (wide, high) = stack(needs, ratio);
     let room = room(&paper, needs.list);
-    // The views are centred horizontally. A third of the free height is above them.
+    // The views are centred horizontally. A third of the free height is above the views.
     let left = left + ((room.0 - wide) / 2.0).max(0.0);
     let top = top + ((room.1 - high) / 3.0).max(0.0);
     let (front_top, plan_top) = match projection {

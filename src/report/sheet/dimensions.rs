@@ -170,7 +170,7 @@ fn angle(
         let _ = write!(legs, "M{:.2} {:.2}L{:.2} {:.2}", near.0, near.1, far.0, far.1);
     }
     stroke(out, &legs, GREY, 0.13);
-    // Heads on a short arc would cover it.
+    // Arrow heads on a short arc would cover the arc.
     if (yaw * ARC).abs() > 2.0 * HEAD {
         let (a, b) = (end(0.0, ARC), end(yaw, ARC));
         let sweep = u8::from(yaw < 0.0);

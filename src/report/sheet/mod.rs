@@ -115,8 +115,8 @@ pub(super) fn opened(paper: &Paper, name: &str) -> String {
     )
 }
 
-/// Returns the sizes that the views need. Both views have the same range of x, so that one is exactly below
-/// the other.
+/// Returns the sizes that the views need. Both views have the same range of x, so that one view is exactly
+/// below the other view.
 fn needs(drawing: &Drawing<'_>, above: &[SheetSolid], before: &[SheetSolid]) -> Needs {
     let (mut plan, mut front) = (bounds(drawing, above, true), bounds(drawing, before, false));
     let (low, high) = (plan.0.x.min(front.0.x), plan.1.x.max(front.1.x));

@@ -113,8 +113,8 @@ fn draw_field(out: &mut String, (left, top): (f64, f64), ([x, y, wide, high], la
 
 /// Draws the symbol of the projection method (ISO 5456-2): a truncated cone from the side and from one end.
 ///
-/// The end view shows the smaller end. It is right of the side view in first-angle projection, and left of
-/// the side view in third-angle projection.
+/// The end view shows the smaller end. The end view is right of the side view in first-angle projection, and
+/// left of the side view in third-angle projection.
 fn projection_symbol(out: &mut String, (x, y): (f64, f64), projection: Projection) {
     let (cone, rings) = match projection {
         Projection::FirstAngle => (x, x + 13.0),

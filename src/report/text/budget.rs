@@ -93,7 +93,8 @@ fn totals(a: &BudgetReport<'_>) -> String {
     )
 }
 
-/// Returns one text line about the limit and one about the Monte Carlo check of the first-order figures.
+/// Returns one text line about the limit, and one text line about the Monte Carlo check of the first-order
+/// figures.
 fn verdicts(a: &BudgetReport<'_>) -> String {
     let unit = a.context.evaluator.sense.unit;
     let limit = a.context.requirement(a.judged.value).map(|r| requirement_line(r, unit));

@@ -6,7 +6,7 @@ use crate::files::shown;
 use crate::record::MeasuringPlanDocument;
 use std::fmt::Write;
 
-/// Returns the poses of a plan and the expected error before and after they are measured.
+/// Returns the poses of a plan and the expected error before and after the measurement.
 pub fn measuring_plan(document: &MeasuringPlanDocument) -> String {
     let (expected, tried) = (&document.expected, &document.tried);
     let mut out = format!(

@@ -5,8 +5,8 @@ use crate::files::shown;
 use crate::record::SweepStatus;
 use std::fmt::Write;
 
-/// Returns the numbers of combinations that are done and left, and lists the running combinations, the failed
-/// combinations and the hosts.
+/// Returns the numbers of combinations that are done and left, and a list of the running combinations, the
+/// failed combinations and the hosts.
 pub fn sweep_status(status: &SweepStatus) -> String {
     let SweepStatus { combinations, done, free, running, failed, hosts, .. } = status;
     let mut out = format!(

@@ -141,7 +141,7 @@ class Page {
     buttonById("redo").disabled = redo === 0;
     byId("depth").textContent = undo ? `${undo} step${undo > 1 ? "s" : ""}` : "as in the file";
     this.showQuestion(step);
-    // The map comes first: without a graphics card the 3-D view delays everything after it.
+    // The map is drawn first, because the 3-D view is slow without a graphics card.
     afterPaint(() => this.refreshView3d());
     clearTimeout(this.pauseTimer);
     showRoom(null);
@@ -272,7 +272,7 @@ class Page {
 
 /**
  * Returns whether a drag may change number `k` of x, y, z and yaw. A drag may always change yaw and never z.
- * It may change x or y if this coordinate is free, or if the file fixes both x and y.
+ * A drag may change x or y if this coordinate is free, or if the file fixes both x and y.
  * @param {NumberGroup} group
  * @param {number} k
  */

@@ -19,7 +19,7 @@
  * @property {Placement} now
  * @property {number | null} pointer `null` for a drag in the 3-D view
  *
- * Function that is called when a piece is moved. It returns the allowed placement of the piece.
+ * Function that is called when a piece is moved. The function returns the allowed placement of the piece.
  * @typedef {(index: number, world: Placement, isSettled: boolean) => Placement} OnMove
  */
 
@@ -221,7 +221,7 @@ class Plan {
   }
 
   /**
-   * Shows a piece at a placement, and moves everything that stands on it along.
+   * Shows a piece at a placement, and moves all pieces that stand on the piece.
    * @param {number} index
    * @param {Placement} at
    */

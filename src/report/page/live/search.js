@@ -1,4 +1,4 @@
-// Two panels: one searches from the layout shown, the other saves the layout as a file.
+// Two panels: one panel searches from the layout shown, the other panel saves the layout as a file.
 
 /** Intervals between two requests to the server, ms: during a search, and at other times. */
 const SEARCH_INTERVAL = 250;

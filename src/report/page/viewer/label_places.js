@@ -12,8 +12,8 @@
  * @property {number} width
  * @property {number} height
  * @property {LabelPlace[]} places
- * @property {number[][]} anchors points to which the leader line of the label may lead A label that is
- * placed.
+ * @property {number[][]} anchors points to which the leader line of the label may lead
+ * A label that is placed.
  * @typedef {{ text: string, kind: string, x: number, y: number, leader?: string }} Label
  * @typedef {{ x: number, y: number, width: number, height: number }} Rectangle
  */

@@ -110,8 +110,8 @@ function colourBar(scale, low, high) {
 }
 
 /**
- * Returns the scale bars of the arrows and of the cell. Their lengths hold at the distance of the camera's
- * target.
+ * Returns the scale bars of the arrows and of the cell. The lengths of the bars hold at the distance of the
+ * camera's target.
  * @param {View} view
  */
 function arrowKey(view) {

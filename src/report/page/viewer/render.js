@@ -35,7 +35,7 @@ function partsNow({ drawing, state }) {
 }
 
 /**
- * Draws the shadow map, if something has moved since it was drawn.
+ * Draws the shadow map again if something has moved.
  * @param {View} view
  * @param {Part[]} parts
  */

@@ -35,7 +35,7 @@ float lit(vec3 place, vec3 n, float soft) {
   vec3 at = seen.xyz * 0.5 + 0.5;
   if (at.x <= 0.0 || at.y <= 0.0 || at.x >= 1.0 || at.y >= 1.0 || at.z >= 1.0) return 1.0;
   float sum = 0.0;
-  // Percentage-closer filtering from the rim inwards; if four samples agree, the others are skipped.
+  // Percentage-closer filtering from the rim inwards; if four samples agree, the other samples are skipped.
   for (int k = 15; k >= 0; k--) {
     float turn = 2.399963 * float(k);
     float far = sqrt((float(k) + 0.5) / 16.0) * soft;

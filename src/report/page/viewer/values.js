@@ -112,8 +112,8 @@ function errorAt(field, lens, k) {
 }
 
 /**
- * Returns the resultant error. Under an unsigned reading, it has the direction of the worst corner and the
- * length of the value in xyz.
+ * Returns the resultant error. Under an unsigned reading, the resultant has the direction of the worst corner
+ * and the length of the value in xyz.
  * @param {Field} field
  * @param {number} lens
  * @param {number} k
@@ -127,7 +127,7 @@ function resultant(field, lens, k, signed) {
 }
 
 /**
- * Returns the errors along x, y and z. Under an unsigned reading they apply in both directions.
+ * Returns the errors along x, y and z. Under an unsigned reading, the errors apply in both directions.
  * @param {Field} field
  * @param {number} lens
  * @param {number} k
