@@ -115,7 +115,7 @@ fn a_distance_below_the_clearance_is_not_called_an_overlap() {
         fenced(3.4),
         ["table is nearer to the fence than the clearance: 3.4 mm instead of 15.0 mm along a side"]
     );
-    assert_eq!(fenced(-5.0), ["table passes the fence by 5.0 mm"]);
+    assert_eq!(fenced(-5.0), ["table reaches beyond the fence by 5.0 mm"]);
 }
 
 /// Random blocks at random heights: an overlap is told if and only if the blocks overlap without regard to

@@ -749,7 +749,7 @@ fn the_fence_keeps_the_clearance_and_the_base_inside() {
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!((found[0].a, found[0].b), (Party::RobotBase, Party::Fence));
     assert!((found[0].depth - 0.15).abs() < 1e-9 && found[0].concerns(0));
-    assert_eq!(found[0].in_words(&cell), "the robot base passes the fence by 100.0 mm");
+    assert_eq!(found[0].in_words(&cell), "the robot base reaches beyond the fence by 100.0 mm");
     layout.placements[0].x = 0.651;
     plan.overlaps(&layout, &mut found);
     assert!(found.iter().any(|o| o.a == Party::Equipment(0) && (o.depth - 0.001).abs() < 1e-9), "{found:?}");

@@ -11,8 +11,8 @@ pub enum ArmPart {
 }
 
 impl ArmPart {
-    /// Returns whether a solid belongs to the part; `frame` carries the solid, and `last` is the frame after the last
-    /// joint.
+    /// Returns whether a solid belongs to the part. `frame` is the index of the frame that carries the solid,
+    /// and `last` is the index of the frame after the last joint.
     pub(super) fn has(self, frame: usize, last: usize) -> bool {
         match self {
             Self::Whole => true,

@@ -1,4 +1,4 @@
-//! Solids of the cell as shapes of parry3d.
+//! Solids of the cell as shapes of the collision library parry3d.
 
 use super::convex_decomposition::{Hull, convex};
 use crate::cell::Shape;
@@ -25,11 +25,12 @@ pub(super) struct CollisionBody {
     /// Solid before the rounding that enlarges it, and the radius (m) of the rounding; None without rounding.
     ///
     /// A check against a ball uses this solid and enlarges the ball by the radius, which is exact. For the
-    /// rounded solid, parry3d errs by up to 4e-5 m.
+    /// rounded solid, the error of parry3d is up to 4e-5 m.
     pub(super) unswollen: Option<(SharedShape, f64)>,
     /// Bounding box in the frame of the shape.
     pub(super) bounds: Aabb,
-    /// Whether the solid has many vertices; then rotating `bounds` is faster than computing a new box.
+    /// Whether the solid has many vertices. For such a solid, rotating `bounds` is faster than computing a
+    /// new box.
     pub(super) is_hull: bool,
     /// Whether `local` is the identity.
     is_at_origin: bool,
@@ -126,7 +127,7 @@ fn swollen(shape: &Shape, by: f64) -> CollisionBody {
     }
 }
 
-/// Returns the body of a shape, which is not enlarged.
+/// Returns the body of a shape without enlargement.
 ///
 /// The shape must not be a leg, whose length follows from the placement.
 pub(super) fn body(shape: &Shape) -> CollisionBody {

@@ -1,4 +1,4 @@
-//! Bounding capsules and bounding boxes, whose closed-form distances settle most pairs of solids.
+//! Bounding capsules and bounding boxes, whose closed-form distances decide most pairs of solids.
 //!
 //! Only pairs near contact are left to parry3d.
 
@@ -103,7 +103,7 @@ impl BoundingCapsule {
         }
     }
 
-    /// Checks the capsule against a box in the same frame.
+    /// Returns the verdict on the capsule and a box in the same frame.
     pub(super) fn against_box(&self, other: &BoundingBox) -> ContactVerdict {
         let (a, along) = (self.a - other.centre, self.b - self.a);
         let room = other.half.add_scalar(self.radius + CONTACT_MARGIN) + along.abs() / 2.0;
@@ -114,18 +114,20 @@ impl BoundingCapsule {
         self.verdict(segment_to_box_squared(&a, &along, &other.half), self.is_solid && other.is_solid)
     }
 
-    /// Returns the distance of the capsule from a box in the same frame, m; negative if they overlap.
+    /// Returns the distance of the capsule from a box in the same frame, m; negative if capsule and box
+    /// overlap.
     pub(super) fn gap_to_box(&self, other: &BoundingBox) -> f64 {
         let (a, along) = (self.a - other.centre, self.b - self.a);
         segment_to_box_squared(&a, &along, &other.half).sqrt() - self.radius
     }
 
-    /// Returns the distance of the capsule from another capsule in the same frame, m; negative if they overlap.
+    /// Returns the distance of the capsule from another capsule in the same frame, m; negative if the
+    /// capsules overlap.
     pub(super) fn gap_to(&self, other: &Self) -> f64 {
         segments_apart_squared(&self.a, &self.b, &other.a, &other.b).sqrt() - self.radius - other.radius
     }
 
-    /// Checks the capsule against the triangles of a mesh in the same frame.
+    /// Returns the verdict on the capsule and the triangles of a mesh in the same frame.
     ///
     /// The traversal of the bounding volume hierarchy visits the nearest nodes first and stops at a clear
     /// verdict.
@@ -187,13 +189,13 @@ fn point_to_segment_squared(p: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>
     (from - along * t).norm_squared()
 }
 
-/// Returns the squared distance (m^2) between a box around the origin and the segment from `a` to `a +
-/// along`.
+/// Returns the squared distance (m^2) between a box around the origin and a segment.
 ///
-/// The box has the half edge lengths `half`. The squared distance of the point `a + t along` from the box is
-/// a convex function of t. The planes of the six faces divide the segment into at most seven parts. In each
-/// part, the squared distance is quadratic in t, so its derivative is linear. The minimum lies in the part in
-/// which the derivative changes sign, or at an end of the segment.
+/// The segment leads from `a` to `a + along`, and the box has the half edge lengths `half`. The squared
+/// distance of the point `a + t along` from the box is a convex function of t. The planes of the six faces
+/// divide the segment into at most seven parts. In each part, the squared distance is quadratic in t, so its
+/// derivative is linear. The minimum lies in the part in which the derivative changes sign, or at an end of
+/// the segment.
 fn segment_to_box_squared(a: &Vector3<f64>, along: &Vector3<f64>, half: &Vector3<f64>) -> f64 {
     let outside = |t: f64| {
         let x = a + along * t;

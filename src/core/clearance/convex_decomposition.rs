@@ -21,7 +21,7 @@ const MIN_GAIN: f64 = 0.01;
 /// Largest number of points from which the volume of a hull is estimated.
 const MAX_POINTS: usize = 400;
 
-/// Cache: returns the bytes stored for a key, or the bytes that the given function computes.
+/// Cache function: returns the bytes stored for a key, or the bytes that the given function computes.
 ///
 /// The bytes may come from any storage, because this module validates them.
 pub type Remember<'a> = dyn FnMut(&[u8], &dyn Fn() -> Vec<u8>) -> Vec<u8> + 'a;
@@ -101,8 +101,8 @@ pub(super) fn convex(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
 
 /// Returns, for every triangle, the index of the part to which it belongs.
 ///
-/// The function repeatedly makes the cut that reduces the total volume of the hulls most. The function tries
-/// nine cuts of each part: along each axis, after one, two and three quarters of the triangles.
+/// The function repeatedly makes the cut that reduces the total volume of the hulls the most. Nine cuts of
+/// each part are tried: along each axis, after one, two and three quarters of the triangles.
 fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
     let centre = |t: u32| triangles[t as usize].iter().map(|&i| vertices[i as usize]).sum::<Vector3<f64>>();
     let volume = |part: &[u32]| {
@@ -183,7 +183,7 @@ const FLAT_HALF: f64 = 1e-6;
 
 /// Returns the convex hull of points; None if they span no significant volume.
 fn polyhedron(points: &[pm::Vector]) -> Option<ConvexPolyhedron> {
-    // parry3d panics if its hull fails an assertion; the mesh of a user must not end the program.
+    // parry3d panics if its hull fails an assertion. The mesh of a user must not abort the program.
     let made = std::panic::catch_unwind(|| ConvexPolyhedron::from_convex_hull(points));
     made.ok().flatten()
 }

@@ -1,6 +1,6 @@
 //! Distance queries: the distance of the robot from the solids that it must not touch.
 //!
-//! For rounded shapes the distances computed by parry3d are wrong by up to 1.2e-5 m. So distances are
+//! For rounded shapes, the distances computed by parry3d are wrong by up to 1.2e-5 m. So distances are
 //! measured between the solids before their rounding, and from the segments of capsules. The radii are then
 //! subtracted.
 //!
@@ -29,7 +29,7 @@ pub const ACCURACY: f64 = 1e-6;
 /// Above this limit, a mesh is checked by its bounding box; below it, by its triangles.
 const BOUNDS_ONLY_DISTANCE: f64 = 0.1;
 
-/// Result of a distance query: the least distance, and the two solids that have it.
+/// Result of a distance query: the least distance, and the two solids at this distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearness {
     /// Least distance, m: 0 at contact, and at most the argument `max` of the query.

@@ -36,7 +36,7 @@ impl Heights {
 
     /// Returns the heights in the world that solids and surface occupy if the equipment is at height `z`, m.
     ///
-    /// For equipment with legs the range has no lower end.
+    /// For equipment with legs, the lower end of the range is minus infinity.
     pub fn known_at(&self, z: f64) -> HeightRange {
         (if self.legs { f64::NEG_INFINITY } else { z + self.low }, z + self.high)
     }

@@ -24,7 +24,7 @@ pub struct Separation {
     pub depth: f64,
 }
 
-/// Computed overlap, m, up to which two floor spaces only touch; it exceeds the effect of rounding.
+/// Largest computed overlap, m, that counts as touching. It exceeds the effect of rounding.
 const TOUCHING: f64 = 1e-9;
 
 /// Fence of a cell, prepared once for all layouts.
@@ -56,7 +56,8 @@ impl FencePolygon {
         }
     }
 
-    /// Returns how far a floor space reaches beyond the fence, m; 0 if it is inside and keeps the clearance.
+    /// Returns how far a floor space reaches beyond the fence, m; 0 if the floor space is inside and keeps
+    /// the clearance.
     ///
     /// The result is the largest of the following lengths, to each of which the clearance is added:
     ///
@@ -121,7 +122,7 @@ pub struct FloorPlan {
     /// Keep-out boxes with their heights in the world.
     pub(super) keep_out: Vec<(PlacedRectangle, HeightRange)>,
     clearance: f64,
-    /// Extra distance that each piece of equipment keeps because of misplacements.
+    /// Extra distance that each piece of equipment keeps because of misplacements, m.
     room: Vec<Room>,
     base_room: Room,
     floor: f64,
@@ -158,7 +159,7 @@ impl FloorPlan {
         }
     }
 
-    /// Prepares the floor spaces of a cell, each with room for its misplacement.
+    /// Prepares the floor spaces of a cell, each with an extra distance for misplacements.
     pub fn with_tolerances(cell: &Cell) -> Self {
         let room = (0..cell.equipment.len()).map(|k| Room::of_equipment(cell, k)).collect();
         let base_room = Room::NONE.plus(&cell.base_tolerance, farthest(&cell.robot.footprint));
@@ -193,7 +194,7 @@ impl FloorPlan {
         rise(self.equipment[i].heights.known_at(at.z), heights)
     }
 
-    /// Returns whether a vertical distance, m, is below the clearance plus `room`.
+    /// Returns whether a vertical distance, m, is below the clearance plus the extra distance `room`.
     fn is_near(&self, rise: f64, room: Room) -> bool {
         rise < self.clearance + room.height - TOUCHING
     }
@@ -288,10 +289,11 @@ impl FloorPlan {
         self.clearance + room.plan
     }
 
-    /// Returns the overlap of two objects; None if they keep the clearance and the room for misplacements.
+    /// Returns the overlap of two objects; None if they keep the clearance and the extra distance for
+    /// misplacements.
     ///
-    /// `depth` is their overlap in plan (m, clearance and room included), and `rise` computes their vertical
-    /// distance (m).
+    /// `depth` is their overlap in plan (m), including the clearance and the extra distance. `rise` computes
+    /// their vertical distance (m).
     fn overlap(
         &self,
         (a, b): (Party, Party),
@@ -315,7 +317,8 @@ struct Room {
 impl Room {
     const NONE: Self = Self { plan: 0.0, height: 0.0 };
 
-    /// Returns the room of a piece of equipment: any point of its floor space moves by at most this distance.
+    /// Returns the extra distance for a piece of equipment. No point of its floor space moves farther than
+    /// this distance.
     fn of_equipment(cell: &Cell, equipment: usize) -> Self {
         let (mut room, mut far, mut piece) =
             (Self::NONE, farthest(&cell.equipment[equipment].footprint), equipment);
@@ -329,8 +332,8 @@ impl Room {
         }
     }
 
-    /// Returns this room plus the room of a body with a placement tolerance. `far` is the distance of the
-    /// farthest point from the origin of the body, m.
+    /// Returns this distance plus the extra distance for a body with a placement tolerance. `far` is the
+    /// distance of the farthest point from the origin of the body, m.
     fn plus(self, tolerance: &PlacementTolerance, far: f64) -> Self {
         let [x, y, z, yaw] = tolerance.0;
         Self { plan: self.plan + x.hypot(y) + far * yaw, height: self.height + z }
@@ -349,7 +352,7 @@ fn farthest(r: &Rectangle) -> f64 {
     (r.centre.0.abs() + r.size.0 / 2.0).hypot(r.centre.1.abs() + r.size.1 / 2.0)
 }
 
-/// Returns the vertical distance from the fence: negative infinity, since the fence occupies all heights.
+/// Returns the vertical distance from the fence: negative infinity, because the fence occupies all heights.
 fn fence_rise() -> f64 {
     f64::NEG_INFINITY
 }

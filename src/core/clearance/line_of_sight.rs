@@ -10,8 +10,10 @@ use parry3d::query::Ray;
 use parry3d::shape::{Cuboid, Shape};
 
 impl Scene {
-    /// Returns the solid of equipment, fence or robot base that contains a point (world frame, m). For a
-    /// point below the floor, the result is the floor.
+    /// Returns the solid of equipment, fence or robot base that contains a point (world frame, m); None if no
+    /// solid contains the point.
+    ///
+    /// For a point below the floor, the result is the floor.
     pub fn solid_at(&self, placed: &PlacedSolids, point: &Vector3<f64>) -> Option<SolidRef> {
         if !self.enabled {
             return None;
@@ -32,8 +34,8 @@ impl Scene {
     /// visible.
     ///
     /// Both points are in the world frame, m. `frames` are the link frames in the robot base frame; the robot
-    /// holds no part. The solids of the flange and the tool that contain the reflector carry it and hide
-    /// nothing.
+    /// holds no part. A solid of the flange or the tool that contains the reflector carries the reflector, so
+    /// this solid counts as hiding nothing.
     pub fn hides(
         &self,
         placed: &PlacedSolids,

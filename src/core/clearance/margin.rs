@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 
 /// Upper bounds of how far solids move from their nominal poses, as seen from the robot base, m.
 ///
-/// A robot solid is given by its index in [`Scene::bounding_spheres`]. For equipment, the index after all
-/// equipment stands for the fence; None stands for the floor.
+/// A robot solid is given by its index in [`Scene::bounding_spheres`]. For equipment, the index after the
+/// last piece denotes the fence, and None denotes the floor.
 pub trait SolidMotion {
     /// Returns the bound for a robot solid.
     fn of_link(&self, link: usize) -> f64;
@@ -20,7 +20,7 @@ pub trait SolidMotion {
     fn of_equipment(&self, equipment: Option<usize>) -> f64;
 
     /// Returns the bound for the relative motion of a robot solid and a piece of equipment. Returns None if
-    /// no bound below the sum of the bounds for both is known.
+    /// no bound is known that is less than the sum of the two separate bounds.
     fn between(&self, link: usize, equipment: usize) -> Option<f64>;
 
     /// Returns the bound for the relative motion of two robot solids.

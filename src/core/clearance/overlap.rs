@@ -1,4 +1,4 @@
-//! Overlaps of floor spaces, distances between them below the clearance, and messages that report both.
+//! Overlaps of floor spaces and distances below the clearance, with the messages that report them.
 
 use crate::cell::Cell;
 use crate::units::mm_from_m;
@@ -55,7 +55,7 @@ impl Overlap {
         let (a, b) = (name(self.a), name(self.b));
         // Distance between the floor spaces in plan; negative if they overlap there.
         let aside = self.clearance - self.depth;
-        let verb = if self.b == Party::Fence { "passes" } else { "overlaps" };
+        let verb = if self.b == Party::Fence { "reaches beyond" } else { "overlaps" };
         if aside < 0.0 && self.rise == 0.0 {
             return format!("{a} {verb} {b} by {:.1} mm", mm_from_m(-aside));
         }

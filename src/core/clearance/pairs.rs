@@ -74,7 +74,8 @@ impl Scene {
         placed.base_hit
     }
 
-    /// Returns every pair that can collide while the arm moves; empty if collisions are not checked.
+    /// Returns every pair that can collide while the arm moves. The list is empty if collisions are not
+    /// checked.
     pub fn pairs(&self, placed: &PlacedSolids, load: Load) -> Vec<Pair> {
         if !self.enabled {
             return Vec::new();
@@ -104,7 +105,7 @@ impl Scene {
 
     /// Returns the index of the equipment to which the second solid of a pair belongs.
     ///
-    /// The index after all equipment stands for the fence; None stands for the floor or the robot.
+    /// The index after the last piece of equipment denotes the fence. None denotes the floor or the robot.
     pub fn equipment_of(&self, placed: &PlacedSolids, pair: Pair) -> Option<usize> {
         match pair.against {
             Against::Placed(k) => Some(placed.bodies[k].id.0),

@@ -43,8 +43,8 @@ pub(super) struct PlacedSolid {
     /// The box is [`CONTACT_MARGIN`] larger than the bounding box of the solid, on every side.
     pub(super) low: Vector3<f64>,
     pub(super) high: Vector3<f64>,
-    /// Bounding box in the frame of the solid. The box of a leg depends on the layout, as the length of the
-    /// leg does.
+    /// Bounding box in the frame of the solid. The box of a leg depends on the layout, because the length of
+    /// the leg does.
     pub(super) bounds: BoundingBox,
 }
 
@@ -108,7 +108,7 @@ impl EquipmentSolids {
         solids
     }
 
-    /// Returns the solids of equipment number `e` posed at a placement.
+    /// Returns the solids of the equipment with index `e`, posed at a placement.
     ///
     /// `floor` is the height (m) of the floor, where the legs end.
     pub(super) fn at(&self, e: usize, at: &Placement, floor: f64) -> impl Iterator<Item = PlacedSolid> {

@@ -29,7 +29,7 @@ pub(super) struct RobotSolid {
     /// Solid enlarged by [`TOUCHING`] alone, for distances and for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,
     /// Closed mesh of a solid with several convex parts. The mesh serves to test whether another solid lies
-    /// wholly inside the mesh.
+    /// wholly inside it. None for any other solid.
     pub(super) shell: Option<CollisionBody>,
     /// Bounding capsule of the solid without the clearance, in the carrier frame.
     pub(super) core: BoundingCapsule,
@@ -59,11 +59,11 @@ pub(super) fn all(cell: &Cell, remember: &mut Remember<'_>) -> Vec<RobotSolid> {
     links
 }
 
-/// Returns the pedestal of the highest base; None if the base stands on the floor.
+/// Returns the pedestal for the highest base position that the cell allows; None if no pedestal is needed.
 ///
-/// This pedestal also represents the pedestal of every lower base, because nothing collides below the floor.
-/// The sides of the pedestal keep the clearance to the arm. The floor plan checks the pedestal against
-/// equipment.
+/// This pedestal also represents the pedestal for every lower base position, because nothing collides below
+/// the floor. The sides of the pedestal keep the clearance to the arm. The floor plan checks the pedestal
+/// against equipment.
 fn pedestal(cell: &Cell, remember: &mut Remember<'_>) -> Option<RobotSolid> {
     let (section, height) = cell.highest_pedestal()?;
     let (centre, size) = (section.centre, section.size);

@@ -74,8 +74,8 @@ impl Scene {
 
     /// Returns every pair of robot solids, tool and held parts included.
     ///
-    /// Each pair states whether a contact is allowed, and why. If self-collision is not checked, there are only pairs
-    /// with the pedestal.
+    /// Each pair states whether a contact is allowed, and why. If self-collision is not checked, only pairs
+    /// with the pedestal are returned.
     pub fn self_collision_pairs(&self) -> &[SelfCollisionPair] {
         &self.self_collision_pairs
     }
