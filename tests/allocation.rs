@@ -1,4 +1,4 @@
-//! The node loop allocates no memory in any reading.
+//! Tests that the node loop allocates no memory in any reading.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 #[path = "common/mod.rs"]
@@ -71,7 +71,7 @@ fn the_node_loop_does_not_allocate() {
     assert!(measure(|| drop(BestFit::new(&chain, &ErrorSources::new(&cell, 0, None), true))).count_total > 0);
 }
 
-/// Bounded parameters that dominate use points which are prepared before the node loop.
+/// For dominating bounded parameters, the statistics use points that are prepared before the node loop.
 #[test]
 fn the_node_loop_does_not_allocate_for_bounded_parameters() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -105,7 +105,7 @@ fn the_node_loop_does_not_allocate_for_bounded_parameters() {
     }
 }
 
-/// An evaluation of ten times the nodes allocates no more memory than one of few nodes, ranked or judged.
+/// An evaluation with ten times as many nodes allocates no more memory, with ranking and without.
 #[test]
 fn an_evaluation_does_not_allocate_per_node() {
     for ranked in [true, false] {
@@ -127,7 +127,7 @@ fn an_evaluation_does_not_allocate_per_node() {
     }
 }
 
-/// The fast descents work on the stack. Only a goal that all of them miss allocates memory.
+/// The fast descents use only the stack. Memory is allocated only if all fast descents miss the goal.
 #[test]
 fn one_numeric_solution_does_not_allocate() {
     let chain = Chain::new(&shipped("hitachi_cell.toml").robot);

@@ -1,5 +1,5 @@
-//! Checks whether a layout really is feasible and has its stated value by the plainest means: 4 x 4 matrices,
-//! clipped polygons, clouds of points. It uses nothing of `clearance`, `reach` and `kinematic_error`.
+//! Independent check that a layout is feasible and has its stated value. The check uses 4 x 4 matrices,
+//! clipped polygons and clouds of points, and no code of `clearance`, `reach` or `kinematic_error`.
 
 use nalgebra::{Matrix4, Vector3, Vector4};
 use sweetspot::assess::Assessment;
@@ -32,7 +32,8 @@ fn point(m: &Frame, p: &Vector3<f64>) -> Vector3<f64> {
     (m * Vector4::new(p.x, p.y, p.z, 1.0)).xyz()
 }
 
-/// Returns the frame after every D-H row and then the TCP, eq. (1) and (2), with the rows off by `errors`.
+/// Returns the frame after every D-H row and then the TCP, by eqs. (1) and (2), for rows with the errors
+/// `errors`.
 fn links(cell: &Cell, q: &[f64], errors: Option<&SignedErrors>) -> Vec<Frame> {
     let mut frames = vec![frame(&cell.start().base.pose()) * frame(&cell.robot.mount)];
     for (i, joint) in cell.robot.joints.iter().enumerate() {
@@ -49,7 +50,7 @@ fn links(cell: &Cell, q: &[f64], errors: Option<&SignedErrors>) -> Vec<Frame> {
     frames
 }
 
-/// Returns the faults of a layout that claims to be feasible.
+/// Returns the faults of a layout that is reported as feasible.
 pub fn faults(a: &Assessment<'_>) -> Vec<String> {
     let mut faults = overlaps(a.cell, &a.layout);
     for k in 0..a.maps.len() {
@@ -68,7 +69,8 @@ pub fn faults(a: &Assessment<'_>) -> Vec<String> {
     faults
 }
 
-/// Checks the TCP at the spot: on the surface, tool down, inside the joint limits.
+/// Checks the TCP at the spot: it must be on the surface, with the tool down and the joints within their
+/// limits.
 fn at_spot(a: &Assessment<'_>, k: usize, spot: &Vector3<f64>, q: &[f64]) -> Vec<String> {
     let (cell, operation) = (a.cell, &a.cell.operations[k]);
     let mut faults = Vec::new();
@@ -96,7 +98,7 @@ fn at_spot(a: &Assessment<'_>, k: usize, spot: &Vector3<f64>, q: &[f64]) -> Vec<
     faults
 }
 
-/// Checks the value of a signed sample: the error is the difference of two products of matrices.
+/// Checks the value of a signed sample. The reference error is the difference of two products of matrices.
 fn value(a: &Assessment<'_>, k: usize, q: &[f64], said: f64) -> Option<String> {
     let ErrorSet::Signed(errors) = a.cell.error_set() else { return None };
     let tip = |e| links(a.cell, q, e).last().unwrap().fixed_view::<3, 1>(0, 3).into_owned();
@@ -147,8 +149,8 @@ fn overlaps(cell: &Cell, layout: &Layout) -> Vec<String> {
     faults
 }
 
-/// Returns the part of a polygon inside a convex one (both counterclockwise), cut by one edge after the
-/// other.
+/// Returns the part of a polygon inside a convex polygon (both anticlockwise), by clipping at one edge after
+/// the other.
 fn clipped(polygon: &[(f64, f64)], by: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut left = polygon.to_vec();
     for (k, a) in by.iter().enumerate() {
@@ -179,7 +181,7 @@ fn area(polygon: &[(f64, f64)]) -> f64 {
     (0..polygon.len()).map(edge).sum::<f64>().abs() / 2.0
 }
 
-/// Solid in the world: its own frame and its shape.
+/// Solid with its pose in the world and its shape.
 struct Body<'c> {
     name: &'c str,
     at: Frame,
@@ -189,7 +191,7 @@ struct Body<'c> {
 }
 
 impl<'c> Body<'c> {
-    /// Makes a body. A leg becomes a box of its height over the floor.
+    /// Returns a body. A leg becomes a box that reaches from the floor to the top of the leg.
     fn new(name: &'c str, carrier: Frame, shape: &Shape, floor: f64) -> Self {
         let (at, shape) = match shape {
             Shape::Box { pose, size } => {
@@ -220,7 +222,7 @@ impl<'c> Body<'c> {
         }
     }
 
-    /// Returns how deep a point of the body's own frame lies inside, m; negative outside.
+    /// Returns the depth of a point (in the frame of the body) below the surface, m; negative outside.
     fn depth(&self, p: &Vector3<f64>) -> f64 {
         match &self.shape {
             Shape::Box { size, .. } => (size / 2.0 - p.abs()).min(),
@@ -264,7 +266,8 @@ impl<'c> Body<'c> {
     }
 }
 
-/// Returns the solids between a reflector (interface frame) and an instrument (world), by points of the line.
+/// Returns the solids that hide a reflector (interface frame) from an instrument (world), by sampling points
+/// of the line of sight.
 ///
 /// A solid of the flange or the tool that contains the reflector does not count.
 pub fn between(

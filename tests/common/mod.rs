@@ -1,4 +1,4 @@
-//! Shared by the tests: shipped cells read from disk, and reference data.
+//! Helpers that the tests share: shipped cells read from disk, and reference data.
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)] // tests/allocation.rs uses a part of it
 
 pub mod brute;
@@ -19,12 +19,13 @@ pub fn root() -> PathBuf {
     folders.find(|folder| folder.join("cells").is_dir()).unwrap().to_path_buf()
 }
 
-/// Returns how many cases a random sweep runs: `default`, or `full` with `SWEETSPOT_TEST_CASES=full` in the
-/// environment. The full sweeps take minutes; the short ones still fail when their subject is broken.
+/// Returns the number of cases of a random sweep: `default`, or `full` if the environment variable
+/// `SWEETSPOT_TEST_CASES` is `full`. Full sweeps take minutes. Short sweeps still fail if the tested code is
+/// broken.
 pub fn cases(default: usize, full: usize) -> usize {
     match std::env::var("SWEETSPOT_TEST_CASES") {
         Ok(word) if word == "full" => full,
-        Ok(word) => panic!("SWEETSPOT_TEST_CASES is {word:?}: write full, or leave it out"),
+        Ok(word) => panic!("SWEETSPOT_TEST_CASES is {word:?}: set it to full, or unset it"),
         Err(_) => default,
     }
 }
@@ -43,12 +44,12 @@ fn load_with(folder: &Path, name: &str, settings: &[Setting]) -> Result<Loaded, 
     })
 }
 
-/// Returns a shipped cell as a question about ideal layouts: nothing is assumed, and tolerances do not count.
+/// Returns a shipped cell for ideal layouts: nothing is assumed, and placement tolerances are ignored.
 pub fn shipped(name: &str) -> Cell {
     load_with(&root().join("cells"), name, &[ideal()]).unwrap_or_else(|f| panic!("{name}: {f:#?}")).cell
 }
 
-/// Returns a shipped cell as its file states it, with everything that is assumed.
+/// Returns a shipped cell as its file states it, with all assumed values.
 pub fn buildable(name: &str) -> Cell {
     load_from(&root().join("cells"), name).unwrap_or_else(|f| panic!("{name}: {f:#?}")).cell
 }
@@ -61,7 +62,8 @@ pub fn workcell(name: &str) -> Workcell {
     Workcell::new(shipped(name)).unwrap()
 }
 
-/// Writes a picture or a page into the folder SWEETSPOT_CHARTS, if that is set, for people and browsers.
+/// Writes a picture or a page into the folder that the environment variable SWEETSPOT_CHARTS names, for
+/// inspection. Writes nothing if the variable is not set.
 pub fn keep_to_look_at(name: &str, text: &str) {
     if let Some(folder) = std::env::var_os("SWEETSPOT_CHARTS") {
         std::fs::create_dir_all(&folder).unwrap();
@@ -69,7 +71,7 @@ pub fn keep_to_look_at(name: &str, text: &str) {
     }
 }
 
-/// Returns the signed sample that a cell chose.
+/// Returns the signed sample that a cell uses.
 pub fn signed(cell: &Cell) -> &SignedErrors {
     match cell.error_set() {
         ErrorSet::Signed(errors) => errors,
@@ -77,8 +79,8 @@ pub fn signed(cell: &Cell) -> &SignedErrors {
     }
 }
 
-/// Loads a cell from text, with shipped robots and equipment. Without a placement tolerance or a robust search in
-/// the text, it is a question about ideal layouts.
+/// Loads a cell from text, with shipped robots and equipment. If the text has neither a placement tolerance
+/// nor a robust search, the cell is for ideal layouts.
 pub fn from_text(text: &str) -> Result<Loaded, Vec<Fault>> {
     from_text_with(
         text,
@@ -86,7 +88,7 @@ pub fn from_text(text: &str) -> Result<Loaded, Vec<Fault>> {
     )
 }
 
-/// Loads a cell from text as a question about layouts to build, with everything that is assumed.
+/// Loads a cell from text for layouts that can be built, with all assumed values.
 pub fn from_text_to_build(text: &str) -> Result<Loaded, Vec<Fault>> {
     from_text_with(text, Vec::new())
 }
@@ -107,7 +109,8 @@ pub fn data(name: &str) -> Vec<f64> {
     bytes.chunks_exact(8).map(|c| f64::from_le_bytes(c.try_into().unwrap())).collect()
 }
 
-/// Returns a cell round a robot file of the library: one table, one operation, the first error set.
+/// Returns the text of a cell for a robot file of the library, with one table, one operation and the first
+/// error set.
 pub fn cell_of_robot(stem: &str) -> String {
     let text = std::fs::read_to_string(root().join(format!("cells/robots/{stem}.toml"))).unwrap();
     let set = text.lines().find_map(|line| line.strip_prefix("[errors.")?.split([']', '.']).next());

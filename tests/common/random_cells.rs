@@ -1,4 +1,4 @@
-//! Small random cells by a seed: an arm, one or two pieces of equipment with a few free coordinates, and
+//! Small random cells from a seed: an arm, one or two pieces of equipment with a few free coordinates, and
 //! obstacles.
 
 use rand::{Rng, SeedableRng};
@@ -18,7 +18,7 @@ pub enum RandomArm {
 struct RandomSource(ChaCha8Rng);
 
 impl RandomSource {
-    /// Returns a whole number, which the text of a cell gives exactly.
+    /// Returns a random whole number, which the text of a cell states exactly.
     fn between(&mut self, low: i32, high: i32) -> i32 {
         self.0.random_range(low..=high)
     }
@@ -77,7 +77,7 @@ pub fn random_cell(seed: u64) -> (RandomArm, String) {
     (arm, text)
 }
 
-/// Writes an arm like the paper's, with other lengths and limits.
+/// Writes an arm like the arm of the seed paper, with other lengths and limits.
 fn planar_arm(dice: &mut RandomSource, text: &mut String) -> (i32, i32, i32) {
     let (r, l2, l3) = (dice.between(500, 900), dice.between(350, 700), dice.between(350, 800));
     let l4 = dice.between(150, 400);
@@ -136,7 +136,8 @@ fn errors(dice: &mut RandomSource, text: &mut String, axes: usize) {
     }
 }
 
-/// Writes a table about `around` degrees off the x axis with an operation and a number of free coordinates.
+/// Writes a table in a direction about `around` degrees from the x axis, with an operation and some free
+/// coordinates.
 fn table(
     dice: &mut RandomSource,
     text: &mut String,
@@ -193,7 +194,7 @@ fn table(
     );
 }
 
-/// Writes posts and blocks round the table, and a keep-out box.
+/// Writes posts and blocks around the table, and a keep-out box.
 fn in_the_way(dice: &mut RandomSource, text: &mut String, reach: i32, around: f64) {
     for k in 0..dice.between(1, 4) {
         let radius = f64::from(dice.between(reach * 5 / 10, reach * 11 / 10));

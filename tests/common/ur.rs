@@ -6,18 +6,18 @@ use sweetspot::cell::{Convention, Joint, JointKind, MAX_JOINTS, Rectangle, Robot
 use sweetspot::pose::Pose;
 use toml::de::{DeTable, DeValue};
 
-/// CalibratedArm as the calibration file describes it.
+/// Arm of Universal Robots as the calibration file describes it.
 pub struct CalibratedArm {
     pub robot: Robot,
     /// Errors of the arm as built.
     pub factory: SignedErrors,
-    /// Joint coordinates and the flange position there, m.
+    /// Joint coordinates, each with the position of the flange at these coordinates, m.
     pub golden: Vec<(Vec<f64>, Vector3<f64>)>,
     figures: Vec<(String, f64)>,
 }
 
 impl CalibratedArm {
-    /// Reads `ur10` or `ur10e`. The flange is the TCP, and joints turn through [-pi, pi].
+    /// Reads `ur10` or `ur10e`. The TCP is at the flange, and every joint has the range [-pi, pi].
     pub fn new(name: &str) -> Self {
         let path = super::root().join("tests/data/ur_calibration.toml");
         let text = std::fs::read_to_string(path).unwrap();

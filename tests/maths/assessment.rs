@@ -6,7 +6,7 @@ use sweetspot::assess::{Assessment, Feasibility};
 use sweetspot::cell::{Cell, Place};
 use sweetspot::layout::Workcell;
 
-/// Changes of the shipped cell, and whether the layout as drawn stays feasible.
+/// Changes of the shipped cell, and whether the start layout stays feasible.
 const CHANGES: [(&str, bool); 9] = [
     ("", true),
     ("[equipment.worktable.placement]\nx_mm = 5000\n", false),
@@ -57,7 +57,8 @@ fn the_changes_are_feasible_as_stated() {
     }
 }
 
-/// A map computes the errors of every node in every sense and by every model; a judgement only needs spots.
+/// A map computes the errors of every node in every sense and by every model. A judgement needs only the
+/// spots.
 #[test]
 fn a_judgement_of_many_nodes_is_much_faster_than_a_map() {
     for change in ["", "[equipment.worktable.placement]\nx_mm = 100\ny_mm = 500\n"] {

@@ -1,4 +1,4 @@
-//! Tests how the tool is held: elevation, azimuth, spin and tolerance, seen in the resulting postures.
+//! Tests the attitude of the tool (elevation, azimuth, spin and tolerance) in the postures that are found.
 
 use crate::common::{from_text, robots};
 use nalgebra::Vector3;
@@ -18,12 +18,13 @@ fn robot(stem: &str) -> Robot {
 fn angles(d: &Vector3<f64>, r: &Vector3<f64>) -> (f64, f64, f64) {
     let elevation = d.z.clamp(-1.0, 1.0).asin();
     let azimuth = d.y.atan2(d.x);
-    // The component of r along the vertical is cos(spin) cos(elevation); the level part is what is left.
+    // The vertical component of r is cos(spin) cos(elevation); the component along `level` is sin(spin).
     let level = Vector3::new(d.y, -d.x, 0.0).normalize();
     (elevation, azimuth, r.dot(&level).atan2(r.z / elevation.cos()))
 }
 
-/// Returns the tool axis and reference axis of every usable posture at some targets round the arm.
+/// Returns the target, the tool axis and the reference axis of every usable posture at some targets around
+/// the arm.
 fn held(robot: &Robot, attitude: &Attitude, yaw: f64) -> Vec<(Vector3<f64>, Vector3<f64>, Vector3<f64>)> {
     let chain = Chain::new(robot);
     let inverse = Inverse::new(&chain);
@@ -70,7 +71,7 @@ fn six_axis_arms_hold_the_requested_tool_orientation() {
     assert!(out > 0 && inward > 0, "{out} outward, {inward} inward");
 }
 
-/// A tool pointing down with spin 0 has its reference axis along the azimuth.
+/// If the tool points down with spin 0, its reference axis lies along the azimuth.
 #[test]
 fn spins_of_a_vertical_tool_count_from_the_azimuth() {
     let down = -std::f64::consts::FRAC_PI_2;
@@ -80,7 +81,7 @@ fn spins_of_a_vertical_tool_count_from_the_azimuth() {
             continue;
         }
         for (_, d, r) in held(&robot, &attitude(down, Azimuth::Surface(0.5), &[0.25], 0.0), 0.3) {
-            // The axis points down, so the tool turns the other way seen from above.
+            // The tool axis points down, so a positive spin is clockwise when seen from above.
             let along = Vector3::new(f64::cos(0.8 - 0.25), f64::sin(0.8 - 0.25), 0.0);
             assert!((d + Vector3::z()).norm() < 1e-9 && (r - along).norm() < 1e-8, "{stem}: {d:?} {r:?}");
         }
@@ -125,8 +126,8 @@ fn an_orientation_beyond_the_arm_is_refused_with_the_reason() {
     assert_eq!(told("ur10", Attitude { azimuth: Azimuth::Surface(0.1), ..spun }), None);
 }
 
-/// The arm of the paper points where its base turns. With a requested azimuth, nodes beside it miss the
-/// orientation by the remaining angle.
+/// The base joint determines the azimuth of the paper's arm. If another azimuth is requested, a node misses
+/// the orientation by the remaining angle.
 #[test]
 fn an_arm_that_cannot_turn_its_tool_reports_the_missing_azimuth_angle() {
     let cell = "from = \"hitachi_paper.toml\"\n[operation.map]\nbend_deg = -45\nazimuth_deg = 90\ntolerance_deg = 10\n";

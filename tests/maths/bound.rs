@@ -1,9 +1,9 @@
-//! Tests the bound that no layout of hitachi_cell can beat: both operations choose their spot alone, anywhere
-//! at an allowed height of their surface.
+//! Tests the lower bound of the objective of hitachi_cell. For the bound, each operation has the best spot at
+//! any place with an allowed height of its surface.
 //!
-//! Errors behind the waist turn with it, so with the tool down the xy error is a function of branch, radius
-//! and height. The least value over radius and height, added for both surfaces, bounds the objective from
-//! below.
+//! The errors of all joints after the waist rotate with the waist. With the tool down, the xy error therefore
+//! depends only on branch, radius and height. The sum of the least values over radius and height of both
+//! surfaces is a lower bound of the objective.
 
 use crate::common::shipped;
 use nalgebra::Vector3;
@@ -13,8 +13,8 @@ use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::reach::Inverse;
 use sweetspot::robot::Chain;
 
-/// Least xy error (mm) of any branch with the tool down, for the TCP at a radius and height (mm) straight
-/// ahead.
+/// Computes the least xy error (mm) over all branches with the tool down, for a TCP at a radius and a height
+/// (mm) straight ahead.
 struct Errors {
     chain: Chain,
     errors: Perturbation,
@@ -33,8 +33,8 @@ impl Errors {
         least
     }
 
-    /// Returns the least error over radius and height by a scan and then finer and finer grids round the best
-    /// point.
+    /// Returns the least error over radius and height, by a scan and then by finer and finer grids around the
+    /// best point.
     fn least(&self, low: f64, high: f64) -> f64 {
         let heights = (0..=((high - low) / 2.0) as usize).map(|k| low + 2.0 * k as f64);
         let points = heights.flat_map(|h| (0..1900).map(move |r| (f64::from(r), h)));

@@ -1,6 +1,7 @@
-//! Tests two real calibrations: arms as built against their nominal rows, with values computed before.
+//! Tests two real calibrations: the actual arms against their nominal rows, with precomputed reference
+//! values.
 //!
-//! Their errors are far from small: metres that nearly cancel, which only the nonlinear model can handle.
+//! The errors are not small: offsets of metres nearly cancel, which only the nonlinear model can handle.
 
 use crate::common::ur::CalibratedArm;
 use crate::kinematics::product::{no_errors, position, rotation, tcp};
@@ -19,7 +20,7 @@ fn posture(rng: &mut ChaCha8Rng) -> JointVector {
     std::array::from_fn(|i| if i < 6 { rng.random_range(-PI..=PI) } else { 0.0 })
 }
 
-/// Returns the nonlinear and the linear error of the flange at fixed joint vectors, the same in every test.
+/// Returns the nonlinear and the linear error of the flange at joint vectors that are the same in every test.
 fn errors(arm: &CalibratedArm) -> Vec<(JointVector, Displacement, Displacement)> {
     let chain = Chain::new(&arm.robot);
     let factory = Perturbation::new(&chain, &arm.factory);
@@ -45,7 +46,8 @@ fn the_nominal_flange_is_where_the_controller_reports_it() {
     assert_eq!(arm.golden.len(), 2);
 }
 
-/// The parts are 303 m and -310 m for an error of 2 mm, so the product itself rounds to 1e-12 m.
+/// An error of 2 mm is the sum of offsets of 303 m and -310 m, so the rounding error of the product is about
+/// 1e-12 m.
 #[test]
 fn the_pose_error_is_the_difference_of_two_products() {
     for name in ["ur10", "ur10e"] {
@@ -136,7 +138,7 @@ fn shipped_arms_have_the_rows_and_errors_of_the_calibration_file() {
             near(a.r, b.r, "r");
             near(a.l, b.l, "l");
             near(a.theta, b.theta, "theta");
-            // The file has 90 degrees, the controller 1.570796327.
+            // The file states 90 degrees, and the controller states 1.570796327.
             assert!((a.alpha - b.alpha).abs() < 3e-10, "{name}, alpha: {} instead of {}", a.alpha, b.alpha);
         }
         let factory = robot.errors.iter().find(|e| e.name() == "factory");

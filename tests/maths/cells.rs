@@ -1,4 +1,4 @@
-//! Tests good cell files: the cell holds in SI units what the file gives in mm and degrees.
+//! Tests valid cell files: the cell contains in SI units the values that the file states in mm and degrees.
 #![allow(clippy::needless_range_loop, clippy::excessive_precision)]
 
 use crate::common::{from_text, root, shipped, signed};
@@ -82,7 +82,7 @@ fn a_signed_error_set_is_read_in_si_units() {
     assert!(
         close(elastic(Parameter::Compliance(2)), 0.002 * DEG) && elastic(Parameter::Elastic(2, 2)) == 0.0
     );
-    // The list of values is in the order of the parameters, both ways.
+    // Writing and reading the list of values keeps the order of the parameters.
     assert_eq!(sample.values()[place(Parameter::Joint(1, 2), 4)], 0.003);
     assert_eq!(place(Parameter::Joint(1, 2), 4), 5 * 4 + 12 + 6 + 2);
     assert_eq!(SignedErrors::of_values("sample".into(), 4, &sample.values()), *sample);
@@ -311,7 +311,7 @@ fn a_lever_turns_rotations_into_lengths() {
         // One degree counts as 2 mm.
         assert!(row.turns && (row.direction * DEG - axis * 0.002).norm() < 1e-17, "{row:?}");
     }
-    // A sense of rotations, all with a lever, is a length.
+    // A sense of rotations that all have a weight in mm per degree is a length.
     let cell = with("[sense.s]\naxis = [1, 0, 0]\nmm_per_deg = 3");
     assert_eq!(cell.senses[0].unit, Unit::Length);
     let cell = with("[sense.s]\nterm = [{ of = \"rx\" }, { of = \"ry\", weight = 2 }]");
@@ -405,7 +405,8 @@ fn table_3_of_the_paper_is_read_as_a_tolerance_set() {
     assert_eq!(tolerance.spreads, magnitudes);
 }
 
-/// The robot files hold the published m and rad in mm and degrees. Huge offsets that cancel are no fault.
+/// The robot files state the published values (m and rad) in mm and degrees. Huge offsets that cancel are not
+/// a fault.
 #[test]
 fn the_calibrated_arms_have_signed_error_sets() {
     for (file, first_theta, second_d, reach) in [
@@ -449,7 +450,8 @@ fn motion_constraints_and_the_fence_are_read_in_si_units() {
     assert!((rules.via[1][3] - 20.5 * deg).abs() < 1e-15);
     let fence = cell.fence.unwrap();
     assert_eq!((fence.corners.len(), fence.corners[2], fence.height), (4, (3.0, 3.5), Some(2.2)));
-    // Absent keys constrain nothing. A `via` without postures is the robot's home.
+    // Missing keys constrain nothing. A missing `via` stands for the home posture of the robot, and an empty
+    // list for no posture.
     let plain = shipped("hitachi_cell.toml");
     assert_eq!((plain.margins.turn, plain.transfer, plain.fence), (0.0, None, None));
     let base = "from = \"hitachi_cell.toml\"\n[transfer]\n";

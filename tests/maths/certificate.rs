@@ -1,5 +1,5 @@
-//! Tests certificates against random misplacements, each judged as a layout of its own, and searches for layouts
-//! to build against scans.
+//! Tests certificates against random misplacements, each judged as a separate layout. Also tests searches for
+//! layouts that can be built against scans.
 
 use crate::common::random_cells::random_cell;
 use crate::common::{buildable, cases, from_text_to_build, shipped};
@@ -17,7 +17,8 @@ use sweetspot::region::{Region, Regions};
 use sweetspot::search::{EvaluatedLayout, SearchSpace, Watch, search};
 use sweetspot::units::{deg_from_rad, mm_from_m, rad_from_deg};
 
-/// Certified and refused operations, and the largest ratio of a certified bound to the worst value found.
+/// Numbers of certified and refused operations, and the largest ratio of a certified bound to the worst value
+/// found.
 #[derive(Default)]
 struct Tried {
     certified: usize,
@@ -25,7 +26,8 @@ struct Tried {
     widest: f64,
 }
 
-/// Returns a random misplacement inside the tolerances; every second one is a corner of the box.
+/// Returns a random misplacement inside the tolerances. With probability 1/2, the misplacement is a corner of
+/// the box.
 fn random_moves(cell: &Cell, rng: &mut ChaCha8Rng) -> Vec<(Slot, f64)> {
     let corner: bool = rng.random();
     let mut by = |half: f64| match corner {
@@ -69,7 +71,7 @@ impl Tried {
     }
 }
 
-/// Certifies random layouts of a shipped cell, and misplaces those that are certified.
+/// Certifies random layouts of a shipped cell, and misplaces the certified layouts.
 fn misplace_cell(name: &str, layouts: usize, count: usize) -> Tried {
     let workcell = Workcell::new(buildable(name)).unwrap();
     let space = SearchSpace::new(&workcell.cell);
@@ -101,7 +103,7 @@ fn no_misplacement_breaks_a_certificate() {
             "{name}: {certified} certified, {refused:?} refused, bound at most {widest:.4} of the worst"
         );
         assert!(certified > 0, "{name}");
-        // A bound that is far above every value would hold without telling anything.
+        // A bound far above every value would hold but would be useless.
         assert!(widest < 1.15, "{name}: {widest}");
     }
 }
@@ -204,7 +206,8 @@ fn misplace_best(name: &str, cell: Cell, budget: u64, count: usize) {
 /// Redundant arms and arms without a closed form, whose searches take long.
 const SLOW: [&str; 4] = ["kinova_gen3", "kuka_iiwa14", "panda", "ufactory_xarm6"];
 
-/// Number of first cells that stand for all kinds of arms; of the others, a run takes every fourth.
+/// Number of first cells, which cover all kinds of arms. A short run also tests every fourth of the other
+/// cells.
 const KINDS: usize = 16;
 
 #[test]
@@ -219,7 +222,7 @@ fn the_best_layouts_of_the_first_cells_withstand_random_misplacements() {
     }
 }
 
-/// Takes long: `SWEETSPOT_TEST_CASES=full cargo test --test maths of_slow_arms -- --nocapture`.
+/// The full test takes long: `SWEETSPOT_TEST_CASES=full cargo test --test maths of_slow_arms -- --nocapture`.
 #[test]
 fn the_best_layouts_of_slow_arms_withstand_random_misplacements() {
     for name in ["panda_cell.toml", "offset_wrist_cell.toml"] {

@@ -1,6 +1,6 @@
-//! Tests collisions and floor space against closed forms written here, by other means than those of src.
+//! Tests collisions and floor space against closed forms in this file, which use other methods than src.
 //!
-//! A verdict is requested only where it is certain: nearer than [`SURE`] to contact either answer is right.
+//! Only certain verdicts are compared: within [`SURE`] of contact, either verdict is right.
 
 use crate::common::{cases, data, from_text, root, shipped};
 use nalgebra::{Rotation3, Vector3};
@@ -21,10 +21,11 @@ use sweetspot::{cell, files};
 type V = Vector3<f64>;
 type Frames = [Pose; MAX_JOINTS + 1];
 
-/// Distance from contact (m) below which no verdict is requested.
+/// Distance from contact (m) below which no verdict is compared.
 const SURE: f64 = 1e-6;
 
-/// Returns a cell of the Hitachi with one solid on its last link and one equipment `part`, both as TOML.
+/// Returns the text of a Hitachi cell with one solid on the last link and one piece of equipment `part`, both
+/// given as TOML.
 fn cell_text(link: &str, part: &str, more: &str) -> String {
     format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -36,7 +37,8 @@ fn cell_text(link: &str, part: &str, more: &str) -> String {
     )
 }
 
-/// The base has no pedestal, because these tests place the last link anywhere.
+/// Returns the cell of [`cell_text`]. The base has no pedestal, because these tests place the last link
+/// anywhere.
 fn cell(link: &str, part: &str, more: &str) -> Cell {
     let cell = from_text(&cell_text(link, part, more)).unwrap_or_else(|f| panic!("{f:#?}")).cell;
     Cell { base_support: BaseSupport::Hung, ..cell }
@@ -45,14 +47,15 @@ fn cell(link: &str, part: &str, more: &str) -> Cell {
 const BALL: &str = "sphere = { centre_mm = [0, 0, 0], radius_mm = 20 }";
 const CUBE: &str = "box = { centre_mm = [0, 0, 0], size_mm = [200, 200, 200] }";
 
-/// Returns what the robot touches with its last link frame at `link`, requested in every possible way.
+/// Returns the object that the robot touches with its last link frame at `link`, and checks that all
+/// collision functions agree.
 fn hit(cell: &Cell, layout: &Layout, link: &Pose) -> Option<Hit> {
     let (scene, mut placed) = (Scene::new(cell), PlacedSolids::default());
     scene.place(layout, &mut placed);
     let mut frames: Frames = [Pose::identity(); MAX_JOINTS + 1];
     frames[4] = *link;
     let hit = scene.hit(&placed, &frames, Some(0));
-    // The faster question is asked without and then with the memory of the pair that touched last.
+    // The faster check runs first without and then with the memory of the pair that touched last.
     let mut memory = ContactMemory::default();
     for _ in 0..2 {
         let is_free = scene.is_free(&placed, &frames, Some(0), &mut memory);
@@ -65,7 +68,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose { translation: V::new(x, y, z), ..Pose::identity() }
 }
 
-/// Returns the start layout with the equipment at these places.
+/// Returns the start layout with the equipment at the given placements.
 fn laid_out(cell: &Cell, placements: Vec<Placement>) -> Layout {
     Layout { placements, ..cell.start() }
 }
@@ -108,7 +111,7 @@ enum ReferenceSolid {
         b: V,
         r: f64,
     },
-    /// Cylinder along z of its pose.
+    /// Cylinder whose axis is the z axis of its pose.
     Cylinder {
         pose: Pose,
         half: f64,
@@ -135,7 +138,7 @@ impl ReferenceSolid {
                 let pose = *frame * at(*x, *y, top - height / 2.0);
                 ReferenceSolid::Box { pose, half: V::new(size.0, size.1, height) / 2.0 }
             }
-            // Only meshes of boxes come here, with at most one far away beside them.
+            // Only meshes of boxes occur here. A second box, if any, is far away.
             Shape::Mesh { pose, vertices, .. } => {
                 let half = vertices.iter().take(8).fold(V::zeros(), |m, v| m.sup(&v.abs()));
                 ReferenceSolid::Box { pose: *frame * *pose, half }
@@ -186,7 +189,7 @@ impl ReferenceSolid {
     }
 }
 
-/// Returns a rotation that turns z into a direction.
+/// Returns a rotation that maps the z axis to a direction.
 fn turned_to(direction: &V) -> nalgebra::Matrix3<f64> {
     let z = direction.normalize();
     let other = if z.x.abs() < 0.5 { V::x() } else { V::y() };
@@ -205,11 +208,11 @@ fn distance(a: &ReferenceSolid, b: &ReferenceSolid) -> f64 {
                 let from = |(u, v): (V, V)| from_segment(&pose.transform(&u), &pose.transform(&v), other);
                 edges_of(half).into_iter().map(from).fold(f64::INFINITY, f64::min)
             };
-            // The nearest points of two convex bodies: at least one lies on an edge.
+            // At least one of the nearest points of two boxes lies on an edge.
             edges(p, h, b).min(edges(q, k, a))
         }
-        // A cylinder is a bundle of segments along its axis, one through each point of a disc: a
-        // convex function of that point, so that searches one in the other find its minimum.
+        // A cylinder is a set of segments along its axis, one through each point of a disc. The distance of a
+        // segment is a convex function of this point, so two nested searches find the minimum.
         (ReferenceSolid::Cylinder { pose, half, r }, other)
         | (other, ReferenceSolid::Cylinder { pose, half, r }) => least(-r, *r, 38, |x| {
             let y = (r * r - x * x).max(0.0).sqrt();
@@ -240,8 +243,8 @@ fn from_segment(a: &V, b: &V, solid: &ReferenceSolid) -> f64 {
     }
 }
 
-/// Returns the distance of a segment from a box. The squared distance is a parabola between the places where
-/// a coordinate enters or leaves the box.
+/// Returns the distance of a segment from a box. Between the points at which a coordinate enters or leaves
+/// the box, the squared distance is a parabola.
 fn segment_from_box(a: &V, b: &V, half: &V) -> f64 {
     let mut cuts = vec![0.0, 1.0];
     for k in 0..3 {
@@ -255,7 +258,7 @@ fn segment_from_box(a: &V, b: &V, half: &V) -> f64 {
     cuts.sort_by(f64::total_cmp);
     let beyond = |t: f64| a.lerp(b, t).zip_map(half, |p, h| p - p.clamp(-h, h));
     let on_piece = |w: &[f64]| {
-        // Every coordinate stays inside, below or above here, so its excess is linear.
+        // On this part, every coordinate stays inside, below or above the box, so its excess is linear.
         let (from, to) = (beyond(w[0]), beyond(w[1]));
         let along = to - from;
         let steep = along.norm_squared();
@@ -265,8 +268,8 @@ fn segment_from_box(a: &V, b: &V, half: &V) -> f64 {
     cuts.windows(2).map(on_piece).fold(f64::INFINITY, f64::min)
 }
 
-/// Returns the distance of two segments: the least of the four end distances, or that of the two lines if its
-/// points lie inside.
+/// Returns the distance of two segments. It is the distance of the two lines if their nearest points lie on
+/// the segments, otherwise the least distance of an end from the other segment.
 fn segments_apart(a: &V, b: &V, c: &V, d: &V) -> f64 {
     let to_segment = |p: &V, a: &V, b: &V| {
         let along = b - a;
@@ -311,7 +314,7 @@ fn least(mut low: f64, mut high: f64, rounds: usize, f: impl Fn(f64) -> f64) -> 
     best
 }
 
-/// Says whether two solids come nearer than `clearance`, or None where that is uncertain.
+/// Returns whether two solids are nearer than `clearance`; None if this is uncertain.
 fn verdict(a: &ReferenceSolid, b: &ReferenceSolid, clearance: f64) -> Option<bool> {
     let apart = distance(a, b);
     if apart > clearance + SURE {
@@ -323,7 +326,7 @@ fn verdict(a: &ReferenceSolid, b: &ReferenceSolid, clearance: f64) -> Option<boo
     }
 }
 
-/// The reference itself is right where the answers are known by hand.
+/// The reference is right for solids whose distances are known by hand.
 #[test]
 fn the_reference_distances_are_right_for_simple_solids() {
     let cube = ReferenceSolid::Box { pose: Pose::identity(), half: V::repeat(0.5) };
@@ -360,9 +363,9 @@ enum ShapeKind {
     Capsule,
     Cylinder,
     Leg,
-    /// Box, which is convex and becomes a solid.
+    /// Mesh of a box, which is convex and is checked as a solid.
     Mesh,
-    /// Box with another one far away: asked by triangles, or as two parts.
+    /// Mesh of two boxes far apart, which is checked by its triangles or as two convex parts.
     Meshes,
 }
 
@@ -390,7 +393,7 @@ fn random_shape(kind: ShapeKind, rng: &mut ChaCha8Rng) -> Shape {
     }
 }
 
-/// Returns the triangles of a box, seen counterclockwise from outside.
+/// Returns the triangles of a box, anticlockwise when seen from outside.
 fn box_mesh(pose: Pose, size: &V) -> Shape {
     let corner = |k: usize| V::from_fn(|i, _| if k >> i & 1 == 1 { size[i] } else { -size[i] } / 2.0);
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -415,7 +418,7 @@ fn solids_agree(link: ShapeKind, part: ShapeKind, rounds: usize) -> usize {
         let layout = laid_out(&cell, vec![placement(place.x, place.y, place.z, rng.random_range(-3.2..3.2))]);
         let standing =
             ReferenceSolid::of(&cell.equipment[0].solids[0].shape, &layout.placements[0].pose(), cell.floor);
-        // Legs reach down to the floor, so the approach is sideways, at the height of their tops.
+        // Legs reach down to the floor, so the solid approaches sideways at the height of their tops.
         let frame = Pose { rotation: random_rotation(rng), translation: V::zeros() };
         let mut direction = random_vector(rng, 1.0).normalize();
         let mut start = standing.centre();
@@ -454,7 +457,7 @@ fn solids_agree(link: ShapeKind, part: ShapeKind, rounds: usize) -> usize {
         };
         ask(rng.random_range(0.0..1.2));
         for want in [true, false] {
-            // The border lies between a place of the wanted verdict and one of the other.
+            // The border lies between a place with the wanted verdict and a place with the other verdict.
             let (mut here, mut there) = if want { (0.0, 4.0) } else { (4.0, 0.0) };
             assert_eq!(sure(here), Some(want), "{link:?} on {part:?}, round {round}");
             for _ in 0..28 {
@@ -484,21 +487,23 @@ fn solids_agree_with_closed_forms() {
     assert!(counted.iter().sum::<usize>() > 50 * many, "{counted:?}");
 }
 
-/// Returns every pair of a link solid and an equipment solid.
+/// Returns every pair of a kind of link solid and a kind of equipment solid.
 fn kinds() -> Vec<(ShapeKind, ShapeKind)> {
     use ShapeKind::*;
     let links = [Box, Sphere, Capsule, Cylinder, Mesh, Meshes];
     links.iter().flat_map(|&l| [Box, Sphere, Capsule, Cylinder, Leg, Mesh, Meshes].map(|p| (l, p))).collect()
 }
 
-/// Says whether the reference distance of a pair needs a search within a search: a cylinder against edges.
+/// Returns whether the reference distance of a pair needs two nested searches, as for a cylinder against
+/// edges.
 fn slow(link: ShapeKind, part: ShapeKind) -> bool {
     let round = |k| matches!(k, ShapeKind::Sphere | ShapeKind::Capsule);
     [(link, part), (part, link)].iter().any(|&(a, b)| a == ShapeKind::Cylinder && !round(b))
 }
 
-/// Compares random pairs near contact, 1e5 of them in the full sweep. A solid at a random place moves three
-/// times by its distance towards the other, which cannot pass contact, and then a little to and fro.
+/// Compares random pairs near contact, 1e5 pairs in the full sweep. A solid at a random place moves three
+/// times towards the other solid by their distance, so it cannot pass contact. Then it moves a little back
+/// and forth.
 #[test]
 fn random_pairs_near_contact_agree_with_closed_forms() {
     let (few, many) = (cases(10, 60), cases(350, 3500));
@@ -532,8 +537,8 @@ fn random_pairs_near_contact_agree_with_closed_forms() {
             let Some(want) = verdict(&moving(&frame), &standing, cell.clearance) else { continue };
             let got = hit(&cell, &layout, &frame).is_some();
             let apart = distance(&moving(&frame), &standing) - cell.clearance;
-            // parry's hull against a ball is up to 4e-5 m too early, never too late, once in 3 500 pairs
-            // here.
+            // The convex hull of parry reports contact with a ball up to 4e-5 m too early, about once in 3
+            // 500 pairs here. It never reports contact too late.
             if (link, part, want) == (ShapeKind::Meshes, ShapeKind::Sphere, false) && got && apart < 5e-5 {
                 early += 1;
                 continue;
@@ -558,7 +563,7 @@ fn random_pairs_near_contact_agree_with_closed_forms() {
     );
 }
 
-/// Two solids of links that are no neighbours are compared without clearance.
+/// Solids of two links that are not neighbours are compared without clearance.
 #[test]
 fn self_collisions_agree_with_closed_forms() {
     use ShapeKind::*;
@@ -578,7 +583,7 @@ fn self_collisions_agree_with_closed_forms() {
             let scene = Scene::new(&cell);
             let mut placed = PlacedSolids::default();
             scene.place(&far, &mut placed);
-            // Drawn that large, they touch in every posture.
+            // Solids of this size touch in every posture.
             if scene.self_collision_pairs()[0].allowed == Some(Allowed::AlwaysTouch) {
                 continue;
             }
@@ -603,7 +608,7 @@ fn self_collisions_agree_with_closed_forms() {
     assert!(asked > 2_500, "{asked}");
 }
 
-/// Every link solid but those of the base is checked against the floor, clearance included.
+/// Every link solid except the solids of the base is checked against the floor, with the clearance.
 #[test]
 fn floor_collisions_agree_with_the_lowest_point() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -636,7 +641,7 @@ fn a_tool_on_the_floor_is_a_collision_that_names_it() {
             .replace("y_mm = 900, z_mm = 700", "y_mm = 1250, z_mm = 1350")
             .replace("bend_deg = -90\n", "bend_deg = 0\nstandoff_mm = 30\n")
     };
-    // The tool is horizontal at z = 1380 mm, 40 mm thick either way.
+    // The tool is horizontal at z = 1380 mm, and its surface is 40 mm from its axis.
     for (floor, status) in [(1339.0, NodeSign::Usable), (1341.0, NodeSign::Collision)] {
         let workcell = Workcell::new(from_text(&text(floor)).unwrap().cell).unwrap();
         let map = workcell.maps(&workcell.cell.start()).remove(0);
@@ -688,7 +693,7 @@ fn mesh_cell(link: &str, obj: &str) -> Cell {
     loaded.unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
-/// Returns a box of 400 mm as an OBJ of quads, without the faces `left_out`.
+/// Returns a box of 400 mm as OBJ text of quads, with the last `left_out` faces left out.
 fn box_obj(left_out: usize, turned: bool) -> String {
     let corner = |k: usize| {
         let c = |i: usize| if k >> i & 1 == 1 { 200 } else { -200 };
@@ -728,7 +733,7 @@ fn a_solid_inside_a_closed_mesh_collides_with_it() {
     }
 }
 
-/// The warning about open meshes is right: an open mesh is only its surface.
+/// As the warning about open meshes states, an open mesh is checked only as a surface.
 #[test]
 fn an_open_mesh_is_only_its_surface() {
     for link in SMALL_LINKS {
@@ -756,7 +761,7 @@ fn a_solid_inside_another_collides_with_it() {
 fn the_origin_of_a_mesh_does_not_collide() {
     let ring = std::fs::read_to_string(root().join("cells/equipment/machine.obj")).unwrap();
     let ring = mesh_cell(BALL, &ring).equipment[0].solids[0].shape.clone();
-    // An L of two boxes is not convex; a box is.
+    // A box is convex, but an L of two boxes is not.
     let box_of = |x: [i32; 2], y: [i32; 2], first: usize| {
         let corner = |k: usize| format!("v {} {} {}\n", x[k & 1], y[k >> 1 & 1], (k >> 2 & 1) * 2);
         let faces = [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
@@ -790,13 +795,13 @@ fn the_origin_of_a_mesh_does_not_collide() {
     }
 }
 
-/// The shipped ring is not convex: its hole is outside. The reference is the winding number of the surface
-/// round the point, a sum of solid angles (van Oosterom and Strackee).
+/// The shipped ring is not convex: its hole lies outside. The reference is the winding number of the surface
+/// about the point, which is a sum of solid angles (van Oosterom and Strackee).
 #[test]
 fn inside_tests_of_a_ring_agree_with_the_winding_number() {
     let obj = std::fs::read_to_string(root().join("cells/equipment/machine.obj")).unwrap();
     let mut cell = mesh_cell(BALL, &obj);
-    // The ball is too small to touch the surface by chance.
+    // The ball is so small that it does not touch the surface by chance.
     cell.robot.solids[0].solid.shape = Shape::Sphere { centre: V::zeros(), radius: 1e-9 };
     let Shape::Mesh { vertices, triangles, .. } = cell.equipment[0].solids[0].shape.clone() else {
         panic!("no mesh")
@@ -813,7 +818,7 @@ fn inside_tests_of_a_ring_agree_with_the_winding_number() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let points: Vec<V> = (0..1500)
         .map(|k| {
-            // Points lie round the core of the ring, and now and then in the hole.
+            // Most points lie around the core of the ring, and some lie in the hole.
             let angle = rng.random_range(0.0..std::f64::consts::TAU);
             let radius = if k % 10 == 0 { rng.random_range(0.0..0.2) } else { rng.random_range(0.15..0.55) };
             V::new(radius * angle.cos(), radius * angle.sin(), rng.random_range(-0.2..0.2))
@@ -836,7 +841,8 @@ fn inside_tests_of_a_ring_agree_with_the_winding_number() {
 
 // --- legs ---------------------------------------------------------------------------------------
 
-/// Returns the shipped table at some height over some floor, and a ball of 20 mm.
+/// Returns a cell with the shipped table at height `z` above a floor at height `floor` (m), and a ball of
+/// radius 20 mm.
 fn table(z: f64, floor: f64) -> (Cell, Layout) {
     let mut cell = cell(BALL, CUBE, "");
     let shipped = shipped("hitachi_cell.toml");
@@ -861,8 +867,8 @@ fn legs_reach_from_the_table_down_to_the_floor() {
             })
         };
         for k in 0..=20 {
-            // The ball goes from just above the floor to just below the slab, whose lower side is at z - 50
-            // mm.
+            // The ball moves from just above the floor to just below the slab, whose lower side is 50 mm
+            // below the top.
             let (low, high) = (floor + 0.020001, z - 0.050 - 0.020001);
             let height = low + (high - low) * f64::from(k) / 20.0;
             for (leg, x, y) in [
@@ -884,7 +890,8 @@ fn legs_reach_from_the_table_down_to_the_floor() {
     }
 }
 
-/// A table as low as its slab is thick has no legs. A lower one stands in the floor.
+/// A table whose height equals the thickness of its slab has no legs. The slab of a lower table is in the
+/// floor.
 #[test]
 fn a_table_near_the_floor_has_no_legs() {
     let (cell, layout) = table(0.05, 0.0);
@@ -928,8 +935,8 @@ fn cross(o: Point, a: Point, b: Point) -> f64 {
     (a.0 - o.0) * (b.1 - o.1) - (a.1 - o.1) * (b.0 - o.0)
 }
 
-/// Returns the area shared by two convex polygons (corners counterclockwise), clipping one by the sides of
-/// the other.
+/// Returns the common area of two convex polygons (corners anticlockwise), by clipping one polygon with the
+/// sides of the other.
 fn shared_area(a: &[Point], b: &[Point]) -> f64 {
     let mut left = a.to_vec();
     for k in 0..b.len() {
@@ -952,8 +959,8 @@ fn shared_area(a: &[Point], b: &[Point]) -> f64 {
     (0..left.len()).map(turn).sum::<f64>() / 2.0
 }
 
-/// Returns the gap of two convex polygons (> 0), or how far one must move to leave the other (< 0): the
-/// distance of the origin from the edge of the Minkowski difference.
+/// Returns the signed distance of two convex polygons: the gap, or the negative of the shortest displacement
+/// that separates them. It is the distance of the origin from the edge of the Minkowski difference.
 fn signed_distance(a: &[Point], b: &[Point]) -> f64 {
     let mut all: Vec<Point> = a.iter().flat_map(|p| b.iter().map(move |q| (p.0 - q.0, p.1 - q.1))).collect();
     all.sort_by(|p, q| p.partial_cmp(q).unwrap());
@@ -974,7 +981,7 @@ fn signed_distance(a: &[Point], b: &[Point]) -> f64 {
     let sides = || (0..hull.len()).map(|k| (hull[k], hull[(k + 1) % hull.len()]));
     let length = |(p, q): &(Point, Point)| (q.0 - p.0).hypot(q.1 - p.1);
     let real = || sides().filter(|s| length(s) > 1e-12);
-    // Height of the origin over each side, inwards.
+    // Distance of the origin from each side, positive inwards.
     let inner = real().map(|s| cross(s.0, s.1, (0.0, 0.0)) / length(&s)).fold(f64::INFINITY, f64::min);
     if inner >= 0.0 {
         return -inner;
@@ -1002,9 +1009,9 @@ fn random_place(rng: &mut ChaCha8Rng) -> Placement {
 fn fits(found: Option<f64>, a: &[Point], b: &[Point], clearance: f64, case: &str) {
     let (apart, area) = (signed_distance(a, b), shared_area(a, b));
     assert!((area > 1e-9) == (apart < 0.0) || apart.abs() < 1e-4, "the oracles disagree: {area} {apart}");
-    // A pair nearer than requested is always found.
+    // A pair nearer than the clearance is always found.
     assert!(found.is_some() || apart >= clearance - 2e-9, "{case}: {apart} m apart, none found");
-    // At corners, pairs a little farther apart may be found.
+    // At corners, pairs that are slightly farther apart may also be found.
     assert!(found.is_none() || apart < 2.0 * clearance + 1e-9, "{case}: {apart} m apart, {found:?}");
     let Some(depth) = found else { return };
     assert!(depth >= clearance - apart - 1e-9, "{case}: {depth} for {apart}");
@@ -1090,7 +1097,7 @@ fn overlaps_are_found_and_named() {
     }
 }
 
-/// Rounding must not turn touching equipment into an overlap, by whole millimetres.
+/// Rounding must not turn touching equipment into an overlap if the placements are whole millimetres.
 #[test]
 fn equipment_side_by_side_does_not_overlap() {
     let more = "[keep_out.aisle]\nmin_mm = [0, 0, 0]\nmax_mm = [1, 1, 1]\n";
@@ -1120,7 +1127,7 @@ fn equipment_side_by_side_does_not_overlap() {
     }
 }
 
-/// A table above the box still needs floor space for its legs below it.
+/// A table above a keep-out box needs floor space for its legs, which reach down beside the box.
 #[test]
 fn table_legs_overlap_keep_out_boxes_below_the_table() {
     let (mut cell, layout) = table(0.9, 0.0);
@@ -1151,7 +1158,7 @@ fn collision_false_switches_every_check_off() {
 
 // --- the search's question and the map's --------------------------------------------------------
 
-/// Returns every tenth of the 2 000 layouts of peer set D.
+/// Returns every tenth layout of the 2 000 layouts of peer set D.
 fn layouts(cell: &Cell) -> Vec<Layout> {
     let place = |x: f64, y: f64, z: f64, yaw: f64| placement(x / 1e3, y / 1e3, z / 1e3, yaw.to_radians());
     let of = |x: &[f64]| {
@@ -1168,7 +1175,7 @@ fn evaluate_and_maps_agree_on_every_outcome() {
     let shipped = shipped("hitachi_cell.toml");
     let seen = agree_on_layouts(shipped.clone(), 200);
     assert!(seen.iter().all(|&n| n > 0), "not every outcome was seen: {seen:?}");
-    // Inside wide limits most nodes have several postures to choose from.
+    // With wide joint limits, most nodes have several postures.
     let mut limber = shipped;
     limber.robot.joints.iter_mut().for_each(|j| j.limits = (-3.0, 3.0));
     agree_on_layouts(limber, cases(50, 200));
@@ -1177,7 +1184,8 @@ fn evaluate_and_maps_agree_on_every_outcome() {
 /// Compares evaluation and map on at most `most` layouts. Returns the number of outcomes of each kind.
 fn agree_on_layouts(cell: Cell, most: usize) -> [usize; 3] {
     let whole = Workcell::new(cell).unwrap();
-    // An overlap blocks a map, which the outcome does not know: without floor space nothing overlaps.
+    // An overlap makes every node of a map unusable, but not the outcome of a node. So the floor spaces are
+    // made so small that nothing overlaps.
     let mut lean = whole.cell.clone();
     lean.robot.footprint.size = (1e-9, 1e-9);
     lean.equipment
@@ -1239,7 +1247,8 @@ fn agree_on_layouts(cell: Cell, most: usize) -> [usize; 3] {
 const SIGNS: [NodeSign; 4] =
     [NodeSign::Usable, NodeSign::OutOfReach, NodeSign::JointLimit, NodeSign::Collision];
 
-/// Checks that a surface in an impossible place has no usable node and that each node names the obstruction.
+/// Checks that a surface in an impossible place has no usable node, and that the status of each node names
+/// the obstruction.
 fn blocked_where_it_overlaps(workcell: &Workcell, layout: &Layout) {
     let evaluation = evaluate(workcell, layout);
     for (map, outcome) in workcell.maps(layout).iter().zip(&evaluation.outcomes) {
@@ -1256,8 +1265,8 @@ fn blocked_where_it_overlaps(workcell: &Workcell, layout: &Layout) {
     }
 }
 
-/// A tool that ends at the TCP touches the surface at a standoff of 0 at every node, not only where rounding
-/// says so.
+/// At a standoff of 0, a tool that ends at the TCP touches the surface at every node. Rounding must not
+/// decide this.
 #[test]
 fn contact_at_every_node_is_reported_at_every_node() {
     let mut cell = crate::common::shipped("hitachi_cell.toml");

@@ -1,4 +1,4 @@
-//! Tests layouts compared node by node, and in words.
+//! Tests the comparison of layouts node by node, and its texts.
 
 use crate::common::workcell;
 use sweetspot::assess::{Assessment, Comparison};
@@ -24,7 +24,7 @@ fn nodes_are_paired_by_their_place_on_the_surface() {
     let (gained, lost) = difference.gained_and_lost();
     let both = difference.pairs.iter().filter(|p| p.difference().is_some()).count();
     assert!(better + worse <= both && both > 20);
-    // The nodes usable in the other layout are those usable in both and those gained.
+    // The usable nodes of the other layout are the nodes usable in both layouts and the gained nodes.
     assert_eq!(both + gained, other.maps[0].count(NodeSign::Usable));
     assert_eq!(both + lost, comparison.columns[0].maps[0].count(NodeSign::Usable));
 }

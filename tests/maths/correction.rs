@@ -12,10 +12,11 @@ use sweetspot::pose::Pose;
 use sweetspot::reach::jacobian;
 use sweetspot::robot::Chain;
 
-/// Random errors of the size of 1 mm and 0.1 degrees in the order of the parameters; the base has none.
+/// Returns random errors of about 1 mm and 0.1 degrees in the order of the parameters. The base has no
+/// errors.
 fn random_errors(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let size = |parameter| match parameter {
-        // The textbook product knows no elastic joints.
+        // The textbook product has no elastic joints.
         Parameter::Base(_) | Parameter::Elastic(..) | Parameter::Compliance(_) => 0.0,
         Parameter::Dr(_) | Parameter::Dl(_) | Parameter::Tool(0..3) | Parameter::Joint(_, 0..3) => 1e-3,
         _ => 2e-3,
@@ -31,7 +32,7 @@ fn corrected_with(robot: &Robot, chain: &Chain, q: &[f64; 8], values: &[f64]) ->
     (target, found)
 }
 
-/// Returns the pose of the arm with errors by the textbook product.
+/// Returns the pose of an arm with errors, computed by the textbook product.
 fn attained(robot: &Robot, q: &[f64], values: &[f64]) -> Matrix4<f64> {
     let mut mount = robot.mount.rotation.to_homogeneous();
     mount.fixed_view_mut::<3, 1>(0, 3).copy_from(&robot.mount.translation);
@@ -48,15 +49,17 @@ fn dexterity(robot: &Robot, chain: &Chain, q: &[f64; 8]) -> f64 {
     DMatrix::from_fn(6, robot.axes(), entry).singular_values().min()
 }
 
-/// Least singular value of the Jacobian below which errors of this size can leave no posture on the target.
+/// Least singular value of the Jacobian below which, with errors of this size, possibly no posture reaches
+/// the target.
 const SINGULAR: f64 = 0.03;
 
-/// Returns how far the TCP of an arm with these errors is from a target, m.
+/// Returns the distance (m) of the TCP of an arm with these errors from a target.
 fn miss_of(robot: &Robot, q: &[f64; 8], values: &[f64], target: &Pose) -> f64 {
     (position(&attained(robot, q, values)) - target.translation).norm()
 }
 
-/// A thousand regular postures land on their targets; near a singular posture, the answer is right or no.
+/// A thousand regular postures reach their targets. Near a singular posture, the correction either reaches
+/// the target or reports that it has not converged.
 #[test]
 fn corrected_joints_of_six_axis_arms_land_on_the_target() {
     let mut rng = ChaCha8Rng::seed_from_u64(17);
@@ -69,7 +72,8 @@ fn corrected_joints_of_six_axis_arms_land_on_the_target() {
         let values = random_errors(robot, &mut rng);
         let (target, found) = corrected_with(robot, &chain, &q, &values);
         if !found.converged {
-            // At a fold, the arm reaches no farther than half the square of the least singular value, times its reach.
+            // Near a fold, the arm can move outwards by at most half the square of the least singular value
+            // times its reach.
             let (least, missed) = (dexterity(robot, &chain, &q), miss_of(robot, &q, &values, &target));
             let fold = least.powi(2) / 2.0 * robot.reach();
             assert!(
@@ -84,7 +88,7 @@ fn corrected_joints_of_six_axis_arms_land_on_the_target() {
         let turn = (rotation(&t) - target.rotation).norm();
         assert!(miss < 1e-9 && turn < 1e-9, "{name} {k}: {miss} m, {turn}");
         assert_eq!(found.command, chain.forward(&chain.posture(&found.joints)), "{name} {k}");
-        // Without the correction the arm misses.
+        // Without the correction, the arm misses the target.
         let missed = miss_of(robot, &q, &values, &target);
         assert!(missed > 1e-6, "{name} {k}: {missed}");
         regular += usize::from(dexterity(robot, &chain, &q) >= SINGULAR);
@@ -94,7 +98,8 @@ fn corrected_joints_of_six_axis_arms_land_on_the_target() {
     }
 }
 
-/// Arms with other numbers of joints land on the position; what remains is a rotation, and it is stationary.
+/// Arms with other numbers of joints reach the position. The remaining error is a rotation, which is
+/// stationary.
 #[test]
 fn arms_with_fewer_or_more_joints_keep_the_position() {
     let mut rng = ChaCha8Rng::seed_from_u64(18);
@@ -130,7 +135,7 @@ fn a_correction_beyond_a_limit_names_the_joint() {
     let mut chain = Chain::new(&robot);
     let q = [0.3, -0.6, 0.4, 0.5, 0.7, 0.2, 0.0, 0.0];
     let mut values = vec![0.0; Parameter::count(6)];
-    // Joint 2 is 0.01 rad too far, so the corrected joint is 0.01 rad less.
+    // The error of joint 2 is 0.01 rad, so the corrected coordinate is smaller by 0.01 rad.
     values[5] = 0.01;
     let (_, free) = corrected_with(&robot, &chain, &q, &values);
     assert!(free.converged && free.beyond.is_none(), "{free:?}");

@@ -1,4 +1,4 @@
-//! Tests cycle times against closed forms, numerical integration, a linear program and the scaling of time.
+//! Tests cycle times against closed forms, numerical integration, a linear program and laws of scaling.
 
 use crate::common::{from_text, shipped};
 use crate::kinematics::errors::{joint, robot};
@@ -28,8 +28,9 @@ fn posture(values: &[f64]) -> JointVector {
     std::array::from_fn(|j| values.get(j).copied().unwrap_or(0.0))
 }
 
-/// Integrates the time over the phase plane: at every point the speed is the greatest from which the motion can have
-/// started, and can still stop. The points crowd at the ends, where the motion is slow.
+/// Returns the time by integration over the phase plane. The speed at every point is the greatest speed that
+/// the motion can have reached and from which it can still stop. The points are denser at the ends, where the
+/// motion is slow.
 fn integrated(distance: f64, velocity: f64, acceleration: f64) -> f64 {
     let steps = 100_000;
     let width = PI / f64::from(steps);
@@ -66,7 +67,8 @@ fn the_slowest_joint_sets_the_time_of_a_straight_move() {
     assert!((one - 1.1).abs() < 1e-12, "{one}");
     let two = straight_move_time(&posture(&[0.0, 0.25]), &posture(&[0.0, 0.0]), &limits);
     assert!((two - 1.0).abs() < 1e-12, "{two}");
-    // Together, joint 1 bounds the speed of the share by 1 and joint 2 its acceleration by 4.
+    // In a common motion, joint 1 limits the rate of the path parameter to 1, and joint 2 limits its
+    // acceleration to 4.
     let both = straight_move_time(&posture(&[0.0, 0.25]), &posture(&[1.0, 0.0]), &limits);
     assert!((both - 1.25).abs() < 1e-12, "{both}");
     assert_eq!(straight_move_time(&posture(&[0.3]), &posture(&[0.3]), &limits), 0.0);
@@ -74,7 +76,7 @@ fn the_slowest_joint_sets_the_time_of_a_straight_move() {
     assert_eq!(straight_move_time(&posture(&[0.0; 3]), &posture(&[0.0, 0.0, 5.0]), &limits), 0.0);
 }
 
-/// Returns an arm of these joints without coupling and tool.
+/// Returns an arm with the given joints, without coupling and without a tool.
 fn arm(joints: Vec<Joint>) -> Robot {
     let row = |i: usize| (0..joints.len()).map(|j| f64::from(u8::from(i == j))).collect();
     let coupling = (0..joints.len()).map(row).collect();
@@ -112,7 +114,7 @@ fn a_line_of_a_gantry_has_the_trapezoidal_profile_of_its_slowest_axis() {
     }
 }
 
-/// Two links of 0.4 m and 0.3 m in the plane.
+/// Lengths of the two links of the planar arm, m.
 const LINKS: (f64, f64) = (0.4, 0.3);
 
 /// Returns the joint angles of the planar arm with its TCP at (x, y), elbow down, in closed form.
@@ -178,11 +180,11 @@ fn a_line_of_a_planar_arm_takes_the_time_of_a_linear_program() {
     let link = |l: f64| joint(JointKind::Revolute, 0.0, 0.0, l, 0.0);
     let robot = arm(vec![link(a), link(b), link(0.0)]);
     let chain = Chain::new(&robot);
-    // The last joint holds the orientation and is fast enough to play no part.
+    // The last joint keeps the orientation and is so fast that it does not limit the motion.
     let cases = [
         ((0.5, -0.2), (0.5, 0.2), [(1.0, 5.0), (2.0, 5.0)]),
         ((0.2, 0.25), (0.6, 0.3), [(3.0, 4.0), (1.5, 8.0)]),
-        // The line passes near the base, where the first joint turns fast.
+        // The line passes near the base, where the first joint must turn fast.
         ((0.3, 0.13), (-0.25, 0.13), [(2.0, 6.0), (2.0, 6.0)]),
         ((0.55, 0.1), (0.52, 0.13), [(9.0, 9.0), (9.0, 9.0)]),
     ];
@@ -200,14 +202,14 @@ fn a_line_of_a_planar_arm_takes_the_time_of_a_linear_program() {
             (time / least - 1.0).abs() < 5e-3,
             "{from:?} to {to:?}: {time} s, the program finds {least} s"
         );
-        // A limit of speeds alone bounds the time from below.
+        // The limits of the speeds alone give a lower bound of the time.
         let end = knots[knots.len() - 1];
         let slowest = (0..2).map(|j| (end[j] - start[j]).abs() / limits[j].0).fold(0.0, f64::max);
         assert!(time > slowest, "{time} {slowest}");
     }
 }
 
-/// A profile that is run through k times as fast has k times the speeds and k^2 times the accelerations.
+/// If a motion is k times as fast, its speeds are k times and its accelerations k^2 times as large.
 #[test]
 fn times_scale_with_speeds_and_accelerations() {
     let robot = shipped("panda_cell.toml").robot;
@@ -290,7 +292,7 @@ fn the_cycle_of_a_layout_is_the_sum_of_its_steps() {
         for (transfer, step) in evaluation.transfers.iter().zip([3, 5]) {
             let (path, corners) = (&transfer.path, &transfer.corners);
             assert_eq!((corners[0], corners[corners.len() - 1]), (0, path.len() - 1));
-            // With a stop at every joint vector a path takes at least as long.
+            // With a stop at every joint vector, a path takes at least as long.
             let stops: Vec<usize> = (0..path.len()).collect();
             let chain = Chain::new(&cell.robot);
             let longest = path_of_legs_time(&chain, path, &stops, &bounds);
@@ -304,7 +306,8 @@ fn the_cycle_of_a_layout_is_the_sum_of_its_steps() {
         let sum: f64 = (0..phases.len()).map(time).sum();
         let goals = workcell.goals(&layout, &evaluation, &Goals::of(&[Goal::Time]).unwrap()).unwrap();
         assert!((goals[0] - sum).abs() < 1e-12 && (cycle.total() - sum).abs() < 1e-12);
-        // Twice as fast joints, with four times the acceleration, halve the moves, but not the dwell.
+        // Joints with twice the speed and four times the acceleration halve the times of the moves, but not
+        // the dwell times.
         let mut faster = cell.clone();
         for joint in &mut faster.robot.joints {
             joint.rates.velocity = joint.rates.velocity.map(|v| 2.0 * v);

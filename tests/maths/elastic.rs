@@ -1,5 +1,5 @@
-//! Tests elastic errors: deflections by gravity against closed forms, finite differences, a statics of springs that
-//! uses no code of the program, Monte Carlo, and plain searches.
+//! Tests elastic errors (deflections by gravity) against closed forms, finite differences, an independent
+//! spring model, Monte Carlo and plain searches.
 
 use crate::common::{cases, robots, shipped};
 use crate::kinematics::errors::{joint, random_errors, random_robot, robot};
@@ -31,7 +31,7 @@ fn place(axes: usize, parameter: Parameter) -> usize {
     Parameter::of_robot(axes).position(|p| p == parameter).unwrap()
 }
 
-/// Returns values of all parameters of a robot: those given, and 0 for all others.
+/// Returns values of all parameters of a robot: the given values, and 0 for all other parameters.
 fn values(axes: usize, given: &[(Parameter, f64)]) -> Vec<f64> {
     let mut all = vec![0.0; Parameter::count(axes)];
     given.iter().for_each(|(parameter, value)| all[place(axes, *parameter)] = *value);
@@ -154,7 +154,8 @@ fn heavy_arm(rng: &mut ChaCha8Rng, axes: usize) -> Robot {
     arm
 }
 
-/// The deflections are those of the undeformed chain. Half the compliance leaves a quarter of the difference.
+/// The model takes the torques of the undeformed chain, so the difference is of second order: half the
+/// compliance leaves a quarter of the difference.
 #[test]
 fn deflections_are_those_of_a_chain_of_springs_to_first_order() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
@@ -188,7 +189,7 @@ pub fn random_waves(rng: &mut ChaCha8Rng, arm: &Robot, size: f64) -> Vec<Periodi
     turning.map(|(joint, _)| wave(joint)).collect()
 }
 
-/// The reference turns every joint by the sum of its waves, in another program: the forward kinematics of the
+/// The reference rotates every joint by the sum of its waves, with other code: the forward kinematics of the
 /// calibration.
 #[test]
 fn periodic_errors_of_a_chain_turn_its_joints() {
@@ -222,7 +223,8 @@ fn periodic_errors_of_a_chain_turn_its_joints() {
     assert!(uncoupled > 12, "{uncoupled} robots");
 }
 
-/// Central differences of the nonlinear model give every derivative, together with those of other errors.
+/// Every derivative, together with the derivatives of other errors, agrees with central differences of the
+/// nonlinear model.
 #[test]
 fn derivatives_of_elastic_errors_agree_with_differences() {
     let [mut rng, mut others] = [32, 35].map(ChaCha8Rng::seed_from_u64);
@@ -258,7 +260,8 @@ fn derivatives_of_elastic_errors_agree_with_differences() {
     }
 }
 
-/// The models differ from the nonlinear one by terms of second and of third order.
+/// The linear model differs from the nonlinear model by terms of second order, and the second-order model by
+/// terms of third order.
 #[test]
 fn models_of_elastic_errors_converge_with_their_order() {
     let mut rng = ChaCha8Rng::seed_from_u64(33);
@@ -315,7 +318,7 @@ fn statistics_of_elastic_errors_agree_with_monte_carlo() {
     }
 }
 
-/// Every corner of the tolerances is tried by the nonlinear model.
+/// The reference evaluates the nonlinear model at every corner of the tolerance box.
 #[test]
 fn the_worst_case_of_elastic_errors_agrees_with_all_corners() {
     let mut cell = elastic_cell();

@@ -60,7 +60,8 @@ fn planar(first: [f64; 2]) -> Robot {
     robot(&rows, [1.0, 0.0, 0.0])
 }
 
-/// Returns a SCARA with links of 400 and 300 mm, a slide up to 200 mm down, and the tool pointing down.
+/// Returns a SCARA with links of 400 and 300 mm, a vertical slide with a travel of 200 mm, and the tool
+/// pointing down.
 fn scara(first: [f64; 2], second: [f64; 2]) -> Robot {
     let rows = [
         (TURN, 0.0, 800.0, 400.0, 0.0, first),
@@ -95,7 +96,7 @@ fn near(a: f64, b: f64, share: f64) -> bool {
     (a - b).abs() <= share * b.abs()
 }
 
-/// Says whether a region holds a point, by the even-odd rule.
+/// Returns whether a region contains a point, by the even-odd rule.
 fn holds(region: &EnvelopeSection, p: [f64; 2]) -> bool {
     let mut inside = false;
     for outline in &region.outlines {
@@ -109,7 +110,8 @@ fn holds(region: &EnvelopeSection, p: [f64; 2]) -> bool {
     inside
 }
 
-/// The annulus lies round the shoulder, 200 mm lower for the hanging tool, from 200 to 1 000 mm.
+/// The annulus has the radii 200 and 1 000 mm. Its centre is 200 mm below the shoulder, because the tool
+/// hangs down.
 #[test]
 fn the_envelope_of_a_planar_arm_is_its_annulus() {
     let arm = inverse(&planar(WHOLE));
@@ -155,8 +157,8 @@ fn a_slanted_tool_has_two_annular_envelopes() {
     }
 }
 
-/// Joint 1 keeps within +-90 degrees of x. An arm of whole turns leans back and reaches the whole circle; one
-/// that only reaches forward leaves a wedge.
+/// Joint 1 turns from -60 to 75 degrees. An arm whose other joints turn fully can lean back and reach the
+/// whole circle. An arm that reaches only forward leaves a wedge free.
 #[test]
 fn the_limits_of_joint_1_cut_a_wedge_from_the_envelope() {
     let mut robot = planar([-60.0, 75.0]);
@@ -168,19 +170,19 @@ fn the_limits_of_joint_1_cut_a_wedge_from_the_envelope() {
     assert!(!plan.is_empty());
     for [x, y] in plan.points() {
         let azimuth = y.atan2(x).to_degrees();
-        // The crossing is refined along one axis, which is a wide angle near the base.
+        // The crossing is refined along one axis, so its error is a large angle near the base.
         let slack = (2e-5_f64 / x.hypot(y)).to_degrees() + 1e-9;
         assert!(azimuth > -60.0 - slack && azimuth < 75.0 + slack, "({x}, {y}): {azimuth}");
     }
-    // The volume by angles equals that of stacked plans.
+    // The volume by angles equals the volume of stacked horizontal sections.
     let Size { volume, error, symmetric, .. } = envelope.size(&fine(0.01));
     let heights = (0..180).map(|k| -0.6 + 0.0125 * (f64::from(k) + 0.5));
     let stacked: f64 = heights.map(|z| 0.0125 * envelope.plan(z, &fine(0.02)).area()).sum();
     assert!(symmetric && (volume - stacked).abs() < error + 2e-3 * stacked, "{volume} {error} {stacked}");
 }
 
-/// A lattice of 50 mm gives the extremes of random two-link arms to 0.1 mm. A dense scan of both joint angles gives the
-/// same extremes.
+/// A lattice of 50 mm gives the extremes of random two-link arms to 0.1 mm. The reference is a dense scan of
+/// both joint angles.
 #[test]
 fn the_extent_of_a_coarse_lattice_is_refined() {
     const PARTS: usize = 1500;
@@ -203,7 +205,7 @@ fn the_extent_of_a_coarse_lattice_is_refined() {
             let mut before = None;
             for b in (0..=PARTS).map(|k| a + part(second, k)) {
                 let r = 0.6 * a.cos() + 0.4 * b.cos();
-                // The axis lies between two neighbours on either side of it.
+                // Between two neighbouring points on opposite sides of the axis, the arm crosses the axis.
                 let is_crossed = before.replace(r).is_some_and(|before| before * r <= 0.0);
                 let (r, z) = (if is_crossed { 0.0 } else { r.abs() }, 0.5 + 0.6 * a.sin() + 0.4 * b.sin());
                 want = [want[0].min(r), want[1].max(r), want[2].min(z), want[3].max(z)];
@@ -217,8 +219,9 @@ fn the_extent_of_a_coarse_lattice_is_refined() {
     println!("largest deviation {:.4} mm", 1e3 * worst);
 }
 
-/// With both elbows the area is that of the annulus. With joint 2 on one side only and joint 1 in a range of
-/// width w, the arm sweeps w / 2 (R^2 - r^2) as a rigid shape, between the radii of both ends of joint 2.
+/// With both elbows, the area is the area of the annulus. Here joint 2 stays on one side, and joint 1 has a
+/// range of width w. The arm then sweeps the area w / 2 (R^2 - r^2), where R and r are the radii at the two
+/// limits of joint 2.
 #[test]
 fn the_envelope_of_a_scara_has_its_area() {
     let (l1, l2) = (0.4_f64, 0.3_f64);
@@ -233,8 +236,8 @@ fn the_envelope_of_a_scara_has_its_area() {
     assert!(near(plan.area(), exact, 1e-3), "{} {exact}", plan.area());
     assert!(envelope.plan(0.75, &fine(0.02)).is_empty() && envelope.plan(0.45, &fine(0.02)).is_empty());
 
-    // Joint 1 makes no whole turn and the spin is tried in steps from x, so the envelope is counted in x, y,
-    // z.
+    // Joint 1 makes no full turn, and the spin is tried in steps from x. The envelope is therefore counted in
+    // x, y and z.
     assert!(!envelope.is_symmetric());
     let counted = envelope.size(&fine(0.04));
     let volume = exact * 0.2;
@@ -249,7 +252,7 @@ fn the_envelope_of_a_scara_has_its_area() {
     assert!(got.iter().zip(want).all(|(a, b)| (a - b).abs() < extent.within), "{extent:?} {want:?}");
 }
 
-/// Just inside every crossing a branch keeps all limits, and just outside none does.
+/// Just inside every crossing, a branch keeps all limits. Just outside, no branch keeps all limits.
 #[test]
 fn every_boundary_crossing_of_the_hitachi_is_real() {
     for name in ["hitachi_paper.toml", "hitachi_paper_parallelogram.toml"] {
@@ -291,7 +294,8 @@ fn every_boundary_crossing_of_the_hitachi_is_real() {
     }
 }
 
-/// Counts seeded random points of a box that lie in the envelope.
+/// Returns the volume of the envelope from seeded random points of a box, and the standard error of the
+/// volume.
 fn monte_carlo(envelope: &Envelope<'_>, low: [f64; 3], high: [f64; 3], n: u32) -> (f64, f64) {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let hits = (0..n).filter(|_| {
@@ -321,15 +325,15 @@ fn the_envelope_volume_agrees_with_monte_carlo() {
     }
 }
 
-/// The envelope is the disc of the SCARA (radius 700 mm) swept 1 m along y. The sweep fills the hole round
-/// its post.
+/// The envelope is the disc of the SCARA (radius 700 mm), swept 1 m along y. The sweep fills the hole around
+/// the post of the arm.
 #[test]
 fn a_track_lengthens_the_envelope() {
     let arm = inverse(&on_track());
-    // Any spin will do.
+    // The spin does not matter here.
     let attitude = Attitude { spin: Spin::At(vec![0.0]), ..Attitude::elevation(DOWN) };
     let envelope = Envelope::new(&arm, &attitude, 0.0);
-    // Every target costs 25 times as much here.
+    // Every target takes 25 times as long here.
     let coarse = |step: f64| Fineness { step, tolerance: 2e-3, on_progress: &|_| () };
     let plan = envelope.plan(0.6, &coarse(0.08));
     let exact = PI * 0.49 + 1.4;
@@ -390,7 +394,7 @@ fn the_reach_shell_contains_every_tcp() {
     assert!(tightest[0].1 < 0.35, "{tightest:?}");
 }
 
-/// The shell gives a lower bound of the distance to a target outside.
+/// The shell gives a lower bound of the distance to a target outside the shell.
 #[test]
 fn the_reach_shell_gives_the_distance_outside() {
     let arm = inverse(&planar(WHOLE));
@@ -402,8 +406,8 @@ fn the_reach_shell_gives_the_distance_outside() {
     assert_eq!(shell.gap(0.0, 3.0), 0.0);
 }
 
-/// Returns the worktable operation of the shipped cell with a SCARA, an expensive arm whose unreachable
-/// layouts are found before the node loop.
+/// Returns the shipped cell with the worktable operation and a SCARA. The inverse kinematics of this arm is
+/// slow, so unreachable layouts are found before the node loop.
 fn scara_cell() -> Cell {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot = scara([-100.0, 100.0], [20.0, 140.0]);
@@ -412,8 +416,8 @@ fn scara_cell() -> Cell {
     cell
 }
 
-/// The map visits every node of every layout: nothing that it finds was discarded, and all values are equal
-/// to the bit.
+/// The map visits every node of every layout. The evaluation discards no node that the map finds usable, and
+/// all values are equal to the bit.
 #[test]
 fn the_reach_shell_changes_no_objective() {
     let workcell = Workcell::new(scara_cell()).unwrap();
@@ -445,8 +449,8 @@ fn the_reach_shell_changes_no_objective() {
     assert!(found > 50 && lost > 50, "{found} found, {lost} discarded");
 }
 
-/// A target farther away costs more, also across the edge of the shell, so that the search finds its way
-/// back.
+/// The penalty grows with the distance of the target, also across the edge of the shell. This leads the
+/// search back to feasible layouts.
 #[test]
 fn the_penalty_grows_with_the_distance() {
     let workcell = Workcell::new(scara_cell()).unwrap();

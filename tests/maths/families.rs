@@ -1,5 +1,5 @@
-//! Tests one shipped cell per kinematic family: its map has usable nodes, its search finds a layout no worse
-//! than the start, and `evaluate` confirms the result.
+//! Tests one shipped cell per kinematic family. The map must have usable nodes, the search must find a layout
+//! no worse than the start, and `evaluate` must confirm the result.
 
 use crate::common::{from_text, shipped};
 use std::sync::atomic::AtomicBool;
@@ -28,7 +28,7 @@ fn every_robot_family_is_mapped_and_searched() {
     let kinova =
         ("kinova", "nearly a spherical wrist, first joint free (closed form and Newton's method)", kinova);
     let mut general = kinova.2.clone();
-    // Offsets of 50 mm in shoulder and wrist leave no family.
+    // With offsets of 50 mm in shoulder and wrist, the arm belongs to no family with a closed form.
     general.robot.joints[1].l += 0.05;
     general.robot.joints[4].l += 0.05;
     let general = ("general", "general chain (numeric)", general);
@@ -73,7 +73,7 @@ fn a_six_axis_cell_beside_ten_thousand_triangles_is_searched() {
         solids.map(|s| if let Shape::Mesh { triangles, .. } = &s.shape { triangles.len() } else { 0 }).sum();
     assert!((9_000..11_000).contains(&triangles), "{triangles} triangles");
     let machine = cell.equipment.iter().position(|e| e.name == "machine").unwrap();
-    // The machine moves over the table and blocks free postures.
+    // The machine is moved over the table, where it blocks postures that were free.
     let at = cell.start().placements[0];
     cell.equipment[machine].placement = [at.x, at.y - 0.15, at.z + 0.15, 0.0].map(Coordinate::Fixed);
     let workcell = Workcell::new(cell).unwrap();

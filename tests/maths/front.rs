@@ -1,5 +1,5 @@
-//! Tests searches with several goals: goals against independent measures, front and shortlist against
-//! enumeration, and checkpoints of both.
+//! Tests searches with several goals: the goals against independent measures, front and shortlist against
+//! enumeration, and the checkpoints of these searches.
 
 use crate::common::{from_text, shipped};
 use std::sync::Mutex;
@@ -102,7 +102,7 @@ fn enumerated(workcell: &Workcell, goals: &Goals) -> Vec<(Layout, Vec<f64>)> {
 
 fn losses(goals: &Goals, values: &[f64]) -> Vec<f64> {
     let smaller = |goal: Goal| matches!(goal, Goal::Error | Goal::Travel | Goal::Footprint | Goal::Time);
-    // Values below a nanometre are rounding.
+    // Differences below a nanometre come from rounding.
     let rounded = |v: f64| (v * 1e9).round() / 1e9;
     goals.iter().zip(values).map(|(g, v)| rounded(if smaller(g) { *v } else { -v })).collect()
 }
@@ -111,8 +111,8 @@ fn dominates(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| a <= b) && a != b
 }
 
-/// Returns the hypervolume between points and a corner worse than all of them, summed over the grid cells
-/// that their coordinates make.
+/// Returns the hypervolume between points and a corner that is worse than all points. It is a sum over the
+/// grid cells that the coordinates of the points define.
 fn hypervolume(points: &[Vec<f64>], worst: &[f64]) -> f64 {
     let axes: Vec<Vec<f64>> = (0..worst.len())
         .map(|k| {
@@ -199,7 +199,7 @@ fn the_front_agrees_with_enumeration() {
     }
 }
 
-/// A budget too small for every layout still covers nearly all of the front.
+/// A search whose budget is too small for all layouts still covers nearly the whole front.
 #[test]
 fn a_small_budget_covers_most_of_the_front() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
@@ -223,8 +223,8 @@ fn a_small_budget_covers_most_of_the_front() {
     }
 }
 
-/// Distances of listed values count as shares of their number, here all above a twentieth: every other layout
-/// differs enough.
+/// The distance between listed values is a share of their number. Here all these shares exceed a twentieth,
+/// so every two layouts differ enough.
 #[test]
 fn the_shortlist_agrees_with_enumeration() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
@@ -243,8 +243,8 @@ fn the_shortlist_agrees_with_enumeration() {
     }
 }
 
-/// Every layout of a shortlist over ranges differs from the others by more than the stated distance. They
-/// come best first, and none is worse than the greedy choice from an enumerated grid.
+/// Every layout of a shortlist over ranges differs from the other layouts by more than the stated distance.
+/// The best layout comes first, and no layout is worse than the greedy choice from an enumerated grid.
 #[test]
 fn a_shortlist_of_ranges_differs_by_the_least_distance() {
     let workcell = Workcell::new(listed_cell(
@@ -289,7 +289,7 @@ fn a_shortlist_of_ranges_differs_by_the_least_distance() {
 
 fn bits(record: &SearchRecord) -> String {
     let SearchRecord { best, evaluations, feasible, trace, ended, alternatives, .. } = record;
-    // Debug prints floats so that they read back to the bit.
+    // The Debug format prints floats with enough digits to restore every bit.
     format!("{best:?} {evaluations} {feasible} {trace:?} {ended:?} {alternatives:?}")
 }
 
@@ -377,7 +377,7 @@ fn the_footprint_goal_agrees_with_a_gift_wrapped_hull() {
     assert!(all.len() > 500);
     for (layout, value) in all {
         let corners = floor_corners(&workcell.cell, &layout);
-        // The post is an obstacle without floor space.
+        // The post is an obstacle whose floor space does not count.
         let posts = workcell.cell.equipment.iter().position(|e| e.name == "post").unwrap();
         let points: Vec<_> =
             corners.iter().enumerate().filter(|(k, _)| *k != posts).flat_map(|(_, c)| c.clone()).collect();
@@ -386,7 +386,7 @@ fn the_footprint_goal_agrees_with_a_gift_wrapped_hull() {
     }
 }
 
-/// No joint of this arm turns far enough to have a choice of turns.
+/// No joint of this arm has a range of more than one turn, so no posture has equivalent turns.
 #[test]
 fn the_travel_limit_and_error_goals_agree_with_the_maps() {
     let workcell = Workcell::new(listed_cell(LISTS, "")).unwrap();
@@ -422,8 +422,8 @@ fn to_box(p: nalgebra::Vector3<f64>, pose: &sweetspot::pose::Pose, size: nalgebr
     (0..3).map(|k| (local[k].abs() - size[k] / 2.0).max(0.0).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns the range of heights of the boxes of every equipment, and then that of the robot base, which
-/// reaches down to the floor, m.
+/// Returns the range of heights (m) of the boxes of every piece of equipment, and last the range of the robot
+/// base, which reaches down to the floor.
 fn heights(cell: &Cell, layout: &Layout) -> Vec<(f64, f64)> {
     use sweetspot::cell::Shape;
     let upright = |shape: &Shape, z: f64| {
@@ -452,8 +452,8 @@ fn share_points(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
 }
 
 /// The reference samples thousands of points along the capsules of the robot and the edges of floor spaces.
-/// The nearest sample is never nearer than the stated clearance, and hardly farther. Floor spaces whose
-/// solids are at different heights are apart by this height, too.
+/// The nearest sample is never nearer than the stated clearance, and only slightly farther. The clearance
+/// also counts the difference in height of floor spaces.
 #[test]
 fn the_clearance_goal_agrees_with_dense_sampling() {
     use sweetspot::cell::Shape;
@@ -494,7 +494,7 @@ fn the_clearance_goal_agrees_with_dense_sampling() {
         }
         let robot = nearest;
         let (spaces, heights) = (floor_corners(cell, layout), heights(cell, layout));
-        // The last two are post and base, which do not move.
+        // The last two spaces belong to post and base, which do not move.
         for (i, a) in spaces.iter().enumerate().take(spaces.len() - 2) {
             for (j, b) in spaces.iter().enumerate().skip(i + 1) {
                 let rise = (heights[i].0 - heights[j].1).max(heights[j].0 - heights[i].1).max(0.0);

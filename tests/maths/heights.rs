@@ -1,4 +1,4 @@
-//! Tests that objects at different heights may share a place in plan, and that the reason of a refusal says
+//! Tests that objects at different heights may overlap in plan, and that the message of a rejection states
 //! whether two objects overlap or are too near.
 
 use crate::common::from_text;
@@ -66,7 +66,7 @@ fn a_lamp_may_hang_over_a_table() {
     assert_eq!(separated(&workcell, &start), Some(start), "nothing has to move");
 }
 
-/// A robot base without a known height, and equipment without solids, are of any height.
+/// A robot base of unknown height, and equipment without solids, count as infinitely high.
 #[test]
 fn floor_space_without_solids_has_every_height() {
     let mut cell = lamp_over_table(915.0, "");
@@ -83,7 +83,7 @@ fn floor_space_without_solids_has_every_height() {
     assert_eq!(overlaps(&cell, &layout)[0].b, Party::RobotBase);
 }
 
-/// Two tables 3.4 mm apart do not overlap, and two that share 11.6 mm do.
+/// Two tables 3.4 mm apart do not overlap. Two tables that penetrate each other by 11.6 mm overlap.
 #[test]
 fn a_distance_below_the_clearance_is_not_called_an_overlap() {
     let beside = |gap: f64| {
@@ -118,9 +118,9 @@ fn a_distance_below_the_clearance_is_not_called_an_overlap() {
     assert_eq!(fenced(-5.0), ["table reaches beyond the fence by 5.0 mm"]);
 }
 
-/// Random blocks at random heights: an overlap is told if and only if the blocks overlap without regard to
-/// height and the ranges of their corners in height are nearer than the clearance. The told distance is the
-/// greater of those in height and in plan.
+/// Random blocks at random heights: an overlap is reported exactly if the blocks overlap in plan and their
+/// ranges of height are nearer than the clearance. The reported distance is the greater one of the distances
+/// in height and in plan.
 #[test]
 fn overlaps_of_blocks_agree_with_their_corners() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);
@@ -182,7 +182,7 @@ fn overlaps_of_blocks_agree_with_their_corners() {
     assert!(low > 100 && found.iter().all(|n| *n > 100), "{low} {found:?}");
 }
 
-/// The clearance goal counts the distance in height of two floor spaces that share a place in plan.
+/// For two floor spaces that overlap in plan, the clearance goal counts the distance in height.
 #[test]
 fn the_clearance_goal_of_a_lamp_is_its_height_over_the_table() {
     let mut cell = lamp_over_table(2850.0, "");
@@ -193,7 +193,7 @@ fn the_clearance_goal_of_a_lamp_is_its_height_over_the_table() {
         layout.placements[1].z = z;
         assert!((plan.spacing(&cell, &layout, 0.5) - wanted).abs() < 1e-12, "{z}");
     }
-    // Beside and above: the distance of the edges.
+    // The lamp is beside and above the table, so the distance is measured between edges.
     layout.placements[1] = Placement { x: 1.0, y: 1.25, z: 1.1, yaw: 0.0 };
     assert!((plan.spacing(&cell, &layout, 0.5) - 0.1_f64.hypot(0.2)).abs() < 1e-12);
     let workcell = Workcell::new(cell).unwrap();
@@ -204,13 +204,14 @@ fn the_clearance_goal_of_a_lamp_is_its_height_over_the_table() {
     assert!(workcell.goals(&start, &evaluation, &goals).unwrap()[0] > 0.0);
 }
 
-/// The lamp hangs 10 mm over the table besides the clearance. If both may be 4 mm off in height, they keep
-/// the clearance; if both may be 6 mm off, they do not, though each alone does.
+/// The gap between lamp and table exceeds the clearance by 10 mm. If each of them may be misplaced by 4 mm in
+/// height, they keep the clearance. If each may be misplaced by 6 mm, they do not, although one misplacement
+/// alone would be allowed.
 #[test]
 fn a_robust_search_misplaces_two_heights_at_once() {
     for (lamp, table, kept) in [(4.0, 4.0, true), (6.0, 6.0, false), (6.0, 0.0, true), (0.0, 11.0, false)] {
         let mut cell = lamp_over_table(925.0, "");
-        // Beside the robot's way, over the corner of the table.
+        // The lamp is away from the path of the robot, over the corner of the table.
         cell.equipment[1].placement[0] = sweetspot::cell::Coordinate::Fixed(0.85);
         cell.equipment[1].placement[1] = sweetspot::cell::Coordinate::Fixed(1.65);
         for (k, mm) in [(0, table), (1, lamp)] {

@@ -1,4 +1,5 @@
-//! Tests the hypotheses about measured data: simulated files of several arms, read as their writers meant them.
+//! Tests the hypotheses about measured data: simulated files of several arms must be interpreted as they were
+//! written.
 
 use crate::common::robots;
 use crate::kinematics::product::{no_errors, position, tcp};
@@ -14,7 +15,7 @@ use sweetspot::cell::{JointKind, JointVector, Robot};
 use sweetspot::pose::Pose;
 use sweetspot::robot::Chain;
 
-/// Noise of a coordinate, m.
+/// Standard deviation of the noise of a coordinate, m.
 const NOISE: f64 = 2e-4;
 
 /// Arm with the reflector as its TCP, and the pose of its base in the frame of the tracker.
@@ -47,7 +48,8 @@ impl Simulated {
         self.base.transform(&self.robot.mount.transform(&own)) + noise
     }
 
-    /// Returns rows in degrees and mm; `write` turns joints (rad or m) and position (mm) into those of a file.
+    /// Returns rows in degrees and mm. The function `write` converts joints (rad or m) and position (mm) to
+    /// the conventions of a file.
     fn file(
         &self,
         postures: &[JointVector],
@@ -79,7 +81,8 @@ impl Simulated {
         (0..count).map(|_| self.posture(&mut rng)).collect()
     }
 
-    /// Returns the largest distance, m, of rows from the nominal arm: frames are fitted to the first 40 rows.
+    /// Returns the largest distance, m, of the measured positions from the nominal arm, with frames fitted to
+    /// the first 40 rows.
     fn distance(&self, reading: &DataReading, rows: &[RawMeasurement]) -> f64 {
         let measured: Vec<_> = rows.iter().map(|raw| reading.applied(&self.chain, raw)).collect();
         let poses: Vec<_> =
@@ -89,7 +92,7 @@ impl Simulated {
         poses.iter().zip(&measured).skip(40).map(distance).fold(0.0, f64::max)
     }
 
-    /// Reads a file that is written by `write`, and checks that rows which it has not seen fit as well.
+    /// Interprets a file that `write` has written, and checks that rows outside the file fit equally well.
     fn check(&self, write: &dyn Fn(&mut JointVector, &mut Vector3<f64>), what: &str) -> DataReading {
         let rows = self.file(&self.postures(80, 5), write, 6);
         let reading = explain(&self.chain, &rows[..60], self.robot.reach()).unwrap();
@@ -146,7 +149,8 @@ fn each_mistake_in_a_file_of_a_ur10_is_named() {
     assert!(turned.is_plain(), "{turned:?}");
 }
 
-/// Symmetric arms may have several explanations; any that also explains other rows is right.
+/// Data of symmetric arms may have several explanations. An explanation is right if it also explains other
+/// rows.
 #[test]
 fn files_of_other_arms_are_explained() {
     let palletizer = Simulated::new("abb_irb460");
@@ -162,7 +166,7 @@ fn files_of_other_arms_are_explained() {
     seven.check(&|q, _| q[3] += FRAC_PI_2, "a zero");
 }
 
-/// Rows at equal steps would always show the same joint.
+/// A choice of rows at equal steps would always show the same joint.
 #[test]
 fn sweeps_of_one_joint_after_the_other_are_explained() {
     let arm = Simulated::new("ur10");
@@ -209,7 +213,7 @@ fn positions_of_another_arm_are_not_explained() {
     assert!(reading.is_none_or(|reading| !reading.is_plausible(arm.robot.reach()) && reading.is_plain()));
 }
 
-/// Units do not matter: the rows are judged before the units are known.
+/// Suspect rows are found before the units are known, so the units must not matter.
 #[test]
 fn suspect_rows_are_found_in_any_unit() {
     let arm = Simulated::new("ur10");
@@ -217,7 +221,7 @@ fn suspect_rows_are_found_in_any_unit() {
         let mut rows = arm.file(&arm.postures(30, 5), &|_, p| *p *= factor, 6);
         rows[9].numbers.position = rows[8].numbers.position;
         rows[19].numbers.joints = rows[18].numbers.joints;
-        // A repeated posture that the arm reaches within a tenth of a millimetre.
+        // The arm repeats this posture to within a tenth of a millimetre.
         rows[25].numbers.joints = rows[24].numbers.joints;
         rows[25].numbers.position = rows[24].numbers.position.add_scalar(0.1 * factor);
         let copy = RawMeasurement { numbers: MeasuredPosition { row: 31, ..rows[3].numbers }, ..rows[3] };

@@ -36,7 +36,7 @@ fn the_least_objective_wins_and_the_first_of_equals() {
         least.iter().enumerate().map(|(k, l)| island(k as u64 + 1, &start, *l, Vec::new())).collect()
     };
     assert_eq!(best_island(&all(&[Some(3.0), Some(2.0), None, Some(2.0)])), Some(1));
-    // Without an accepted layout, the least cost wins: here the cost of the first island.
+    // If no island has an accepted layout, the island of least cost is best; here it is the first island.
     assert_eq!(best_island(&all(&[None, None])), Some(0));
     assert_eq!(best_island(&[]), None);
     let record = merged(&workcell(settings()), &all(&[Some(3.0), None, Some(3.0), Some(1.0)]), None).unwrap();
@@ -45,7 +45,8 @@ fn the_least_objective_wins_and_the_first_of_equals() {
     assert!(merged(&workcell(settings()), &[], None).is_none());
 }
 
-/// A stored island has every bit of its search, and merging it alone gives the search again.
+/// A stored island keeps every bit of its search. Merging this island alone gives the record of the search
+/// again.
 #[test]
 fn an_island_survives_its_file() {
     let cell = buildable("hitachi_cell.toml");
@@ -61,13 +62,15 @@ fn an_island_survives_its_file() {
         assert_eq!(read, island);
         let again = merged(&workcell, &[read], record.bound).unwrap();
         assert_eq!(again.best, record.best);
-        // A goal that the cell does not measure is no number, which equals nothing; its text does.
+        // A goal that the cell does not measure is NaN, which equals nothing. The comparison therefore uses
+        // texts.
         assert_eq!(format!("{:?}", again.alternatives), format!("{:?}", record.alternatives));
         assert_eq!((again.trace, again.least, again.ended), (record.trace, record.least, record.ended));
     }
 }
 
-/// Fronts of 150 members each on one line have no dominated member together, and the merged front spreads over both.
+/// The members of two fronts of 150 members each lie on one line, so they do not dominate each other. The
+/// merged front keeps members of both fronts and no dominated layout.
 #[test]
 fn large_fronts_are_thinned_without_dominated_members() {
     let pareto = Goals::of(&[Goal::Error, Goal::Travel]).unwrap();
@@ -97,7 +100,7 @@ fn large_fronts_are_thinned_without_dominated_members() {
     assert!(kept.len() > 5, "{} layouts", kept.len());
     assert!(!kept.contains(&&found), "a dominated layout is kept");
     let place = |layout: &Layout| space.point(layout)[dimension];
-    // Kept layouts differ by more than 1 % of the range, and both islands have some.
+    // Kept layouts differ by more than 1 % of the range, and each island contributes some.
     assert!(kept.windows(2).all(|w| place(w[1]) - place(w[0]) > 0.01), "layouts are similar");
     let number = |layout: &Layout| (place(layout) * 300.0 - 0.5).round() as usize;
     assert!(kept.iter().any(|l| number(l) % 2 == 0) && kept.iter().any(|l| number(l) % 2 == 1));

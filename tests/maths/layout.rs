@@ -39,7 +39,7 @@ fn overlapping_in(workcell: &Workcell, layout: &Layout, workspace: &mut Workspac
     !evaluate_in(workcell, layout, workspace).overlaps.is_empty()
 }
 
-/// Returns the shortest shift out of the overlap, walking outwards in every direction.
+/// Returns the shortest shift that removes the overlap, by steps outwards in many directions.
 fn brute_force(workcell: &Workcell, layout: &Layout) -> f64 {
     let mut workspace = Workspace::default();
     let mut free_at = |angle: f64, distance: f64| {
@@ -49,7 +49,7 @@ fn brute_force(workcell: &Workcell, layout: &Layout) -> f64 {
         !overlapping_in(workcell, &moved, &mut workspace)
     };
     let directions = (0..720).map(|k| f64::from(k) * std::f64::consts::TAU / 720.0);
-    // Nothing is farther than the shortest shift of the directions before.
+    // No direction is searched beyond the shortest shift found so far.
     directions.fold(f64::INFINITY, |shortest, angle| {
         let distances = (0..2000).map(|k| f64::from(k) * 1e-3);
         distances.take_while(|d| *d < shortest).find(|d| free_at(angle, *d)).unwrap_or(shortest)
@@ -74,7 +74,7 @@ fn separation_finds_the_nearest_layout_without_overlap() {
         assert!(!overlapping(&workcell, &apart));
         let (a, b) = (layout.placements[0], apart.placements[0]);
         let shift = (a.x - b.x).hypot(a.y - b.y);
-        // Brute force steps by a millimetre and half a degree.
+        // The steps of the brute force are a millimetre and half a degree.
         assert!(shift <= brute_force(&workcell, &layout) + 1e-5, "shift {shift}");
     }
 }

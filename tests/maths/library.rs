@@ -1,5 +1,5 @@
-//! Tests the robot library: every file in cells/robots loads, cites its source, and puts the flange where a
-//! second description of the same robot has it (tests/data/robots.py).
+//! Tests the robot library: every file in cells/robots loads and cites its source. The flange must be at the
+//! position that a second description of the robot gives (tests/data/robots.py).
 
 use crate::common::{from_text, root};
 use nalgebra::{Matrix3, Vector3};
@@ -83,7 +83,7 @@ fn every_robot_loads_without_a_warning_and_has_its_sources() {
 #[test]
 fn flanges_agree_with_an_independent_description() {
     let golden = golden();
-    // A robot from a URDF has the golden poses of its rows.
+    // A robot from a URDF has the reference poses of the robot with the same rows.
     let described = names("robots").into_iter().filter(|name| name != "hitachi_pw10_urdf");
     assert_eq!(
         golden.as_object().unwrap().keys().cloned().collect::<Vec<_>>(),
@@ -114,8 +114,8 @@ fn home_is_read_in_the_units_of_the_joints() {
     }
 }
 
-/// A passive joint has no home of its own. Without the key an arm rests at 0, or else in the middle of its
-/// limits.
+/// A passive joint has no home coordinate. Without the key `home`, a joint rests at 0, or in the middle of
+/// its limits if they exclude 0.
 #[test]
 fn the_default_home_is_zero_or_the_middle_of_the_limits() {
     let stanford = std::fs::read_to_string(root().join("cells/robots/stanford_arm.toml")).unwrap();
@@ -160,7 +160,7 @@ fn solids_of_modified_dh_rows_are_in_the_frames_of_the_file() {
     }
 }
 
-/// A track counts as reach: its first axis is horizontal.
+/// The travel of a track counts as reach, because its first axis is horizontal.
 #[test]
 fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
     for (name, poses) in golden().as_object().unwrap() {
@@ -173,7 +173,8 @@ fn no_flange_is_farther_from_the_base_axis_than_the_reach() {
     assert!(track >= arm + 1.0, "{track} m, and {arm} m without the metre of travel");
 }
 
-/// The reach in the name of a model is that of its wrist centre, so that of the flange with the tool down.
+/// Reach (m) in the names of some models. It is the reach of the wrist centre, which equals the reach of the
+/// flange with the tool down.
 const NAMED_REACHES: [(&str, f64); 6] = [
     ("abb_irb1200", 0.9),
     ("abb_irb4600", 2.05),
@@ -193,7 +194,7 @@ fn arms_reach_as_far_as_the_names_of_their_models_say() {
     }
 }
 
-/// Cells of the kinematic families, one each.
+/// Cells of the kinematic families, one per family.
 const FAMILIES: [&str; 8] =
     ["five_axis", "offset_wrist", "palletizer", "panda", "scara", "track", "ur", "wrist"];
 

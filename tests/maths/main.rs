@@ -1,8 +1,9 @@
-//! Tests of the mathematics. They belong to the package `sweetspot-core`, which the compiler optimises, because
-//! many of them compute much: `cargo test --test maths clearance::` runs the tests of one file or folder.
+//! Tests of the mathematics. They belong to the package `sweetspot-core`, which the compiler optimises,
+//! because many of them need much computing time. The command `cargo test --test maths clearance::` runs the
+//! tests of one file or folder.
 //!
-//! They read cells with the package `sweetspot`. All run in parallel in one process, and none may set an
-//! environment variable or the current directory.
+//! The tests read cells with the package `sweetspot`. All tests run in parallel in one process, so no test
+//! may set an environment variable or the current directory.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod allocation;

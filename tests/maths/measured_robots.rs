@@ -28,7 +28,7 @@ fn without_tool(mut robot: Robot) -> Robot {
     robot
 }
 
-/// Returns values of the unknowns, drawn from their distribution before the measurement.
+/// Returns values of the unknowns, drawn from their prior distribution.
 fn truth(unknowns: &[Unknown], rng: &mut ChaCha8Rng) -> Vec<f64> {
     unknowns.iter().map(|u| u.default_prior() * normal(rng)).collect()
 }
@@ -100,7 +100,7 @@ fn the_deformed_chain_and_its_derivatives_agree_with_dual_numbers() {
     }
 }
 
-/// A UR10 whose upper arm is at angle q2 to the horizontal carries it at the lever `612 mm cos q2`.
+/// If the upper arm of a UR10 is at the angle q2 to the horizontal, its lever is `612 mm cos q2`.
 #[test]
 fn an_elastic_joint_turns_in_proportion_to_its_horizontal_lever() {
     let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
@@ -154,7 +154,8 @@ fn periodic_errors_of_a_joint_are_identified_and_predict_other_positions() {
         }
     }
     assert_eq!(result.parameters().len(), plain.len());
-    // A file states the periodic errors as known: the covariance of the rest is the inverse of a block of precisions.
+    // A file states the periodic errors as known. The covariance of the other parameters is then the inverse
+    // of a block of the precision matrix.
     let known = plain.len();
     let precision = result.covariance.clone().try_inverse().unwrap();
     let block = precision.view((0, 0), (known, known)).into_owned().try_inverse().unwrap();
@@ -162,7 +163,8 @@ fn periodic_errors_of_a_joint_are_identified_and_predict_other_positions() {
     let scale = |k: usize| result.covariance[(k, k)].sqrt();
     let off = |i: usize, j: usize| (beside[(i, j)] - block[(i, j)]).abs() / (scale(i) * scale(j));
     assert!((0..known).all(|i| (0..known).all(|j| off(i, j) < 1e-6)));
-    // Zero and periodic error of a joint are uncertain together, at random coordinates in the measured range.
+    // The reference is the joint uncertainty of zero error and periodic error at random coordinates in the
+    // measured range.
     let zero = plain.iter().position(|u| *u == Unknown::Row(Parameter::Dq(1))).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let (low, high) = result.ranges[1];
@@ -185,8 +187,8 @@ fn periodic_errors_of_a_joint_are_identified_and_predict_other_positions() {
     assert!(of_other_joint < 0.5 && found > 2.0 * of_other_joint, "{found}, {of_other_joint}");
 }
 
-/// Seven arms of every robot, 112 in all: the unknowns are drawn from the assumed distribution, so 95 % of their
-/// intervals contain the truth.
+/// Seven arms of every robot, 112 in all, are simulated. The unknowns are drawn from the assumed
+/// distribution, so 95 % of the intervals contain the true values.
 #[test]
 fn identified_parameters_of_simulated_arms_lie_in_their_intervals() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -212,7 +214,7 @@ fn identified_parameters_of_simulated_arms_lie_in_their_intervals() {
     assert!((0.92..0.98).contains(&share), "{share} of {count} intervals contain the truth");
 }
 
-/// A joint that does not move, and axes that only it moves, leave combinations unknown.
+/// If a joint does not move, some combinations of parameters remain unknown.
 #[test]
 fn parameters_that_the_data_do_not_determine_are_not_identified() {
     let (_, robot) = robots().into_iter().find(|(name, _)| name == "ur10").unwrap();
@@ -227,7 +229,7 @@ fn parameters_that_the_data_do_not_determine_are_not_identified() {
     let is_known =
         |wanted| held.identified.iter().find(|i| i.unknown == Unknown::Row(wanted)).unwrap().is_identified();
     assert!(held.rank < unknowns.len());
-    // With the elbow held, the forearm is part of the upper arm.
+    // If the elbow does not move, the forearm and the upper arm form one rigid body.
     assert!(!is_known(Parameter::Dl(1)) && !is_known(Parameter::Dl(2)) && is_known(Parameter::Dq(1)));
 }
 
@@ -285,7 +287,7 @@ fn several_reflectors_share_one_base() {
     let result = calibrated(&chain, &session, &unknowns);
     let frames = &result.sessions[0].frames;
     for (found, place) in frames.reflectors.iter().zip(&places) {
-        // Errors of the last row are part of the reflectors.
+        // Errors of the last row are part of the positions of the reflectors.
         assert!((found - place).norm() < 1e-5, "{found} {place}");
     }
     assert!((frames.base.translation - base.translation).norm() < 1e-5);

@@ -1,4 +1,5 @@
-//! Tests plans of measuring poses against plain linear algebra, enumeration, and points of the line of sight.
+//! Tests plans of measuring poses against plain linear algebra, enumeration, and sampled points of the line
+//! of sight.
 
 use crate::common::{brute, robots, workcell};
 use nalgebra::{DMatrix, Matrix3xX, Vector3};
@@ -27,8 +28,8 @@ fn samples(chain: &Chain, range: std::ops::Range<usize>) -> Vec<JointVector> {
     range.map(|k| chain.halton_sample(k)).collect()
 }
 
-/// Returns the motion of a point by the unknowns, by differences, then by translation and rotation of the base
-/// and by the coordinates of the point.
+/// Returns the motion of a point per unknown, by differences. The last columns belong to translation and
+/// rotation of the base and to the coordinates of the point.
 fn slopes(plan: &IntendedCalibration<'_>, q: &JointVector, at: &Vector3<f64>) -> Matrix3xX<f64> {
     let moved = |k: usize, by: f64| {
         let mut values = vec![0.0; plan.unknowns.len()];
@@ -49,7 +50,7 @@ fn stacked(blocks: &[Matrix3xX<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(3 * blocks.len(), blocks[0].ncols(), |i, j| blocks[i / 3][(i % 3, j)])
 }
 
-/// Returns the expected rms error at the task from the inverse of the whole information matrix.
+/// Returns the expected root mean square error at the task from the inverse of the full information matrix.
 fn plain_error(
     plan: &IntendedCalibration<'_>,
     candidates: &[JointVector],
@@ -114,7 +115,7 @@ fn the_expected_error_of_a_plan_agrees_with_plain_linear_algebra() {
             let chosen: Vec<_> = (0..count).map(|k| (7 * k) % 60).collect();
             near(problem.after(&chosen), plain_error(&plan, &candidates, &task, &chosen));
         }
-        // Removing and adding poses in the exchange keeps the covariances.
+        // The covariances stay right when the exchange removes and adds poses.
         let best = problem.best(15, &mut |_, _| {}).unwrap();
         near(problem.after(&best), plain_error(&plan, &candidates, &task, &best));
     }
@@ -190,11 +191,12 @@ fn no_exchange_of_one_pose_improves_a_plan_and_the_first_pose_tells_most() {
     sorted.dedup();
     assert_eq!(sorted.len(), 12);
     assert_eq!(problem.best(81, &mut |_, _| {}), None);
-    // Poses that fill the joint space without a task tell less.
+    // Poses that only fill the joint space, without regard to a task, are less informative.
     assert!(after < problem.after(&(0..12).collect::<Vec<_>>()));
 }
 
-/// With no error of its own but that of a tracker, a pose that is measured again tells nothing new.
+/// If the only independent error of a pose is the error of a tracker, a second measurement of the pose gives
+/// hardly any information.
 #[test]
 fn a_plan_does_not_measure_the_same_posture_twice() {
     let chain = chain_of("ur10");
@@ -209,7 +211,7 @@ fn a_plan_does_not_measure_the_same_posture_twice() {
         error,
     };
     let once = samples(&chain, 0..16);
-    // A full turn of a joint is no other posture.
+    // A full turn of a joint gives the same posture.
     let turned = once.iter().map(|q| {
         let mut q = *q;
         q[3] += if q[3] > 0.0 { -2.0 * PI } else { 2.0 * PI };
@@ -223,7 +225,7 @@ fn a_plan_does_not_measure_the_same_posture_twice() {
     assert_eq!(best.len(), 12);
 }
 
-/// The reference goes along the line of sight in steps of 1 mm, and compares clouds of points for collisions.
+/// The reference samples the line of sight in steps of 1 mm, and checks collisions with clouds of points.
 #[test]
 fn measurable_poses_are_in_limits_free_and_visible() {
     for (name, instrument) in [
@@ -259,7 +261,7 @@ fn measurable_poses_are_in_limits_free_and_visible() {
             assert!(is_hidden || between.is_empty(), "{name}: {between:?} hide a visible reflector");
             assert!(!is_hidden || !found.joints.contains(q), "{name}: a planned pose is hidden");
             hidden += usize::from(is_hidden);
-            // Points of the line may miss an edge.
+            // The sampled points of the line may miss an edge.
             grazed += usize::from(is_hidden && between.is_empty());
         }
         println!("{name}: {hidden} of 40 are hidden, {grazed} by an edge");
@@ -286,7 +288,7 @@ fn a_reflector_is_seen_only_inside_its_cone() {
             interface.rotation.column(0).dot(&line)
         );
     }
-    // Another seed takes other postures, and the same seed the same ones.
+    // Another seed gives other postures, and the same seed gives the same postures.
     let again = workcell.measurable_poses(&layout, &REFLECTOR, Some(&sightline), (20, 1), &mut |_| {});
     let other = workcell.measurable_poses(&layout, &REFLECTOR, Some(&sightline), (20, 2), &mut |_| {});
     assert_eq!(again, found);

@@ -1,5 +1,5 @@
-//! Tests mesh files: OBJ and STL are read alike, and hostile files are refused with a place and little
-//! memory.
+//! Tests mesh files: OBJ and STL files give the same mesh. Hostile files are rejected with the place of the
+//! fault, and need little memory.
 
 use crate::common::root;
 use allocation_counter::measure;
@@ -14,7 +14,7 @@ use sweetspot::files::{Fault, Loaded};
 type V = Vector3<f64>;
 type Mesh = (Vec<[f32; 3]>, Vec<[usize; 3]>);
 
-/// Loads a cell with the mesh file `name` as an obstacle. Returns the paths that were opened, too.
+/// Loads a cell with the mesh file `name` as an obstacle. Also returns the paths that were opened.
 fn load(name: &str, units: &str, bytes: &[u8]) -> (Result<Loaded, Vec<Fault>>, BTreeSet<String>) {
     let text = format!(
         "from = \"hitachi_paper.toml\"\n[obstacle.part]\nplacement = {{ x_mm = 0, y_mm = 9000, z_mm = 0 }}\n\
@@ -43,7 +43,7 @@ fn read(name: &str, units: &str, bytes: &[u8]) -> (Vec<V>, Vec<[u32; 3]>, bool, 
     }
 }
 
-/// Returns a cube from `low` to `high`, faces outwards.
+/// Returns a cube from `low` to `high` whose faces point outwards.
 fn cube(low: f32, high: f32) -> Mesh {
     let corner = |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 1 { high } else { low });
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -110,7 +110,7 @@ fn one_mesh_is_equal_in_every_file_format() {
         ("metres", "part.stl", "m", binary_stl(&in_metres, "")),
     ] {
         let got = read(name, units, &bytes);
-        // STL has loose triangles with the same corners in another order of vertices.
+        // An STL file has separate triangles with the same corners, but its vertices are in another order.
         let corners = |(v, t, ..): &(Vec<V>, Vec<[u32; 3]>, bool, Vec<String>)| {
             t.iter().map(|t| t.map(|i| v[i as usize])).collect::<Vec<_>>()
         };
@@ -159,7 +159,8 @@ fn open_and_hollow_meshes_are_reported() {
     }
 }
 
-/// The shipped STL is the shipped OBJ at half size. `UPDATE=1 cargo test --test maths meshes::` writes it again.
+/// The shipped STL is the shipped OBJ at half size. The command `UPDATE=1 cargo test --test maths meshes::`
+/// writes the STL file again.
 #[test]
 fn the_shipped_stl_is_the_shipped_obj_at_half_size() {
     let folder = root().join("cells/equipment");
@@ -177,7 +178,7 @@ fn the_shipped_stl_is_the_shipped_obj_at_half_size() {
     assert!(got.2 && got.3.is_empty() && got.1.len() == 10_000 && got.0.len() == vertices.len());
 }
 
-/// Every shipped equipment and tool loads, cites its source, and stands where it is put.
+/// Every shipped equipment and tool file loads, cites its source, and has the placement that the cell states.
 #[test]
 fn the_shipped_equipment_loads() {
     let names = [
@@ -291,7 +292,8 @@ fn crafted() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     ]
 }
 
-/// Returns a sound file with a small change, which mostly breaks it: cut off, bytes changed, pieces repeated.
+/// Returns a valid file with a change that usually makes it invalid: the file is truncated, bytes are
+/// changed, or pieces are repeated.
 fn damaged(rng: &mut ChaCha8Rng) -> (&'static str, Vec<u8>) {
     let mesh = cube(0.0, 100.0);
     let kinds =
@@ -337,7 +339,7 @@ fn is_told(faults: &[Fault], what: &str) {
     }
 }
 
-/// Checks that reading took at most four times the file and 64 MB.
+/// Checks that reading needed at most four times the size of the file plus 64 MB.
 fn is_modest(used: u64, bytes: &[u8], what: &str) {
     assert!(
         used <= 4 * bytes.len() as u64 + (64 << 20),
@@ -371,12 +373,12 @@ fn hostile_meshes_are_refused_with_a_place_and_little_memory() {
     assert!(broken >= 200, "only {broken} of the damaged files were refused");
 }
 
-/// Sound meshes of the largest size keep the memory limit, too.
+/// Valid meshes of the largest size also keep the memory limit.
 #[test]
 fn the_largest_meshes_need_little_memory() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let n = 199_999;
-    // Without shared corners these are the most vertices for so many triangles.
+    // Without shared corners, this number of triangles has the greatest number of vertices.
     let vertices: Vec<_> = (0..3 * n).map(|_| [0; 3].map(|_| rng.random_range(0.0..1000.0))).collect();
     let mesh = (vertices, (0..n).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect());
     for (name, bytes) in

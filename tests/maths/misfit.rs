@@ -1,4 +1,4 @@
-//! Tests that a layout that does not belong to a cell is a value with its reason and never a panic.
+//! Tests that a layout that does not belong to a cell gives a result with a reason and never a panic.
 
 use crate::common::{shipped, workcell};
 use rand::{Rng, SeedableRng};
@@ -9,7 +9,7 @@ use sweetspot::error_map::{Outcome, Unjudged};
 use sweetspot::layout::{Workcell, evaluate, separated};
 use sweetspot::record::MapDocument;
 
-/// A wrong change of a layout, and the reason that must be given.
+/// Change that makes a layout wrong, with the expected reason.
 type Damage = (Box<dyn Fn(&mut Layout)>, Misfit);
 
 fn damages(workcell: &Workcell) -> Vec<Damage> {
@@ -55,7 +55,7 @@ fn damages(workcell: &Workcell) -> Vec<Damage> {
     counts.into_iter().chain(numbers).collect()
 }
 
-/// Every answer about a layout that does not belong to the cell exists, is finite and is no.
+/// Every function accepts a layout that does not belong to the cell, and returns a finite, infeasible result.
 #[test]
 fn a_layout_of_no_cell_is_infeasible_with_its_reason() {
     let mut robust = shipped("hitachi_cell.toml");
@@ -88,7 +88,7 @@ fn a_layout_of_no_cell_is_infeasible_with_its_reason() {
             assert_eq!(workcell.cell.misplaced(&layout, &[]).placements.len(), layout.placements.len());
             let assessment = Assessment::new("none", &workcell, layout).misplaced();
             assert!(!assessment.is_robust() && assessment.reachable(0).is_empty());
-            // The layout as drawn is shown in its place, with the reason.
+            // The start layout is shown instead, with the reason.
             assert_eq!(assessment.layout, start);
             let document = serde_json::to_value(MapDocument::new(&assessment)).unwrap();
             assert_eq!(document["feasible"], false);
@@ -97,7 +97,7 @@ fn a_layout_of_no_cell_is_infeasible_with_its_reason() {
     }
 }
 
-/// Coordinates up to the greatest that a layout may have give finite costs.
+/// Coordinates up to the greatest permitted value give finite costs.
 #[test]
 fn every_layout_within_the_greatest_coordinate_has_a_finite_cost() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);

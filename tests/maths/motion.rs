@@ -24,7 +24,7 @@ fn load(text: &str) -> Cell {
     from_text(text).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
-/// Returns a cell round a robot of the library; `more` adds tables, `head` plain keys.
+/// Returns a cell with a robot of the library. `more` adds tables, and `head` adds plain keys.
 fn cell(robot: &str, errors: &str, head: &str, more: &str) -> Cell {
     load(&format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"{errors}\"\n{head}\n\
@@ -60,7 +60,7 @@ fn links(chain: &Chain, q: &JointVector) -> Frames {
 
 // --- distances -----------------------------------------------------------------------------------
 
-/// Solid as a core (point, segment or box) in the world with a radius round it.
+/// Solid in the world: all points within a radius of a core (point, segment or box).
 enum RoundedSolid {
     Bar(V, V, f64),
     Box(Pose, V),
@@ -163,7 +163,7 @@ fn distances_agree_with_alternating_projections() {
                 let want = RoundedSolid::of(&cell.robot.solids[0].solid.shape, &pose).distance(&body);
                 let got = scene.distance(&there, &frames, Some(0), 10.0);
                 let off = got.distance - want;
-                // The reference comes from above, slowly where faces are nearly parallel.
+                // The reference converges from above, and slowly if faces are nearly parallel.
                 assert!((-1e-5..=ACCURACY).contains(&off), "{link} {part}: {} for {want}", got.distance);
                 let pair = Hit { solid: SolidRef::Robot(0), other: SolidRef::Equipment(0, 0) };
                 assert_eq!(got.pair, Some(pair));
@@ -225,12 +225,12 @@ fn a_free_move_collides_in_no_sample() {
             match (sampled, found) {
                 (None, None) => free += 1,
                 (Some(s), None) => panic!("{robot}: free, but it hits at {s}"),
-                // The reported hit is never after the first colliding sample, but for the last step.
+                // The reported hit is not after the first colliding sample by more than the last step.
                 (Some(s), Some(hit)) => {
                     assert!(hit.at <= s + 1e-3, "{robot}: {} after {s}", hit.at);
                     blocked += 1;
                 }
-                // A hit between samples is rare.
+                // A hit that lies only between samples is rare.
                 (None, Some(hit)) => {
                     let near = links(&chain, &at(hit.at));
                     let gap = scene.distance(&there, &near, Some(0), 1.0).distance - cell.clearance;
@@ -261,7 +261,7 @@ fn a_zero_move_hits_only_what_stands_in_the_way() {
     assert_eq!((hit.at, hit.hit.solid), (0.0, SolidRef::Robot(0)));
 }
 
-/// Checks a path during the first operation.
+/// Returns the first hit of a path during the first operation.
 fn hit(chain: &Chain, scene: &Scene, placed: &PlacedSolids, knots: &[JointVector]) -> Option<PathHit> {
     first_hit(chain, scene, placed, knots, Load::of(Some(0)), &PathSlack::default())
 }
@@ -287,7 +287,7 @@ fn straight_lines_are_straight_and_hold_the_tool() {
             let from = random_joints(&chain, &mut rng);
             let start = chain.forward(&chain.posture(&from));
             let random = V::from_fn(|_, _| rng.random_range(-1.0..1.0));
-            // Arms of few axes keep their orientation along the tool axis only.
+            // Arms with few axes keep their orientation only on lines along the tool axis.
             let direction = if along_tool { start.rotation * chain.tool_axis } else { random.normalize() };
             let way = direction * 0.15;
             let knots = match straight(&chain, &from, &way, reach) {
@@ -335,14 +335,14 @@ fn a_line_that_leaves_the_reach_is_refused() {
     let tcp = chain.forward(&chain.posture(&from)).translation;
     let out = V::new(tcp.x, tcp.y, 0.0).normalize() * 2.0;
     let Err(Stopped::Lost { after }) = straight(&chain, &from, &out, cell.robot.reach()) else { panic!() };
-    // No line leads beyond the sum of the links.
+    // No line leads beyond the sum of the link lengths.
     assert!(after > 0.05 && (tcp + out.normalize() * after).norm() < 1.3, "{after}");
 }
 
 // --- measures ------------------------------------------------------------------------------------
 
-/// Returns the smallest singular value of a Jacobian from central differences, lengths in reaches, by
-/// eigenvalues.
+/// Returns the smallest singular value of a Jacobian by eigenvalues. The Jacobian comes from central
+/// differences, with lengths divided by the reach.
 fn smallest_by_differences(chain: &Chain, q: &JointVector, reach: f64) -> f64 {
     let n = chain.axes();
     let step = 1e-5;
@@ -440,7 +440,7 @@ fn a_posture_exactly_at_the_margin_is_used_and_one_beyond_it_is_not() {
 
 // --- ways ----------------------------------------------------------------------------------------
 
-/// Returns a cell with two tables to the left and right of the arm, and something between.
+/// Returns a cell with two tables to the left and right of the arm, and the object `between` between them.
 fn two_tables(between: &str, transfer: &str) -> Cell {
     load(&format!(
         "schema = \"sweetspot/cell/1\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nerrors = \"table-2\"\n\
@@ -460,7 +460,7 @@ const POST: &str = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centre_
 const WALL: &str = "[obstacle.wall]\nsolid = [{ name = \"wall\", box = { centre_mm = [0, 0, 2000], size_mm = [20, 2000, 4000] } }]\n\
      placement = { x_mm = 0, y_mm = 1300, z_mm = 0 }\n";
 
-/// Says whether no sample of a path touches anything.
+/// Returns whether no sample of a path touches anything.
 fn is_free(cell: &Cell, path: &[JointVector]) -> bool {
     let (scene, chain) = (Scene::new(cell), Chain::new(&cell.robot));
     let there = placed(cell, &scene);
@@ -481,7 +481,7 @@ fn a_transfer_lifts_over_a_post_between_two_spots() {
     let (cell, open) = transfers_of(two_tables("", rules));
     assert_eq!(open.transfers.iter().map(|t| t.way).collect::<Vec<_>>(), [TransferRoute::Direct]);
     assert!(open.objective.is_some() && is_free(&cell, &open.transfers[0].path));
-    // Only the first joint moves, by the longest way.
+    // Only the travel of the first joint counts, because it is the longest.
     let path = &open.transfers[0].path;
     assert!((open.transfers[0].travel - (path[1][0] - path[0][0]).abs()).abs() < 1e-9);
 
@@ -496,7 +496,7 @@ fn a_transfer_lifts_over_a_post_between_two_spots() {
         transfer.path.iter().map(|q| chain.forward(&chain.posture(q)).translation.z).fold(0.0, f64::max);
     assert!((top - 0.75).abs() < 1e-6, "lifted to {top}");
 
-    // The lift is too low, or absent.
+    // The lift is too low, or there is no lift.
     for (rules, tries) in [("transfer = { lift_mm = 100, via = [] }", 2), ("transfer = { via = [] }", 1)] {
         let (cell, blocked) = transfers_of(two_tables(POST, rules));
         let why = blocked.blocked.unwrap();
@@ -565,14 +565,14 @@ fn a_cycle_takes_the_nearest_turn_and_does_not_wind_up() {
     let short = std::f64::consts::TAU - 6.0;
     assert!((ways[0].travel - short).abs() < 1e-12, "{}", ways[0].travel);
     assert!((ways[0].arrival[5] - (3.0 + short)).abs() < 1e-12);
-    // The nearest turn of 1 is 2.28 away from 3.28.
+    // The distance from 3.28 to the nearest turn of 1 is 2.28.
     assert!((ways[1].travel - (2.0 + short)).abs() < 1e-12, "{}", ways[1].travel);
     assert_eq!(ways[2].path.last().unwrap(), &near(3.0));
 }
 
 // --- approach and retract ------------------------------------------------------------------------
 
-/// Returns a cell with a square hole in a lid over the table. The part at the tip is 100 mm wide.
+/// Returns a cell with a lid over the table that has a square hole. The part at the tip is 100 mm wide.
 fn lidded(hole: f64, lengths: &str) -> Cell {
     let (side, at) = (400.0, hole / 2.0 + 200.0);
     let slab = |name: &str, x: f64, y: f64, sx: f64, sy: f64| {
@@ -662,7 +662,7 @@ fn fenced(polygon: &str, more: &str) -> Cell {
 
 const L_SHAPE: &str = "[[-1500, -900], [1700, -900], [1700, 900], [400, 900], [400, 2300], [-1500, 2300]]";
 
-/// Says whether a point is inside a polygon, by the winding number.
+/// Returns whether a point is inside a polygon, by the winding number.
 fn inside(corners: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
     let n = corners.len();
     let angle: f64 = (0..n)
@@ -677,7 +677,7 @@ fn inside(corners: &[(f64, f64)], (x, y): (f64, f64)) -> bool {
 
 #[test]
 fn the_fence_contains_a_solid_with_all_its_points() {
-    // The fence runs either way round, and a spike goes right through the table.
+    // The corners of the fence are in either order. A spike of the fence goes through the table.
     let turned = "[[-1500, 2300], [400, 2300], [400, 900], [1700, 900], [1700, -900], [-1500, -900]]";
     let spike =
         "[[-1500, -900], [1700, -900], [1700, 2300], [40, 2300], [0, 1150], [-40, 2300], [-1500, 2300]]";
@@ -702,7 +702,8 @@ fn the_fence_contains_a_solid_with_all_its_points() {
                 (rng.random_range(-1.9..2.1), rng.random_range(-1.3..2.7), rng.random_range(-3.0..3.0));
             let at = layout.placements[0];
             let (sin, cos) = at.yaw.sin_cos();
-            // The centre lies inside, and no point of the fence lies in it, grown or shrunk for certainty.
+            // The centre of the rectangle lies inside the fence, and no point of the fence lies in the
+            // rectangle. For a certain verdict, the rectangle is grown or shrunk.
             let all = |grow: f64| {
                 let in_it = |&(x, y): &(f64, f64)| {
                     let (dx, dy) = (x - at.x, y - at.y);
@@ -745,7 +746,7 @@ fn the_fence_keeps_the_clearance_and_the_base_inside() {
     let mut layout = cell.start();
     layout.placements[0].x = 0.65;
     plan.overlaps(&layout, &mut found);
-    // The base, 600 mm wide, is 100 mm and the clearance outside. The table just fits.
+    // The base, which is 600 mm wide, passes the fence by 100 mm plus the clearance. The table just fits.
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!((found[0].a, found[0].b), (Party::RobotBase, Party::Fence));
     assert!((found[0].depth - 0.15).abs() < 1e-9 && found[0].concerns(0));
@@ -781,7 +782,7 @@ fn a_table_is_pulled_back_into_a_convex_fence() {
     let back = separated(&workcell, &layout).unwrap();
     let evaluation = evaluate(&workcell, &back);
     assert!(evaluation.overlaps.is_empty());
-    // The nearest place has the corner of the table at the slanted side and the far one.
+    // At the nearest place, the table touches the slanted side and the far side of the fence.
     let at = &back.placements[0];
     assert!((at.y - 1.8).abs() < 1e-4 && at.x > 1.1 && at.x < 1.25, "{at:?}");
 }

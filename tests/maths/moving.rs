@@ -1,4 +1,4 @@
-//! Tests what moves with the robot: tools from files, held parts, link meshes, and the robot against itself.
+//! Tests the solids that move with the robot: tools from files, held parts, link meshes, and self-collision.
 
 use crate::common::{buildable, root, shipped};
 use nalgebra::Vector3;
@@ -46,7 +46,7 @@ fn hit(cell: &Cell, frames: &Frames, operation: Option<usize>) -> Option<String>
     hit.map(|h| h.in_words(cell))
 }
 
-/// Returns frames far up and apart, but for the last.
+/// Returns frames that are high above the cell and far apart, except the last frame.
 fn lifted(last: Pose) -> Frames {
     let mut frames: Frames = std::array::from_fn(|k| at(0.0, 0.0, 90.0 + 10.0 * k as f64));
     (frames[0], frames[4]) = (Pose::identity(), last);
@@ -71,11 +71,11 @@ fn a_tool_file_replaces_the_tool_of_the_robot() {
     assert_eq!(robot.tool_axis, V::z());
     let last = robot.solids.last().unwrap();
     assert_eq!((last.link, &last.solid.name[..]), (4, "jaws"));
-    // Keys beside `from` override its file, and nothing comes from the robot's own tool.
+    // Keys beside `from` override the keys of its file. The tool of the robot file has no effect.
     let turned = "from = \"hitachi_paper.toml\"\n[robot.tool]\nfrom = \"gripper.toml\"\naxis = [0, 1, 0]\n";
     let robot = sound(&[("cell.toml", turned), ("gripper.toml", GRIPPER)]).robot;
     assert_eq!((robot.tool_axis, robot.tool.translation.z), (V::y(), 0.15));
-    // A robot file may name a tool from its own folder, too.
+    // A robot file may also name a tool file in its own folder.
     let with = std::fs::read_to_string(root().join("cells/robots/hitachi_pw10.toml")).unwrap();
     let with =
         with.replace("[tool]\nposition_mm = [0, 0, 0]\naxis = [1, 0, 0]", "[tool]\nfrom = \"../g.toml\"");
@@ -115,8 +115,8 @@ fn held_parts_collide_only_in_their_operation() {
         (&cell.operations[picking].name[..], cell.operations[picking].held.solids.len()),
         ("picking", 1)
     );
-    // The tool points down, so z of the TCP, which the part follows, is horizontal. 140 mm beside the table's
-    // edge is free for the tool but not for the part.
+    // The tool points down, so the z axis of the TCP, along which the part extends, is horizontal. At 140 mm
+    // beside the edge of the table, the tool is free but the part is not.
     let down = Pose::from_translation_rpy(V::zeros(), V::new(0.0, std::f64::consts::FRAC_PI_2, 0.0));
     let table = cell.start().placements[0];
     let place = |dx: f64, z: f64| {
@@ -130,7 +130,8 @@ fn held_parts_collide_only_in_their_operation() {
         Some("crate touches worktable (slab)")
     );
     assert_eq!(hit(&cell, &place(0.40, 0.58), Some(picking)), None);
-    // The part lies on the conveyor: only the equipment of the operation is exempt, and only on request.
+    // The part lies on the conveyor. Contact is allowed only with the equipment of the operation, and only if
+    // the file requests this.
     let belt = cell.start().placements[1];
     let lying = lifted(Pose { translation: V::new(belt.x, belt.y, 0.70), ..down });
     assert_eq!(hit(&cell, &lying, Some(picking)).as_deref(), Some("crate touches conveyor (belt)"));
@@ -179,11 +180,11 @@ fn wrong_lists_of_pairs_are_refused() {
     assert!(said("\"no\"").contains("must be a table"));
 }
 
-/// Links drawn overlapping in every posture are allowed. A link that moves away is not.
+/// Solids of links that overlap in every posture may touch. Solids that move apart may not touch.
 #[test]
 fn links_that_touch_in_every_posture_are_allowed() {
     let mut cell = shipped("hitachi_cell.toml");
-    // A ball of 3 m round the base always contains the forearm. One of 0.5 m does not.
+    // A ball with a radius of 3 m around the base always contains the forearm. A ball of 0.5 m does not.
     for (radius, want) in [(3.0, Some(Allowed::AlwaysTouch)), (0.5, None)] {
         cell.robot.solids[0].solid.shape = Shape::Sphere { centre: V::zeros(), radius };
         let scene = Scene::new(&cell);
@@ -197,7 +198,8 @@ fn links_that_touch_in_every_posture_are_allowed() {
 
 // --- link meshes --------------------------------------------------------------------------------
 
-/// Returns a closed L of two bars, 400 mm long and 100 mm thick (m): corners of the outline, bottom and top.
+/// Returns a closed L-shaped mesh of two bars, 400 mm long and 100 mm thick (coordinates in m). The vertices
+/// are the corners of the outline at the bottom and at the top.
 fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     let outline = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (0.1, 0.1), (0.1, 0.4), (0.0, 0.4)];
     let level = |z: f64| outline.map(|(x, y)| V::new(x, y, z));
@@ -212,7 +214,8 @@ fn angle_mesh() -> (Vec<V>, Vec<[u32; 3]>) {
     ([level(0.0), level(0.1)].concat(), triangles)
 }
 
-/// Returns a cell with the angle alone on its last link, and a ball or box that can be put anywhere.
+/// Returns a cell with only the L-shaped mesh on its last link, and a ball or box that can be placed
+/// anywhere.
 fn with_angle(part: &str) -> Cell {
     let text = format!(
         "from = \"hitachi_paper.toml\"\ncollision = true\nfloor_mm = -100000\n[robot]\n\
@@ -228,7 +231,7 @@ fn with_angle(part: &str) -> Cell {
 
 const POINT: &str = "sphere = { centre_mm = [0, 0, 0], radius_mm = 0.001 }";
 
-/// Says whether the angle touches the probe at a point of its file.
+/// Returns whether the L-shaped mesh touches the probe at a point of the mesh file.
 fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     let Shape::Mesh { pose, .. } = &cell.robot.solids[0].solid.shape else { panic!("no mesh") };
     let frame = Pose::from_translation_rpy(V::new(0.2, -0.1, 0.7), V::new(0.4, -0.5, 0.6));
@@ -243,8 +246,8 @@ fn touches(cell: &Cell, point: &V, remember: &mut Remember<'_>) -> bool {
     hit.is_some()
 }
 
-/// The collision shape is never smaller than the mesh, whatever decomposition was cached, and it has two
-/// bars.
+/// The collision shape is never smaller than the mesh, and it consists of two bars, whichever decomposition
+/// was cached.
 #[test]
 fn a_link_mesh_collides_on_its_whole_surface() {
     let cell = with_angle(POINT);

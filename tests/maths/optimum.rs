@@ -1,5 +1,5 @@
-//! Tests the search on small random cells whose optimum is known by enumeration: the search finds it, its
-//! feasible layouts are feasible, and the proven bound is never above it.
+//! Tests the search on small random cells whose optimum is known by enumeration. The search finds the
+//! optimum, its layouts are feasible, and the proven bound is never above the optimum.
 
 use crate::common::from_text;
 use crate::common::random_cells::{RandomArm, random_cell};
@@ -16,13 +16,13 @@ const CELLS: usize = 50;
 /// Number of random cells whose coordinates are lists of allowed values.
 const LISTED: usize = 12;
 
-/// Boxes of the proof of every operation. The bound must hold however early it ends.
+/// Number of boxes of the proof of every operation. The bound must hold even if the proof ends early.
 const BOXES: u64 = 1000;
 
-/// Steps of the enumeration along each of one, two, three free coordinates.
+/// Number of steps of the enumeration along each coordinate for one, two and three free coordinates.
 const STEPS: [usize; 3] = [16_000, 100, 20];
 
-/// Points of the enumeration from which the optimum is refined.
+/// Number of points of the enumeration from which the optimum is refined.
 const STARTS: usize = 60;
 const FINEST: f64 = 1e-5;
 
@@ -70,7 +70,7 @@ fn enumerate(workcell: &Workcell) -> Enumerated {
     Enumerated { points, feasible, least: refined.reduce(|| f64::INFINITY, f64::min) }
 }
 
-/// Turns the ranges of a cell's text into lists of values, as a shelf with holes has them.
+/// Replaces the ranges in the text of a cell by lists of values, as for a rack with rows of holes.
 fn listed(text: &str, counts: &mut impl Iterator<Item = i32>) -> String {
     let mut out = String::new();
     let mut rest = text;
@@ -124,7 +124,7 @@ fn cells() -> Vec<(u64, RandomArm, Workcell, Enumerated)> {
         let (arm, text) = random_cell(seed);
         let loaded = from_text(&text).unwrap_or_else(|f| panic!("seed {seed}: {f:#?}\n{text}"));
         let workcell = Workcell::new(loaded.cell).unwrap();
-        // A quick sampling comes first, since most cells have no feasible layout.
+        // A few samples are tried first, because most cells have no feasible layout.
         let space = SearchSpace::new(&workcell.cell);
         let lattice = |k: u32| [0.7548, 0.5698, 0.4301].map(|s| (f64::from(k) * s).fract());
         let look = |k: &u32| {
@@ -152,13 +152,13 @@ fn the_search_finds_the_optimum_of_random_cells() {
     assert!(two >= 10, "{two} cells with two operations");
     let told: Vec<(String, f64)> = cells.par_iter().map(judged).collect();
     told.iter().for_each(|(line, _)| println!("{line}"));
-    // Below a micrometre a relative difference means nothing.
+    // Below a micrometre, a relative difference has no meaning.
     let missed = cells.iter().zip(&told).filter(|(c, t)| t.1 > c.3.least + (0.01 * c.3.least).max(1e-6));
     let missed: Vec<&str> = missed.map(|(_, t)| t.0.as_str()).collect();
     assert!(missed.is_empty(), "missed {} of {CELLS}: {missed:#?}", missed.len());
 }
 
-/// Among finitely many layouts the search finds the best, to the bit.
+/// If the number of layouts is finite, the search finds the best layout, equal to the bit.
 #[test]
 fn the_search_finds_the_optimum_of_listed_values() {
     let mut counts = [13, 7, 31, 4, 19].into_iter().cycle();
@@ -181,7 +181,7 @@ fn the_search_finds_the_optimum_of_listed_values() {
     }
 }
 
-/// Searches with the default budget. Returns a line about it and its objective (m).
+/// Searches with the default budget. Returns a line of text about the result, and the objective (m).
 fn judged((seed, arm, workcell, e): &(u64, RandomArm, Workcell, Enumerated)) -> (String, f64) {
     let watch = Watch { progress: &|_| {}, stop: &AtomicBool::new(false) };
     let record = search(workcell, &workcell.cell.search, &watch);

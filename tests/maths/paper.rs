@@ -20,7 +20,8 @@ fn the_initial_position_of_the_end_effector_matches_the_paper() {
     }
 }
 
-/// The values are x, y, z and resultant in mm to six decimals. Some were cut, not rounded.
+/// The values are x, y, z and resultant in mm with six decimal places. The paper truncated some of them
+/// instead of rounding.
 #[test]
 fn the_errors_at_the_initial_position_match_the_paper() {
     let figures = [
@@ -52,8 +53,8 @@ struct Comparison {
     z: f64,
 }
 
-/// Checks the paper's claim of at most 1 %. It holds for the resultant, y and z, but not for x, which
-/// vanishes along a line across the table.
+/// Checks the paper's claim of at most 1 %. The claim holds for the resultant, y and z, but not for x,
+/// because the error in x vanishes along a line across the table.
 fn check_comparison(name: &str, want: &Comparison) {
     let cell = shipped(name);
     let start = cell.start();

@@ -1,4 +1,5 @@
-//! Tests every verdict of a scene against parry alone: all pairs, without bounds, memory and closed forms.
+//! Tests every verdict of a scene against the crate parry alone, with all pairs and without bounds, memory or
+//! closed forms.
 
 use crate::common::{data, shipped};
 use nalgebra::{Rotation3, Vector3};
@@ -16,10 +17,11 @@ type V = Vector3<f64>;
 
 /// Padding of the clearance, m: contact is a collision.
 const TOUCHING: f64 = 1e-7;
-/// Distance from contact (m) within which verdicts may differ, since parry sees other shapes or frames.
+/// Distance from contact (m) within which verdicts may differ, because parry uses other shapes or frames.
 const NEAR: f64 = 1e-4;
 
-/// Solid for parry with its pose in the world and a point of it. Closed meshes contain their inside.
+/// Solid for parry, with its pose in the world and a point of the solid. The inside of a closed mesh belongs
+/// to the solid.
 struct PosedSolid {
     shape: SharedShape,
     pose: pm::Pose,
@@ -39,8 +41,8 @@ fn posed(shape: SharedShape, frame: &Pose, local: &Pose) -> PosedSolid {
     PosedSolid { shape, pose, point: pose.translation, closed: false }
 }
 
-/// Returns a shape grown by `by` with its carrier at `frame`. Legs end at the floor. None is a leg of no
-/// length.
+/// Returns a shape grown by `by`, with its carrier at `frame`. Legs end at the floor. Returns None for a leg
+/// without length.
 fn solid(shape: &Shape, frame: &Pose, by: f64, floor: f64) -> Option<PosedSolid> {
     let cuboid = |half: V| match by > 0.0 {
         true => SharedShape::round_cuboid(half.x, half.y, half.z, by),
@@ -86,7 +88,7 @@ fn touch(a: &PosedSolid, b: &PosedSolid) -> bool {
     intersection_test(&a.pose, &*a.shape, &b.pose, &*b.shape).unwrap().intersecting || holds(b, a.point)
 }
 
-/// Says whether the robot with its solids grown by `by` touches anything but itself.
+/// Returns whether the robot, with its solids grown by `by`, touches anything except itself.
 fn brute(cell: &Cell, standing: &[PosedSolid], frames: &[Pose; MAX_JOINTS + 1], by: f64) -> bool {
     cell.robot.solids.iter().any(|s| {
         let base = cell.start().base;
@@ -117,8 +119,8 @@ fn random_solid(rng: &mut ChaCha8Rng, kind: usize, size: f64) -> Solid {
     Solid { name: "random".into(), shape }
 }
 
-/// Returns the shipped cell (with a mesh of 10 000 triangles) with other solids for each seed: the capsules
-/// of its robot or any, and any on the table and the conveyor.
+/// Returns the shipped cell (with a mesh of 10 000 triangles) with other solids for each seed. The robot has
+/// its capsules or random solids, and table and conveyor have random solids.
 fn random_cell(seed: u64, rng: &mut ChaCha8Rng) -> Cell {
     let mut cell = shipped("hitachi_cell.toml");
     cell.robot.self_collision.checked = false;
@@ -183,8 +185,8 @@ fn random_cells_agree_with_parry_alone() {
     assert!(hits > 3_000 && free > 3_000 && near < 20, "{hits} hits, {free} free, {near} near contact");
 }
 
-/// The robot turns in the postures of peer set C until its capsules barely pass the mesh. The bisected border
-/// between verdicts is where culling would go wrong first.
+/// In the postures of peer set C, the robot turns until its capsules barely pass the mesh. Bisection finds
+/// the border between the verdicts, where errors of culling would appear first.
 #[test]
 fn the_last_free_posture_agrees_with_parry() {
     let mut cell = shipped("hitachi_cell.toml");

@@ -8,7 +8,7 @@ use sweetspot::clearance::{PlacedSolids, Scene, SolidRef};
 use sweetspot::layout::{Workcell, evaluate};
 use sweetspot::robot::Chain;
 
-/// A base 700 mm above the floor, with a pedestal of 300 x 400 mm that is not centred.
+/// Returns a cell with a base 700 mm above the floor, on a pedestal of 300 x 400 mm that is not centred.
 fn with_pedestal() -> Cell {
     let text = "from = \"ur_cell.toml\"\nclearance_mm = 0\n[robot]\n\
                 pedestal = { size_mm = [300, 400], centre_mm = [20, -10] }\n";
@@ -22,7 +22,7 @@ fn the_arm_must_not_touch_the_pedestal() {
     let cell = with_pedestal();
     let (scene, mut placed) = (Scene::new(&cell), PlacedSolids::default());
     let mut layout = cell.start();
-    // Far away, the equipment gets in nobody's way.
+    // The equipment is moved far away, so that it blocks nothing.
     layout.placements.iter_mut().for_each(|at| at.x += 50.0);
     scene.place(&layout, &mut placed);
     let chain = Chain::new(&cell.robot);

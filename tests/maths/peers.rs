@@ -1,4 +1,4 @@
-//! Tests reference values made with other libraries: see tests/data/README.md.
+//! Tests against reference values that were computed with other libraries; see tests/data/README.md.
 
 use crate::common::{data, from_text, root, shipped};
 use nalgebra::Vector3;
@@ -14,7 +14,7 @@ fn joints(q: &[f64]) -> [f64; MAX_JOINTS] {
     std::array::from_fn(|i| q.get(i).copied().unwrap_or(0.0))
 }
 
-/// Compares peer set A: errors of 100 configurations by the nonlinear and the linearized model.
+/// Compares with peer set A: errors of 100 configurations by the nonlinear and the linear model.
 fn errors_agree(robot_cell: &Cell, name: &str) {
     let chain = Chain::new(&robot_cell.robot);
     let errors = Perturbation::new(&chain, crate::common::signed(robot_cell));
@@ -24,7 +24,8 @@ fn errors_agree(robot_cell: &Cell, name: &str) {
     for (q, want) in q.chunks_exact(n).zip(reference.chunks_exact(18)) {
         let posture = chain.posture(&joints(q));
         let nonlinear = pose_error(&chain.frames(&posture), &errors, Model::Nonlinear);
-        // Rows of the 3 x 4 difference; its last column is the position, the rest the rotation part.
+        // The numbers are the rows of the 3 x 4 difference. The last column is the position part, and the
+        // other columns are the rotation part.
         let position = Vector3::new(want[3], want[7], want[11]);
         worst = worst.max((nonlinear.position.map(mm_from_m) - position).abs().max());
         let nominal = chain.forward(&posture).rotation;
@@ -51,7 +52,7 @@ fn the_errors_of_peer_set_a_agree() {
     }
 }
 
-/// Peer set C has 4 000 configurations against the cell at one layout, without a floor.
+/// Peer set C has 4 000 configurations, checked for collision with the cell at one layout, without a floor.
 #[test]
 fn the_collision_flags_of_peer_set_c_agree() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -82,8 +83,9 @@ fn the_collision_flags_of_peer_set_c_agree() {
     }
 }
 
-/// Peer set D has f(x) of 2 000 layouts, computed here from our evaluation by its rules. The peer knows no
-/// heights of equipment; equipment without solids has every height.
+/// Peer set D has the function values f(x) of 2 000 layouts. The test computes them from our evaluation by
+/// the rules of the peer. The peer ignores the heights of equipment, so the equipment here has no solids and
+/// thus any height.
 #[test]
 fn the_layout_evaluations_of_peer_set_d_agree() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();

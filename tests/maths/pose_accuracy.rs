@@ -1,5 +1,6 @@
-//! Tests the predicted pose accuracy and repeatability with simulated robots: random numbers of another kind, a
-//! product of textbook D-H matrices, and a fit of the base frame by singular value decomposition.
+//! Tests the predicted pose accuracy and repeatability with simulated robots. The simulation uses
+//! pseudo-random numbers, a product of textbook D-H matrices, and a fit of the base frame by singular value
+//! decomposition.
 
 use crate::common::{cases, robots};
 use crate::kinematics::product::{position, product, random_joints};
@@ -30,7 +31,7 @@ fn tolerances(robot: &Robot) -> Vec<Spread> {
     set.unwrap()
 }
 
-/// Normal numbers by Box and Muller.
+/// Returns a normally distributed number (Box and Muller).
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
     let (u, v): (f64, f64) = (rng.random_range(1e-12..1.0), rng.random());
     (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
@@ -45,7 +46,7 @@ fn drawn(spread: &Spread, rng: &mut ChaCha8Rng) -> f64 {
     }
 }
 
-/// Returns the motion (rotation, translation) that takes `from` nearest to `to` (Kabsch).
+/// Returns the motion (rotation, translation) that brings `from` nearest to `to` (Kabsch).
 fn rigid(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> (Matrix3<f64>, Vector3<f64>) {
     let mean = |all: &[Vector3<f64>]| all.iter().sum::<Vector3<f64>>() / all.len() as f64;
     let (a, b) = (mean(from), mean(to));
@@ -162,7 +163,8 @@ fn a_repeatability_widens_the_tolerances_of_the_joints_alone() {
     }
 }
 
-/// The poses are those of the standard: the centre, and 10 % of the diagonal from the corners of a plane.
+/// The standard defines the poses: the centre, and points in a diagonal plane at 10 % of the diagonal from
+/// the corners.
 #[test]
 fn the_test_cube_of_every_robot_has_the_poses_of_the_standard() {
     for (name, robot) in robots() {
@@ -190,7 +192,8 @@ fn the_test_cube_of_every_robot_has_the_poses_of_the_standard() {
 
 #[test]
 fn every_preset_gives_every_robot_an_accuracy() {
-    // By default, every robot has a third of the presets, so that each preset is tried with a third of the robots.
+    // By default, every robot is tested with a third of the presets, so each preset is tested with a third of
+    // the robots.
     let step = cases(3, 1);
     for (k, (name, robot)) in robots().into_iter().filter(|(name, _)| name != "fanuc_crx10ia").enumerate() {
         let chain = Chain::new(&robot);

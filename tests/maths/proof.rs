@@ -1,7 +1,7 @@
 //! Tests the lower bound of the objective against brute force, known optima, random postures and layouts.
 //!
-//! Brute force and postures use the inverse kinematics and the gauge. The proof uses neither: it only knows
-//! axes in space.
+//! Brute force and random postures use the inverse kinematics and the error evaluator. The proof uses neither
+//! of them, but only the joint axes in space.
 
 use crate::common::{cases, root, shipped};
 use crate::elastic::random_waves;
@@ -30,7 +30,7 @@ fn ready(cell: &Cell) -> Workcell {
     Workcell::new(cell.clone()).unwrap()
 }
 
-/// Lower bound of hitachi_cell, on which brute force and search agree: tests/maths/bound.rs.
+/// Lower bound of hitachi_cell, on which brute force and search agree (tests/maths/bound.rs), mm.
 const HITACHI_MM: f64 = 20.429670;
 
 #[test]
@@ -43,7 +43,7 @@ fn the_bound_of_hitachi_cell_closes_its_gap() {
     assert!(boxes < 1000, "{boxes}");
 }
 
-/// Returns the least value of the first operation with the TCP at a radius and height (m) by inverse
+/// Returns the least value of the first operation with the TCP at a radius and a height (m), by inverse
 /// kinematics.
 fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     let operation = &workcell.cell.operations[0];
@@ -64,7 +64,8 @@ fn at(workcell: &Workcell, radius: f64, height: f64) -> f64 {
     least
 }
 
-/// Returns an upper bound of the least value by a scan over radius and height, then finer and finer grids.
+/// Returns an upper bound of the least value, by a scan over radius and height and then by finer and finer
+/// grids.
 fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     let reach = workcell.cell.robot.reach();
     let heights = if high - low < 1e-5 { 1 } else { 61 };
@@ -88,7 +89,7 @@ fn brute(workcell: &Workcell, (low, high): (f64, f64)) -> f64 {
     best.0
 }
 
-/// Says whether joint coordinates keep limits, height and elevation and have the stated value.
+/// Returns whether joint coordinates keep limits, height and elevation and have the stated value.
 fn is_allowed(workcell: &Workcell, region: &OperationRegion, value: f64, q: &[f64; 8]) -> bool {
     let (evaluator, chain) = (workcell.evaluator(0), workcell.inverse().chain());
     let frames = chain.frames(&chain.posture(q));
@@ -108,7 +109,7 @@ fn is_allowed(workcell: &Workcell, region: &OperationRegion, value: f64, q: &[f6
         && (again - value).abs() < 1e-12
 }
 
-/// Arms have random lengths, offsets, errors, limits, bends, heights, senses and models.
+/// The arms have random lengths, offsets, errors, limits, bends, heights, senses and models.
 #[test]
 fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -163,7 +164,7 @@ fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
             Ok(bound) => {
                 assert!(bound <= brute, "case {case}: {bound} above {brute}");
                 reachable += 1;
-                // A value near zero is known to the slack of the heights.
+                // The slack of the heights limits the accuracy of a value near zero.
                 let is_closed = bound >= 0.995 * brute - 1e-7;
                 closed += usize::from(is_closed);
                 if !is_closed {
@@ -180,7 +181,7 @@ fn the_bound_of_random_planar_arms_agrees_with_brute_force() {
     assert!(reachable >= 20 && closed == reachable, "{closed} of {reachable} are closed");
 }
 
-/// Checks that random postures which an operation could have in some layout are never below its bound.
+/// Checks that no random posture that an operation could have in some layout has a value below the bound.
 fn nothing_is_below(name: &str, cell: &Cell, boxes: u64, tries: usize) -> Proof {
     let workcell = ready(cell);
     let proof = proof_of(&workcell, boxes);
@@ -225,13 +226,14 @@ fn no_posture_of_a_shipped_cell_is_below_the_bound() {
         let small = !["wrist_cell", "ur_cell"].contains(&name);
         assert!(!small || proof.bound.unwrap() > 0.0, "{name}");
     }
-    // So many joints need more boxes, but the bound must still hold.
+    // Arms with so many joints need more boxes for a tight bound, but the bound must still hold.
     for name in ["offset_wrist_cell", "panda_cell", "track_cell"] {
         nothing_is_below(name, &shipped(&format!("{name}.toml")), 2_000, 30);
     }
 }
 
-/// Every reading, model, quantity and sense with a bound is tried on arms of three families.
+/// Every combination of reading, model, quantity and sense that has a bound is tested on arms of three
+/// kinematic families.
 #[test]
 fn no_random_posture_is_below_the_bound_in_any_reading() {
     let readings = [
@@ -301,7 +303,8 @@ fn random_layouts_never_beat_the_bound() {
     }
 }
 
-/// The tangent that replaces a percentile lies below it everywhere, and close to it where it touches.
+/// The tangent that replaces a percentile lies below the percentile everywhere, and close to it at the point
+/// of contact.
 #[test]
 fn the_tangent_bound_is_below_the_percentile() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -365,7 +368,7 @@ fn an_unreachable_operation_is_proved_infeasible() {
     );
 }
 
-/// Two joints of fixed angle leave one posture and its mirror images.
+/// If two joints have a fixed angle, only one posture and its mirror images remain.
 #[test]
 fn the_bound_holds_for_joint_limits_of_no_width() {
     let mut cell = shipped("hitachi_cell.toml");
@@ -378,7 +381,7 @@ fn the_bound_holds_for_joint_limits_of_no_width() {
     table[2] = Coordinate::Range { min: -1.0, max: 2.0, start: 0.0 };
     let workcell = ready(&cell);
     let (inverse, evaluator) = (workcell.inverse(), workcell.evaluator(0));
-    // With the tool down q4 follows.
+    // With the tool down, q4 follows from q2 and q3.
     let q = [0.0, still[1].unwrap(), still[2].unwrap(), rad_from_deg(-78.0), 0.0, 0.0, 0.0, 0.0];
     let frames = inverse.chain().frames(&inverse.chain().posture(&q));
     assert!((frames.tcp.rotation * inverse.chain().tool_axis + Vector3::z()).norm() < 1e-12);
@@ -421,7 +424,8 @@ fn a_cell_without_a_bound_states_the_reason() {
     assert_eq!(share.operations[0].value, Err(WhyNot::Share));
 }
 
-/// One thread and two give the same bytes. A stopped proof still holds.
+/// A proof with one thread and a proof with two threads give the same bytes. The bound of a stopped proof
+/// still holds.
 #[test]
 fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     let workcell = ready(&shipped("five_axis_cell.toml"));
@@ -441,11 +445,11 @@ fn the_proof_does_not_depend_on_threads_and_can_be_stopped() {
     );
 }
 
-/// Cells that are proved and searched in a moment. The figures take all cells.
+/// Cells whose proof and search take little time. The figures use all cells.
 const CHEAP: [&str; 3] = ["hitachi_cell", "hitachi_paper", "palletizer_cell"];
 
-/// Neither the start layout nor any layout found by a search lies below the bound. Figures of all cells for
-/// results/proof/README.md:
+/// Neither the start layout nor any layout found by a search lies below the bound. This command prints the
+/// figures of all cells for results/proof/README.md:
 ///
 /// ```text
 /// SWEETSPOT_FIGURES=1 cargo test --test maths proof::figures -- --nocapture
@@ -472,7 +476,8 @@ fn shipped_cells() -> Vec<String> {
     names
 }
 
-/// Returns a row of the table, with the effort of the command if `whole`, or with little.
+/// Returns a row of the table. If `whole` is true, the proof has the effort of the command, otherwise little
+/// effort.
 fn figures(name: &str, whole: bool) -> String {
     let workcell = ready(&shipped(&format!("{name}.toml")));
     let unit = workcell.cell.unit();
@@ -526,7 +531,7 @@ fn elastic_set(robot: &Robot, is_measured: bool, rng: &mut ChaCha8Rng) -> ErrorS
     if !is_measured {
         return ErrorSet::Tolerance(spread);
     }
-    // Elastic errors are correlated with those of the rows.
+    // Elastic errors are correlated with the errors of the rows.
     let parameters: Vec<usize> = (0..values.len()).filter(|k| values[*k] != 0.0).collect();
     let n = parameters.len();
     let b = DMatrix::from_fn(n, n, |row, _| values[parameters[row]].abs() * rng.random_range(-1.0..1.0));
@@ -539,7 +544,7 @@ fn elastic_set(robot: &Robot, is_measured: bool, rng: &mut ChaCha8Rng) -> ErrorS
     ErrorSet::Measured(Box::new(MeasuredErrors { mean, spread, ranges: None }))
 }
 
-/// Elastic errors and means are bounded in every reading, or the proof says why not.
+/// In every reading, elastic errors and means have a bound, or the proof states why not.
 #[test]
 fn no_random_posture_is_below_the_bound_with_elastic_errors() {
     let mut rng = ChaCha8Rng::seed_from_u64(41);
@@ -586,8 +591,7 @@ fn no_random_posture_is_below_the_bound_with_elastic_errors() {
     assert!(positive >= 20, "{positive}");
 }
 
-/// A long search of a cell with elastic errors finds no layout below the bound, which most of its errors
-/// give.
+/// A long search of a cell with elastic errors finds no layout below the bound.
 #[test]
 fn the_best_of_a_search_with_elastic_errors_is_not_below_the_bound() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);

@@ -1,4 +1,5 @@
-//! Tests the ranked node loop of planar arms against the loop that judges every node: the bits are equal.
+//! Tests the ranked node loop of planar arms against the loop that judges every node. Both loops must give
+//! the same bits.
 
 use crate::common::{cases, data, shipped};
 use nalgebra::Vector3;
@@ -12,7 +13,7 @@ use sweetspot::error_map::Outcome;
 use sweetspot::layout::{Workcell, Workspace, evaluate_in};
 use sweetspot::pose::Pose;
 
-/// Cell with ranking, and with every node judged one by one.
+/// Cell that is evaluated with ranking, and with every node judged one by one.
 struct RankedPair {
     ranked: Workcell,
     judged: Workcell,
@@ -25,7 +26,8 @@ impl RankedPair {
         Ok(Self { ranked: Workcell::new(cell.clone())?, judged, memory: Default::default() })
     }
 
-    /// Compares both on a layout. Returns how many operations were found, all collide, out of reach.
+    /// Compares both evaluations of a layout. Returns the numbers of operations with a spot, with only
+    /// colliding postures, and out of reach.
     fn compare(&mut self, layout: &Layout) -> [usize; 3] {
         let got = evaluate_in(&self.ranked, layout, &mut self.memory[0]);
         let want = evaluate_in(&self.judged, layout, &mut self.memory[1]);
@@ -151,7 +153,7 @@ fn ranking_does_not_change_the_value_of_random_cells() {
                 at.x += rng.random_range(-0.5..0.5);
                 at.y += rng.random_range(-0.5..0.5);
                 at.yaw += rng.random_range(-3.0..3.0);
-                // A surface through the base axis without a turn has nodes of equal value.
+                // A surface without rotation on the base axis has nodes of equal value.
                 if rng.random_range(0..6) == 0 {
                     (at.x, at.y, at.yaw) = (0.0, 0.0, 0.0);
                 }
@@ -163,7 +165,7 @@ fn ranking_does_not_change_the_value_of_random_cells() {
     assert!(counts.iter().all(|c| *c > 50), "{counts:?}");
 }
 
-/// Cells whose tool may spin or whose errors are random, with the number of layouts of each kind.
+/// Cells whose spin is free or whose errors are random, each with the number of layouts to compare.
 const BOUNDED_CELLS: [(&str, usize); 7] = [
     ("ur_cell.toml", 100),
     ("scara_cell.toml", 100),
@@ -185,8 +187,8 @@ fn near_start(cell: &Cell, rng: &mut ChaCha8Rng) -> Layout {
     layout
 }
 
-/// Spin families are bounded, and their members are judged only while the bound can win. The cells are judged
-/// as shipped and with another quantity, sense, spin, errors of the tool, or collisions switched off.
+/// Spin families have bounds, and their members are judged only if the bound is below the best value. The
+/// cells are tested as shipped, and with another quantity, sense, spin, tool errors, or without collisions.
 #[test]
 fn spin_families_do_not_change_the_layouts_of_shipped_cells() {
     let mut rng = ChaCha8Rng::seed_from_u64(16);
@@ -205,7 +207,7 @@ fn spin_families_do_not_change_the_layouts_of_shipped_cells() {
     assert!(counts.iter().all(|c| *c > 50), "{counts:?}");
 }
 
-/// Changes what a bound depends on.
+/// Changes a setting on which the bounds depend.
 fn vary(cell: &mut Cell, variant: usize, rng: &mut ChaCha8Rng) {
     cell.collision = variant != 1;
     let quantities = [Quantity::P95, Quantity::Rms, Quantity::Mean, Quantity::P99];
@@ -240,8 +242,8 @@ fn vary(cell: &mut Cell, variant: usize, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Elastic errors depend on the posture, so that spin families may have no bound; each set has them in
-/// another form.
+/// Elastic errors depend on the posture, so spin families may have no bound. Each error set has elastic
+/// errors in another form.
 #[test]
 fn bounds_do_not_change_the_layouts_of_elastic_cells() {
     let mut rng = ChaCha8Rng::seed_from_u64(18);
@@ -268,10 +270,10 @@ fn bounds_do_not_change_the_layouts_of_elastic_cells() {
     assert!(counts.iter().all(|c| *c > 20), "{counts:?}");
 }
 
-/// Returns errors of rows and elastic errors: signed in the forms 0 and 1, a tolerance in form 2, measured in
-/// form 3.
+/// Returns an error set with errors of rows and elastic errors. The set is a signed sample in forms 0 and 1,
+/// tolerances in form 2, and measured errors in form 3.
 ///
-/// In form 0 and 2, no term depends on the spin of the last joint.
+/// In forms 0 and 2, no elastic term depends on the spin of the last joint.
 fn elastic_set(robot: &Robot, form: usize, rng: &mut ChaCha8Rng) -> ErrorSet {
     let axes = robot.axes();
     let value = |p: Parameter| match p {
@@ -292,8 +294,7 @@ fn elastic_set(robot: &Robot, form: usize, rng: &mut ChaCha8Rng) -> ErrorSet {
     }
 }
 
-/// A worst case has bounds at every posture, and an operation at every node asks for the best posture of each
-/// node.
+/// A worst case has bounds at every posture. An operation at every node needs the best posture of each node.
 #[test]
 fn bounds_do_not_change_worst_cases_and_operations_at_every_node() {
     let mut rng = ChaCha8Rng::seed_from_u64(26);

@@ -1,5 +1,5 @@
-//! Tests the inverse kinematics of every robot of the library: it finds poses made by the forward kinematics.
-//! `SWEETSPOT_POSES=100000` (with `--release`) makes the study of results/inverse.
+//! Tests the inverse kinematics of every robot of the library with poses from the forward kinematics. The
+//! setting `SWEETSPOT_POSES=100000` (with `--release`) makes the study of results/inverse.
 
 use crate::common::robots;
 use nalgebra::{Matrix3, Vector3};
@@ -19,7 +19,8 @@ fn poses(default: usize) -> usize {
     std::env::var("SWEETSPOT_POSES").map_or(default, |n| n.parse().unwrap())
 }
 
-/// Says whether SWEETSPOT_ROBOT selects a robot: all, or those whose names hold its text.
+/// Returns whether the environment variable SWEETSPOT_ROBOT selects a robot. The variable selects robots
+/// whose names contain its text. Without it, all robots are selected.
 fn is_asked(stem: &str) -> bool {
     std::env::var("SWEETSPOT_ROBOT").map_or(true, |part| stem.contains(&part))
 }
@@ -44,7 +45,7 @@ fn attitude_of(columns: &Matrix3<f64>) -> Attitude {
     Attitude { elevation, azimuth: Azimuth::Surface(azimuth), spin: Spin::At(vec![spin]), tolerance: 0.0 }
 }
 
-/// Returns an orientation with the angles left free that the arm cannot choose.
+/// Returns an orientation in which the angles that the arm cannot set are free.
 fn asked(inverse: &Inverse, attitude: Attitude) -> Attitude {
     let free_azimuth = Attitude { azimuth: Azimuth::Free, ..attitude.clone() };
     let free = Attitude { spin: Spin::Free, ..free_azimuth.clone() };
@@ -58,7 +59,7 @@ fn turn(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
     2.0 * (off / 2.0).min(1.0).asin()
 }
 
-/// Returns how far an answer is from a TCP in the requested coordinates, m and rad.
+/// Returns the larger deviation of a solution from a TCP in the requested coordinates, m or rad.
 fn off(answer: &Pose, wanted: &Pose, attitude: &Attitude, axis: &Vector3<f64>) -> f64 {
     let position = (answer.translation - wanted.translation).norm();
     let [a, b] = [answer, wanted].map(|p| p.rotation * axis);
@@ -75,8 +76,8 @@ fn outside(robot: &Robot, q: &JointVector) -> f64 {
     by.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Returns the largest difference of joints, rad or m. Whole turns do not count where the limits leave a
-/// choice.
+/// Returns the largest difference of a joint between two postures, rad or m. Full turns do not count if the
+/// range of the joint exceeds one turn.
 fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
     let each = robot.joints.iter().zip(a.iter().zip(b)).map(|(joint, (a, b))| {
         let turns = joint.kind == JointKind::Revolute && joint.limits.1 - joint.limits.0 > TAU;
@@ -125,7 +126,7 @@ fn tally(robot: &Robot, poses: usize) -> (PoseStatistics, &'static str) {
             None => &branches,
         };
         let nearest = again.iter().map(|b| apart(robot, &q, &b.joints)).fold(f64::INFINITY, f64::min);
-        // Near a singular posture the square root of the rounding remains.
+        // Near a singular posture, the accuracy is only the square root of the rounding error.
         tally.reached += usize::from(nearest < 1e-5);
     }
     (tally, inverse.family())
@@ -145,7 +146,7 @@ fn the_inverse_finds_poses_of_the_forward_kinematics() {
             t.poses, t.found, t.reached, t.answers, t.outside, t.worst
         );
         let least = if numeric { (t.poses as f64 * 0.999).floor() as usize } else { t.poses };
-        // More than six joints without a closed form hold a pose in a continuum of postures.
+        // An arm with more than six joints and no closed form attains a pose in a continuum of postures.
         let reached = if numeric && robot.axes() > 6 { t.found } else { t.reached };
         // A scan may miss one of two postures that nearly coincide.
         let least_reached = if scanned { t.poses - t.poses / 1000 } else { least };

@@ -1,5 +1,5 @@
-//! Tests where the pieces of found layouts may stand: outlines against the layouts at random points, the room, and
-//! the choice of a roomy layout.
+//! Tests the regions of the pieces of found layouts: the outlines against layouts at random points, the room,
+//! and the choice of a layout with much room.
 
 use crate::common::{buildable, cases, from_text_to_build};
 use rand::{Rng, SeedableRng};
@@ -61,7 +61,7 @@ fn the_outline_of_discs_with_a_hole_is_found() {
         let is_inside = Discs.inside(p, &mut ());
         assert!(is_in_rings(&rings, p) == is_inside || distance_to_rings(&rings, p) < 0.003, "{p:?}");
     }
-    // The vertices of circles lie on them; the domain cuts the first circle.
+    // The vertices of each outline lie on its circle. The domain cuts the first circle.
     for (x, y) in rings.concat() {
         let off = |r: f64, c: Point| ((x - c.0).hypot(y - c.1) - r).abs();
         let nearest = off(0.7, (0.0, 0.0)).min(off(0.2, (0.0, 0.0))).min(off(0.3, (1.4, 1.1)));
@@ -83,8 +83,8 @@ fn placed_at(cell: &Cell, layout: &Layout, body: MovableBody, (x, y): Point) -> 
     cell.misplaced(layout, &[(slot(0), x - at.x), (slot(1), y - at.y)])
 }
 
-/// Random points inside the outlines hold, and points outside do not, but for the rim. At points inside, the whole
-/// layout is feasible, too, and has an objective within the indifference.
+/// At random points inside the outlines, the layout is accepted. At points outside, except in the rim, it is
+/// not. At points inside, the full layout is also feasible and has an objective within the indifference.
 #[test]
 fn everything_holds_inside_the_outlines_and_nothing_outside() {
     for (name, budget) in [("hitachi_cell.toml", 3000), ("ur_cell.toml", 300), ("scara_cell.toml", 300)] {
@@ -115,7 +115,7 @@ struct Tried {
 }
 
 impl Tried {
-    /// Judges random points of a region away from its rim: as many inside as outside.
+    /// Judges random points of a region away from its rim, half of them inside and half outside.
     fn run(
         &mut self,
         workcell: &Workcell,
@@ -153,7 +153,8 @@ impl Tried {
     }
 }
 
-/// Everything holds on the circle of the room, and at both ends of the room to turn.
+/// The layout is accepted on the circle of the room, and after rotations by the largest angle in both
+/// directions.
 #[test]
 fn the_room_holds_all_round() {
     let workcell = Workcell::new(buildable("hitachi_cell.toml")).unwrap();
@@ -178,7 +179,7 @@ fn the_room_holds_all_round() {
         }
         assert!(region.z.0 <= at.z && at.z <= region.z.1 && region.yaw.0 <= at.yaw && at.yaw <= region.yaw.1);
     }
-    // The whole cell turns about the base axis without a change of the errors.
+    // All pieces together rotate about the base axis without a change of the errors.
     let whole = regions.whole.unwrap();
     assert!(whole.most - whole.least > 0.1, "{whole:?}");
     for angle in [whole.least, whole.least / 2.0, whole.most / 2.0, whole.most] {
@@ -194,7 +195,7 @@ fn the_room_holds_all_round() {
     }
 }
 
-/// All seeds end with nearly the same room, which costs at most the indifference.
+/// Searches with different seeds end with nearly the same room. The room costs at most the indifference.
 #[test]
 fn all_seeds_end_with_the_same_room() {
     let workcell = Workcell::new(buildable("hitachi_cell.toml")).unwrap();
@@ -212,7 +213,8 @@ fn all_seeds_end_with_the_same_room() {
     assert!(high < 1.1 * low, "{rooms:?}");
 }
 
-/// A piece that the search moves along one axis has a line as its region, and one that it only turns has none.
+/// The region of a piece that the search moves along one axis is a line. A piece that the search only rotates
+/// has no outline.
 #[test]
 fn a_piece_with_one_free_coordinate_has_a_line() {
     let text = "from = \"hitachi_cell.toml\"\n\

@@ -1,4 +1,4 @@
-//! Tests the choice of the spots of a pick and of the place relative to it, against every pair of spots.
+//! Tests the choice of the spots of a pick and of a place relative to the pick, against every pair of spots.
 
 use crate::common::{from_text, shipped};
 use rand::{Rng, SeedableRng};
@@ -15,7 +15,8 @@ fn points(cell: &Cell, operation: usize) -> Vec<(f64, f64)> {
     (0..=m).flat_map(|i| (0..=n).map(move |j| (i, j))).map(point).collect()
 }
 
-/// The pick is chosen alone, so some pairs are better; none is better than the bound that the note names.
+/// The spot of the pick is chosen without regard to the place, so some pairs are better. No pair is better
+/// than the bound that the note states.
 #[test]
 fn no_pair_of_spots_is_better_than_the_bound_of_the_note() {
     let mut cell = shipped("hitachi_cell.toml");

@@ -1,4 +1,4 @@
-//! Tests that a search stopped anywhere and resumed gives the bits of an uninterrupted one.
+//! Tests that a search that is stopped anywhere and resumed gives the same bits as an uninterrupted search.
 
 use crate::common::shipped;
 use std::sync::Mutex;
@@ -17,7 +17,8 @@ fn settings(solver: Solver, budget: u64) -> SearchSettings {
     SearchSettings { solver, budget, seed: 3, ..shipped("hitachi_cell.toml").search }
 }
 
-/// Runs to the end, from a checkpoint read from text if there is one. Returns every checkpoint on the way.
+/// Runs a search to the end, starting from the checkpoint text `from` if there is one. Returns the record and
+/// every checkpoint.
 fn run(
     workcell: &Workcell,
     settings: &SearchSettings,
@@ -33,7 +34,7 @@ fn run(
     (record, kept.into_inner().unwrap())
 }
 
-/// Returns what two records must share, floats as bits.
+/// Returns the parts of a record that must be equal in two searches, with floats as bits.
 fn bits(record: &SearchRecord) -> (u64, u64, Vec<(u64, u64)>, String, SearchEnd) {
     let trace = record.trace.iter().map(|(n, e)| (*n, e.to_bits())).collect();
     let best = format!("{:?} {}", record.best, record.best.evaluation.cost.to_bits());
@@ -60,7 +61,7 @@ fn every_checkpoint_resumes_to_the_same_bits() {
             let again = || run(&workcell, &settings, None, Some(&text(from)));
             let (record, after) = if k % 2 == 0 { again() } else { pool.install(again) };
             assert_eq!(bits(&record), bits(&whole), "{} from checkpoint {k}", solver.name());
-            // The following checkpoints are equal, too, so the search may be killed again.
+            // The following checkpoints are also equal, so the search may be killed again.
             assert_eq!(
                 after.last().map(text),
                 kept.last().map(text),
@@ -71,7 +72,7 @@ fn every_checkpoint_resumes_to_the_same_bits() {
     }
 }
 
-/// Checkpoints span restarts and the polish of a longer search.
+/// The checkpoints of a longer search cover restarts and the final local search.
 #[test]
 fn checkpoints_of_any_run_resume_to_the_same_bits() {
     let workcell = workcell();
@@ -87,7 +88,7 @@ fn checkpoints_of_any_run_resume_to_the_same_bits() {
     }
 }
 
-/// The stop flag interrupts again and again, each time after some hundred evaluations more.
+/// The stop flag interrupts the search many times, each time after some hundred more evaluations.
 #[test]
 fn a_search_stopped_many_times_ends_in_the_same_bits() {
     let workcell = workcell();
@@ -118,7 +119,8 @@ fn a_search_stopped_many_times_ends_in_the_same_bits() {
     }
 }
 
-/// A checkpoint resumed under a larger budget or other rules gives the search under these rules.
+/// If a checkpoint is resumed with a larger budget or other stopping rules, the result is the search under
+/// the new rules.
 #[test]
 fn stopping_rules_may_change_on_resume() {
     let workcell = workcell();
@@ -144,7 +146,7 @@ fn stopping_rules_may_change_on_resume() {
                         let (record, _) = run(&workcell, &next, bound, middle.as_deref());
                         assert_eq!(bits(&record), bits(&whole), "{} {next:?}", solver.name());
                     }
-                    // The refusal is right: the whole search ended earlier.
+                    // The refusal is right only if the uninterrupted search ended earlier.
                     Err(why) => assert!(
                         matches!(why, Unfit::Ended(_)) && whole.evaluations < from.evaluations(),
                         "{why:?}"
@@ -168,7 +170,7 @@ fn a_checkpoint_of_another_search_is_refused() {
     let small = Stopping { budget: used - 1, ..rules };
     assert_eq!(last.check(7, &small), Err(Unfit::Budget { used }));
     assert_eq!(last.check(7, &Stopping { budget: used, ..rules }), Ok(()));
-    // Another seed evaluates other points, so the journal does not match.
+    // With another seed, the search evaluates other points, so the journal does not match.
     let other = SearchSettings { seed: 4, ..settings };
     let (record, _) = run(&workcell, &other, None, Some(&text(last)));
     assert_eq!(record.ended, SearchEnd::Diverged);
@@ -193,7 +195,7 @@ fn a_reached_gap_ends_a_search() {
     // Before the last generation the gap was wider.
     let before = record.trace.iter().rev().find(|(n, _)| *n + 20 < record.evaluations).unwrap();
     assert!(before.1 > bound * 1.01, "{before:?}");
-    // Without a bound the search goes on.
+    // Without a bound, the search continues.
     let (record, _) = run(&workcell, &SearchSettings { budget: 6_000, ..settings }, None, None);
     assert_eq!((record.ended, record.gap()), (SearchEnd::Done, None));
 }
@@ -206,7 +208,7 @@ fn stagnation_ends_a_search() {
         let (record, _) = run(&workcell, &settings, None, None);
         assert_eq!(record.ended, SearchEnd::Stagnation, "{}", solver.name());
         assert!(record.evaluations < 60_000, "{}: {}", solver.name(), record.evaluations);
-        // The trace shows a pause of that length between improvements.
+        // The trace shows an interval of this length without improvement.
         let mut steps = vec![record.trace[0]];
         for &(n, e) in &record.trace {
             if e < steps[steps.len() - 1].1 * (1.0 - 1e-6) {

@@ -1,5 +1,5 @@
-//! Tests the refined spot and the effect of misplacement on a layout, against cells with moved numbers, finer
-//! grids and scans.
+//! Tests the refined spot and the effect of misplacements on a layout. The references are cells with changed
+//! numbers, finer grids and scans.
 
 use crate::common::{from_text, shipped};
 use nalgebra::{Vector2, Vector3};
@@ -42,7 +42,7 @@ fn stacked(numbers: &Numbers, more: &str, of_operation: &str) -> Cell {
     from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell
 }
 
-/// Returns the file numbers of a misplaced layout.
+/// Returns the numbers of the cell file of a misplaced layout.
 fn moved(drawn: &Numbers, moves: &Moves) -> Numbers {
     let mut numbers = *drawn;
     for (slot, by) in moves {
@@ -57,7 +57,7 @@ fn moved(drawn: &Numbers, moves: &Moves) -> Numbers {
     numbers
 }
 
-/// Returns the value of a node with its branch from the map of a cell file, or None if it is lost.
+/// Returns the value of a node in a map if the node has the given branch; None if this branch is lost.
 fn node_value(map: &OperationMap, node: usize, branch: u64) -> Option<f64> {
     let node = &map.nodes[node];
     let posture = node.posture.as_ref().filter(|p| node.status == Status::Ok && p.branch == branch)?;
@@ -76,7 +76,7 @@ fn corners(drawn: &Numbers) -> Vec<Numbers> {
     (0..1 << LOOSE.len()).map(corner).collect()
 }
 
-/// Returns moves of the equipment of the first operation to half a millimetre before its spot is lost.
+/// Returns moves of the equipment of the first operation that end half a millimetre before its spot is lost.
 fn short_of(workcell: &Workcell) -> Moves {
     let layout = workcell.cell.start();
     let r = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().expect("a spot");
@@ -147,7 +147,8 @@ fn the_gradient_agrees_with_richardson_extrapolation() {
     let workcell = Workcell::new(stacked(&DRAWN, "", operation)).unwrap();
     let layout = workcell.cell.start();
     let robustness = workcell.robustness(&layout, &workcell.maps(&layout))[0].clone().unwrap();
-    // The gradient has the equipment's own four numbers and those of base and plinth with a tolerance.
+    // The gradient has the four coordinates of the equipment, and the coordinates of base and plinth that
+    // have a tolerance.
     assert_eq!(robustness.gradient.len(), 4 + 3);
     let mut steep = 0;
     for (slot, slope) in &robustness.gradient {
@@ -178,8 +179,8 @@ fn one_table(placement: &str, tolerance: &str, more: &str) -> Workcell {
 
 const THERE: &str = "x_mm = 0, y_mm = 1000, z_mm = 600, yaw_deg = 10";
 
-/// Returns the operation of a layout at its drawn node and branch by the map, or None if it is lost or beyond
-/// the limit.
+/// Returns whether the operation keeps its nominal node and branch and its limit in a layout, according to
+/// the map.
 fn keeps(workcell: &Workcell, layout: &Layout, (node, branch): (usize, u64)) -> bool {
     let value = node_value(&workcell.maps(layout)[0], node, branch);
     let overlaps = !evaluate(workcell, layout).overlaps.is_empty();
@@ -215,7 +216,7 @@ fn the_largest_misplacement_agrees_with_a_scan() {
         let maps = workcell.maps(&layout);
         let spot = maps[0].spot().unwrap();
         let r = workcell.robustness(&layout, &maps)[0].clone().unwrap();
-        // A cell whose only node is the spot is mapped faster.
+        // A cell whose only node is the spot has a faster map.
         let alone = with_one_node(&workcell, &maps[0].nodes[spot.node].position);
         let with = |x: f64, y: f64, yaw: f64| {
             let mut moved = layout.clone();
@@ -227,8 +228,9 @@ fn the_largest_misplacement_agrees_with_a_scan() {
         let between = |most: f64, first: f64, step: f64| {
             assert!(most < first && most >= first - step, "{more}: {most}, the scan says {first}");
         };
-        // In three times as many directions the result holds between the tried ones, too, and is no more
-        // cautious than their spacing and a step.
+        // The scan has three times as many directions, so it also covers directions between the tested
+        // directions. The result may be too small only by the effect of the spacing of the directions and by
+        // a step.
         let around = |r: f64| {
             (0..48).all(|k| {
                 let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 48.0).sin_cos();
@@ -293,9 +295,9 @@ fn the_refined_spot_is_as_good_as_a_fine_grid() {
         let fine = with("grid = [60, 40]");
         let least = evaluate(&fine, &layout).objective.unwrap();
         assert!(refined.value <= least * (1.0 + 1e-9), "{placement}: {} {least}", refined.value);
-        // A grid of some centimetres cannot be much worse than the points between its nodes.
+        // With a grid spacing of some centimetres, the points between the nodes cannot be much better.
         assert!(refined.value > least * 0.97, "{placement}: {} {least}", refined.value);
-        // A node exactly there has the same value.
+        // A node exactly at the refined spot has the same value.
         let (x, y) = (mm_from_m(refined.at.0), mm_from_m(refined.at.1));
         let there = with(&format!("points_mm = [[{x:?}, {y:?}]]\nover = \"best\""));
         let map = &there.maps(&layout)[0];
@@ -323,7 +325,7 @@ fn the_refined_spot_of_shipped_cells_is_no_worse_and_keeps_off_touched_points() 
         for (map, refined) in maps.iter().zip(workcell.refined(&layout, &maps)) {
             let refined = refined.expect("a spot");
             assert!(refined.value <= map.value.unwrap() && refined.gain() >= 0.0, "{name}");
-            // Beside a taught point the rule of its frame removes the error.
+            // Near a taught point, the rule of the taught frame removes the error.
             let touched = map.nodes.iter().filter(|n| n.posture.as_ref().is_some_and(|p| p.touched));
             let least = touched.map(|n| (n.position - refined.position).norm()).fold(f64::INFINITY, f64::min);
             assert!(least > 0.05, "{name}: {least}");
@@ -332,8 +334,8 @@ fn the_refined_spot_of_shipped_cells_is_no_worse_and_keeps_off_touched_points() 
     }
 }
 
-/// The redundant joint at the refined spot is scanned in 400 steps between the neighbouring samples. No
-/// usable posture is better by more than 0.1 %.
+/// The test scans the redundant joint at the refined spot in 400 steps between the neighbouring samples. No
+/// usable posture may be better by more than 0.1 %.
 #[test]
 fn the_refined_spot_resolves_the_redundant_joint() {
     let mut gained = 0;
@@ -366,14 +368,14 @@ fn the_refined_spot_resolves_the_redundant_joint() {
     assert!(gained > 0, "the samples of the joint were never improved");
 }
 
-/// Returns the same cell, evaluated at its worst over the placement tolerances.
+/// Returns the cell with a robust search, which evaluates the worst case over the placement tolerances.
 fn robust(workcell: &Workcell) -> Workcell {
     let mut cell = workcell.cell.clone();
     (cell.search.robust, cell.search.ideal) = (true, false);
     Workcell::new(cell).unwrap()
 }
 
-/// Returns the same cell, evaluated as drawn.
+/// Returns the cell with an ideal search, which evaluates the nominal placements.
 fn ideal(workcell: Workcell) -> Workcell {
     let mut cell = workcell.cell;
     cell.search.ideal = true;
@@ -433,7 +435,7 @@ fn placement_tolerances_do_not_change_a_nominal_evaluation() {
     let layout = exact.cell.start();
     assert_eq!(evaluate(&exact, &layout), evaluate(&ideal(loose), &layout));
     let loose = one_table(THERE, LOOSE_TABLE, "grid = [10, 8]");
-    // No value improves under misplacement.
+    // A misplacement cannot improve the worst value.
     assert!(evaluate(&robust(&loose), &layout).cost > evaluate(&loose, &layout).cost);
 }
 
@@ -446,13 +448,14 @@ fn a_layout_that_may_overlap_is_not_robust() {
         )
     };
     let there = "x_mm = 0, y_mm = 1000, z_mm = 600";
-    // The table of 1500 mm ends at 750, the block begins at x - 100: gaps of 1, 2.5 and 50 mm.
+    // The table of 1500 mm ends at 750 mm, and the block begins 100 mm before its centre, so the gaps are 1,
+    // 2.5 and 50 mm.
     for (gap, feasible) in [(1.0, false), (2.5, false), (50.0, true)] {
         let workcell = ideal(one_table(there, LOOSE_TABLE, &block(850.0 + gap)));
         let layout = workcell.cell.start();
         assert!(evaluate(&workcell, &layout).objective.is_some());
         let evaluation = evaluate(&robust(&workcell), &layout);
-        // Turned by 0.2 degrees about its centre, the table's corner is 1.2 mm farther out.
+        // If the table is rotated by 0.2 degrees about its centre, its corner is 1.2 mm farther out.
         assert_eq!(evaluation.objective.is_some(), feasible, "{gap}");
         assert!(evaluation.cost.is_finite() && (evaluation.cost < 1000.0) == feasible);
     }
@@ -475,7 +478,7 @@ fn a_robust_search_beats_the_worst_case_of_the_nominal_layout() {
     let as_drawn = evaluate(&robust, &drawn.layout);
     assert!(hardened.evaluation.cost < as_drawn.cost, "{} {}", hardened.evaluation.cost, as_drawn.cost);
     let worst = hardened.evaluation.objective.expect("feasible");
-    // A cell with tolerances cannot be better than the nominal layout, by a margin.
+    // The worst value over the tolerances must be greater than the nominal value of the best nominal layout.
     assert!(worst > drawn.evaluation.objective.unwrap());
     let maps = robust.maps(&hardened.layout);
     let told = robust.robustness(&hardened.layout, &maps)[0].clone().unwrap();
@@ -491,13 +494,14 @@ fn placement_tolerances_are_read_in_si_units() {
     let close = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
     assert!(close(cell.base_tolerance.0, [0.0005, 0.0, 0.0, std::f64::consts::PI / 3600.0]));
     assert!(close(cell.equipment[0].tolerance.0, [0.002, 0.003, 0.001, std::f64::consts::PI / 900.0]));
-    // The file states no tolerance of the other equipment: it has one only if the search places it.
+    // The file states no tolerance for the other equipment, so a tolerance is assumed only if the search
+    // places this equipment.
     let [_, other, ..] = &cell.equipment[..] else { panic!("one piece of equipment") };
     let is_placed = other.placement.iter().any(sweetspot::cell::Coordinate::is_free);
     let assumed = [0.002, 0.002, 0.002, std::f64::consts::PI / 900.0];
     assert!(close(other.tolerance.0, if is_placed { assumed } else { [0.0; 4] }));
     assert!(cell.search.robust && cell.has_placement_tolerance());
-    // The base has two tolerances, the table four. Exact coordinates are not listed.
+    // The base has two tolerances, and the table has four. Coordinates without a tolerance are not listed.
     let listed: Vec<usize> = cell.placement_tolerances().iter().map(Vec::len).collect();
     assert_eq!(listed[..2], [2, 4]);
 }

@@ -1,4 +1,4 @@
-//! Tests the search against known answers: a proven bound, complete scans, small dimensions.
+//! Tests the search against known results: a proven bound, complete scans, and cells with few coordinates.
 
 use crate::common::{from_text, shipped};
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ fn run(workcell: &Workcell, settings: SearchSettings) -> SearchRecord {
     record
 }
 
-/// Checks what holds for every search.
+/// Checks properties that the record of every search must have.
 fn check(workcell: &Workcell, settings: &SearchSettings, record: &SearchRecord) {
     assert!(record.evaluations <= settings.budget.max(1), "{} evaluations", record.evaluations);
     assert!(record.feasible <= record.evaluations);
@@ -41,7 +41,7 @@ fn bits(evaluation: &Evaluation) -> (Option<u64>, u64) {
     (evaluation.objective.map(f64::to_bits), evaluation.cost.to_bits())
 }
 
-/// Checks that free coordinates lie in their ranges and fixed ones are untouched.
+/// Checks that free coordinates lie in their ranges and that fixed coordinates are unchanged.
 fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
     for (equipment, p) in cell.equipment.iter().zip(&layout.placements) {
         for (coordinate, value) in equipment.placement.iter().zip([p.x, p.y, p.z, p.yaw]) {
@@ -55,7 +55,7 @@ fn lies_in_its_ranges(cell: &Cell, layout: &Layout) {
     }
 }
 
-/// Returns the error at the spot of every operation (m), or None if one has none.
+/// Returns the error at the spot of every operation (m); None if an operation has no spot.
 fn errors(evaluation: &Evaluation) -> Option<Vec<f64>> {
     let of = |o: &Outcome| match o {
         Outcome::Found(spot) => Some(spot.value),
@@ -80,9 +80,9 @@ fn one_table(placement: &str, more: &str) -> Workcell {
     Workcell::new(from_text(&text).unwrap_or_else(|f| panic!("{f:#?}")).cell).unwrap()
 }
 
-/// Proven bound: the least error of both operations anywhere on the floor.
+/// Proven lower bound: the sum of the least errors of both operations anywhere on the floor.
 const BOUND_MM: f64 = 20.429669;
-/// Objective of the best layout by peer set D, which reaches the bound.
+/// Objective of the best layout of peer set D, which attains the bound.
 const OPTIMUM_MM: f64 = 20.42967;
 
 #[test]
@@ -98,7 +98,8 @@ fn ten_seeds_come_within_a_hundredth_of_the_proven_bound() {
     }
 }
 
-/// pycma, the peer, succeeds with 10 of 10 seeds. The gap is to the bound proved by this program.
+/// The reference program pycma succeeds with 10 of 10 seeds. The gap is the distance from the bound that this
+/// program proves.
 #[test]
 fn thirty_seeds_come_within_a_thousandth_of_the_bound_in_2000_evaluations() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -141,7 +142,7 @@ fn one_seed_gives_the_same_record_for_any_number_of_threads() {
     }
 }
 
-/// The search stops when asked, with the best layout so far.
+/// The stop flag ends a search, which then returns the best layout so far.
 #[test]
 fn the_stop_flag_interrupts_a_search() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -174,7 +175,7 @@ fn progress_counts_up_to_the_budget() {
     assert_eq!((last.evaluations, last.best), (record.evaluations, record.best.evaluation.objective));
 }
 
-/// The smallest budgets end every solver, and the polish, anywhere.
+/// The smallest budgets can end every solver, and the final local search, at any point.
 #[test]
 fn a_search_keeps_any_budget() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -186,7 +187,7 @@ fn a_search_keeps_any_budget() {
     }
 }
 
-/// The start layout is a candidate, so no answer may be worse.
+/// The start layout is a candidate, so no result may be worse.
 #[test]
 fn a_search_is_never_worse_than_the_start_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -197,7 +198,7 @@ fn a_search_is_never_worse_than_the_start_layout() {
             assert!(best <= start, "{} {budget}: {best} after {start}", solver.name());
         }
     }
-    // The start layout may be finer than the rounding of the search, in either direction.
+    // The start layout may differ in both directions from the coordinates to which the search rounds.
     for fine in [-4e-7, 4e-7] {
         let mut cell = shipped("hitachi_cell.toml");
         let Coordinate::Range { start, .. } = &mut cell.equipment[0].placement[1] else { panic!("fixed") };
@@ -238,18 +239,19 @@ fn a_cell_without_free_coordinates_is_evaluated_once() {
     }
 }
 
-/// Only the table's y is free, over 100 mm: steps of 1 um enumerate every position.
+/// Only the coordinate y of the table is free, within a range of 100 mm. Steps of 1 um enumerate every
+/// position.
 #[test]
 fn one_dimension_agrees_with_a_scan_of_every_position() {
     let post = "[obstacle.post]\nsolid = [{ name = \"post\", box = { centre_mm = [0, 0, 600], \
                 size_mm = [100, 100, 1200] } }]\nplacement = { x_mm = 0, y_mm = 420, z_mm = 0 }\n";
-    // A case has grid, sense, start of the range, obstacles, and the allowed excess over the scan (mm).
+    // A case states grid, sense, start of the range, obstacles, and the allowed excess over the scan (mm).
     let cases = [
         ((10, 8), "z", 700, "", 1e-6),
         // The optimum lies at the border of feasibility.
         ((1, 1), "xy", 650, "", 1e-6),
-        // The optimum of each of many equal teeth lies at a joint limit. Rounding decides which is the least,
-        // and 1 um away the error is 1e-5 mm greater.
+        // The objective has many equal minima, each at a joint limit. Rounding decides which minimum is the
+        // least. At a distance of 1 um, the error is 1e-5 mm greater.
         ((10, 8), "xy", 850, "", 1.1e-5),
         ((10, 8), "xy", 900, post, 1.1e-5),
     ];
@@ -295,7 +297,7 @@ fn rounded_coordinates_stay_inside_narrow_ranges() {
     }
 }
 
-/// Points outside the cube are folded back. The point of a layout leads back to it.
+/// Points outside the unit cube are folded back. The point of a layout gives the same layout again.
 #[test]
 fn every_point_of_the_search_space_has_a_layout() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
@@ -330,21 +332,23 @@ fn weights_and_the_maximum_make_the_objective() {
         assert!((got - want).abs() <= 1e-15, "{objective} {a} {b}: {got} instead of {want}");
         e
     });
-    // The least maximum is no greater than the maximum at the least sum.
+    // The maximum of the layout with the least maximum does not exceed the maximum of the layout with the
+    // least sum.
     let greatest = |e: &[f64]| e[0].max(e[1]);
     assert!(greatest(&best[2]) <= greatest(&best[0]) + 1e-5, "{best:?}");
-    // Weighting the first operation three and four times brings it to its best.
+    // With the weights three and four, the first operation has at most the error that it has with equal
+    // weights.
     assert!(best[3][0] <= best[0][0] + 1e-5 && best[1][0] <= best[0][0] + 1e-5, "{best:?}");
 }
 
-/// A value below the least feasible one belongs to no layout.
+/// Every infeasible layout has a greater cost than every feasible layout.
 #[test]
 fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
     let workcell = Workcell::new(shipped("hitachi_cell.toml")).unwrap();
     let space = SearchSpace::new(&workcell.cell);
     let (mut feasible, mut infeasible) = (f64::MIN, f64::MAX);
     for k in 0..3000u32 {
-        // The points form a lattice of irrational steps.
+        // The points form a lattice with irrational steps.
         let steps = [0.7548, 0.5698, 0.4301, 0.3247, 0.2451, 0.1851, 0.1397];
         let point: Vec<f64> = steps.iter().map(|s| (f64::from(k) * s).fract()).collect();
         let evaluation = evaluate(&workcell, &space.layout(&point));
@@ -364,7 +368,7 @@ fn an_infeasible_layout_never_ranks_before_a_feasible_one() {
     assert!(feasible > 0.0 && feasible < infeasible, "{feasible} {infeasible}");
 }
 
-/// Weights scale the objective, not the quality of the answer.
+/// A common weight scales the objective but does not change the layout that is found.
 #[test]
 fn scaled_weights_find_the_same_layout() {
     for weight in [1e6, 1e-6] {

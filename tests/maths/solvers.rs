@@ -1,7 +1,8 @@
-//! Compares the global solvers: evaluations to within 1 % of the best known, over cells and seeds.
+//! Compares the global solvers over cells and seeds: the number of evaluations until the objective is within
+//! 1 % of the best known value.
 //!
-//! By default a small study checks that the default solver is no worse than the others. The full study writes
-//! results/solvers/README.md:
+//! By default, a small study checks that the default solver is no worse than the other solvers. This command
+//! runs the full study, which writes results/solvers/README.md:
 //!
 //! ```text
 //! SWEETSPOT_STUDY=full cargo test --test maths solvers:: -- --nocapture
@@ -15,13 +16,13 @@ use sweetspot::cell::{Cell, SearchSettings, Solver};
 use sweetspot::layout::Workcell;
 use sweetspot::search::{SearchRecord, SearchSpace, Watch, search};
 
-/// Shipped cells that a solver answers in a moment. Random ones join them.
+/// Shipped cells that a solver searches in little time. The study adds random cells.
 const SHIPPED: [&str; 1] = ["hitachi_cell"];
 
-/// Evaluations of a first look at a random cell. A cell without a feasible layout is skipped.
+/// Number of evaluations that check whether a random cell has a feasible layout. Other cells are skipped.
 const LOOK: u64 = 500;
 
-/// Relative excess over the best known objective that counts as found.
+/// Largest relative excess over the best known objective that counts as found.
 const WITHIN: f64 = 0.01;
 const NOTHING: f64 = 1e-6;
 
@@ -32,7 +33,8 @@ struct Study {
     budget: u64,
 }
 
-/// Result of one solver on one cell: evaluations to within 1 % of the best known by seed, None if never.
+/// Results of the solvers on one cell: for each seed, the number of evaluations until the objective is within
+/// 1 % of the best known value, or None.
 struct SolverRow {
     cell: String,
     dimensions: usize,
@@ -47,13 +49,14 @@ fn run(workcell: &Workcell, solver: Solver, seed: u64, budget: u64) -> SearchRec
     search(workcell, &settings, &watch)
 }
 
-/// Returns the evaluation at which the trace came within 1 % of the best known.
+/// Returns the number of evaluations after which the trace is within 1 % of the best known value; None if it
+/// never is.
 fn needed(record: &SearchRecord, best: f64) -> Option<u64> {
     let enough = best + (WITHIN * best).max(NOTHING);
     record.trace.iter().find(|(_, value)| *value <= enough).map(|(n, _)| *n)
 }
 
-/// Searches a cell with every solver and seed. The best known is the best of all.
+/// Searches a cell with every solver and seed. The best known value is the best of all results.
 fn row(name: String, cell: Cell, study: &Study) -> Option<SolverRow> {
     let workcell = Workcell::new(cell).unwrap();
     let seeds = 1..=study.seeds;
@@ -88,7 +91,7 @@ fn rows(study: &Study) -> Vec<SolverRow> {
     all.chain(random.filter_map(|(name, cell)| row(name, cell, study)).take(study.random)).collect()
 }
 
-/// Returns the median of the evaluations. Seeds that never succeeded count as more than any.
+/// Returns the median number of evaluations. Seeds without success count as infinitely many evaluations.
 fn median(needed: &[Option<u64>]) -> Option<u64> {
     let mut all: Vec<u64> = needed.iter().map(|n| n.unwrap_or(u64::MAX)).collect();
     all.sort_unstable();
@@ -99,7 +102,8 @@ fn successes(needed: &[Option<u64>]) -> usize {
     needed.iter().flatten().count()
 }
 
-/// Returns the successful runs of a solver over all rows, and how often its median was the least.
+/// Returns the number of successful runs of a solver over all rows, and the number of rows in which its
+/// median was the least.
 fn totals(rows: &[SolverRow], solver: usize) -> (usize, usize) {
     let at = |row: &SolverRow, k: usize| median(&row.needed[k].1).unwrap_or(u64::MAX);
     let least = |row: &&SolverRow| (0..row.needed.len()).all(|k| at(row, solver) <= at(row, k));

@@ -19,7 +19,7 @@ use sweetspot::verification::{
 };
 
 const REFLECTOR: Vector3<f64> = Vector3::new(0.02, -0.03, 0.093);
-/// Distance of the poses of one spot, m.
+/// Largest distance between the poses of one spot, m.
 const SPOT: f64 = 1e-3;
 
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
@@ -54,7 +54,7 @@ fn postures(chain: &Chain, count: usize, rng: &mut ChaCha8Rng) -> Vec<JointVecto
     (0..count).map(any).collect()
 }
 
-/// Returns what an instrument measures of an arm with errors, with noise (m) on every axis.
+/// Returns the positions that an instrument measures on an arm with errors, with noise (m) on every axis.
 fn session(
     chain: &Chain,
     postures: &[JointVector],
@@ -82,7 +82,8 @@ fn compared(cell: &Cell, session: &MeasuringSession) -> MeasuredComparison {
     MeasuredComparison::new(&PredictedErrors::new(cell), session, SPOT).unwrap()
 }
 
-/// The reference subtracts from the exact displacements their least-squares fit by numeric motions of the frames.
+/// The reference fits numeric motions of the frames to the exact displacements by least squares, and
+/// subtracts this fit.
 #[test]
 fn measured_and_predicted_vectors_are_errors_without_what_the_fit_takes_up() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -118,19 +119,20 @@ fn measured_and_predicted_vectors_are_errors_without_what_the_fit_takes_up() {
     for (k, pose) in found.poses.iter().enumerate() {
         let wanted = Vector3::new(reference[3 * k], reference[3 * k + 1], reference[3 * k + 2]);
         for vector in [pose.measured, pose.predicted] {
-            // The fit is linear in the reference, and errors of 1 mm turn the arm by about 1 mrad.
+            // The fit of the reference is linear, and errors of 1 mm rotate the arm by about 1 mrad.
             assert!((vector - wanted).norm() < 4e-6, "{k}: {vector} and {wanted}");
         }
         assert!((pose.size - pose.predicted.norm()).abs() < 1e-15);
     }
     assert!(found.residual.max < 5e-6 && found.correlation.unwrap() > 0.999, "{:?}", found.residual);
-    // An arm without known errors predicts nothing, and all of the measured error remains.
+    // Without known errors, the prediction is 0, and the full measured error remains.
     let none = compared(&nominal, &session);
     assert_eq!((none.predicted.max, none.correlation), (0.0, None));
     assert_eq!(none.residual.mean, none.measured.mean);
 }
 
-/// Every draw is another arm with errors from the covariance of the set, or another arm at every pose.
+/// Every draw is an arm with errors from the covariance of the set. The errors are the same at all poses, or
+/// change from pose to pose.
 #[test]
 fn ellipsoids_cover_about_95_percent_of_the_positions_of_random_arms() {
     let mut rng = ChaCha8Rng::seed_from_u64(95);

@@ -1,4 +1,4 @@
-//! Dual ascent, which prices a node in a search, against the barrier method and the cone programs.
+//! Tests dual ascent, which prices a node in a search, against the barrier method and the cone programs.
 
 use super::independent::{barrier, random_problem};
 use crate::common::cases;
@@ -35,11 +35,11 @@ fn dual_ascent_costs_as_much_as_an_independent_method_finds() {
             assert!(value <= r.limit * (1.0 + 1e-9), "case {case}: {value} above {}", r.limit);
         }
     }
-    // A search solves a cone program where the ascent leaves a gap.
+    // If the ascent leaves a gap, a search solves a cone program.
     assert!(failed * 50 <= count, "{failed} of {count} left a gap");
 }
 
-/// One constraint along one direction never costs more than the whole problem.
+/// A problem with one constraint along one direction never costs more than the whole problem.
 #[test]
 fn the_bound_of_one_direction_is_below_the_cost() {
     let mut rng = ChaCha8Rng::seed_from_u64(121);
@@ -72,7 +72,7 @@ fn scaled(problem: &ToleranceProblem) -> Vec<LinearFigure> {
     problem.requirements.iter().map(|r| r.figure.scaled(1.0 / r.limit)).collect()
 }
 
-/// Returns a problem with each coefficient changed by up to a share of itself.
+/// Returns a problem with each coefficient changed by a relative amount of up to `share`.
 fn moved(problem: &ToleranceProblem, share: f64, rng: &mut ChaCha8Rng) -> ToleranceProblem {
     let mut moved = problem.clone();
     let mut factor = || 1.0 + share * rng.random_range(-1.0..1.0);
@@ -95,7 +95,8 @@ fn moved(problem: &ToleranceProblem, share: f64, rng: &mut ChaCha8Rng) -> Tolera
     moved
 }
 
-/// The solution of one problem bounds the cost of similar ones from both sides, and tightly if they differ little.
+/// The solution of one problem bounds the cost of similar problems from both sides. The bounds are tight if
+/// the problems differ little.
 #[test]
 fn a_nearby_price_bounds_the_cost_that_an_independent_method_finds() {
     let mut rng = ChaCha8Rng::seed_from_u64(122);

@@ -1,4 +1,5 @@
-//! Discrete grades against full enumeration, and the tolerance grades of ISO 286.
+//! Tests discrete grades against full enumeration, and the tolerance grades of ISO 286 against their
+//! formulas.
 
 use nalgebra::Vector6;
 use rand::{Rng, SeedableRng};
@@ -85,7 +86,7 @@ fn grades_match_full_enumeration() {
     assert!(programs > 200, "only {programs} programs: the cases are too easy");
 }
 
-/// A grade that costs as much as a tighter one is never ordered.
+/// A grade that costs as much as a tighter grade is never ordered.
 #[test]
 fn useless_grades_are_left_out() {
     let grade = |scale: f64, cost: f64| ToleranceGrade { name: String::new(), scale, cost };
@@ -98,7 +99,8 @@ fn useless_grades_are_left_out() {
     assert!(ToleranceCost::of_grades(Vec::new()).is_none());
 }
 
-/// The values of ISO 286-1 above 3 mm follow from its factors up to the rounding of the standard.
+/// The values of ISO 286-1 above 3 mm follow from the factors of the standard, up to the rounding of the
+/// standard.
 #[test]
 fn it_grades_follow_the_formulas_of_iso_286() {
     let ranges = [

@@ -1,4 +1,5 @@
-//! Random chains and cost models against a barrier method of our own that knows all corners of the tolerance box.
+//! Tests random chains and cost models against an independent barrier method that uses all corners of the
+//! tolerance box.
 
 use crate::common::cases;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
@@ -15,7 +16,7 @@ struct Ball {
     constant: Vector6<f64>,
 }
 
-/// Lists the constraints of a requirement, all corners of a worst case included.
+/// Returns the constraints of a requirement, including all corners of a worst case.
 fn balls(requirement: &ToleranceRequirement) -> Vec<Ball> {
     match requirement.figure.scaled(1.0 / requirement.limit) {
         LinearFigure::WorstCase { generators, fixed, .. } => {
@@ -32,7 +33,7 @@ fn balls(requirement: &ToleranceRequirement) -> Vec<Ball> {
     }
 }
 
-/// Value, slope and curvature of a cost.
+/// Returns value, slope and curvature of a cost.
 fn derivatives(cost: &ToleranceCost, u: f64) -> [f64; 3] {
     match cost.law {
         CostLaw::Reciprocal { at, power } => {
@@ -131,9 +132,10 @@ pub fn barrier(problem: &ToleranceProblem) -> f64 {
     problem.costs.iter().zip(&u).map(|(c, u)| c.cost(*u)).sum()
 }
 
-/// Returns the errors of the TCP of a random arm: of its joint angles, lengths and offsets at one posture.
+/// Returns the errors of the TCP of a random arm that its joint angles, lengths and offsets cause, one list
+/// per node.
 ///
-/// The arms differ between calls; `tip` moves the TCP, so one arm gives several nodes.
+/// Each call makes another arm. The variable `tip` moves the TCP, so one arm gives several nodes.
 pub fn random_arm(rng: &mut ChaCha8Rng, n: usize, nodes: usize, rows: usize) -> Vec<Vec<Vector6<f64>>> {
     let vector = |rng: &mut ChaCha8Rng| Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
     let joints: Vec<(bool, Vector3<f64>, Vector3<f64>, f64)> = (0..n)
@@ -212,7 +214,7 @@ fn random_chains_cost_as_much_as_an_independent_method_finds() {
     println!("largest difference {largest:e}");
 }
 
-/// Checks that no corner of the tolerance box exceeds a limit, and that the bounds are kept.
+/// Checks that no corner of the tolerance box exceeds a limit, and that every scale is within its range.
 fn check_corners(case: usize, problem: &ToleranceProblem, scales: &[f64]) {
     for (cost, u) in problem.costs.iter().zip(scales) {
         assert!((cost.range.0..=cost.range.1).contains(u), "case {case}: {u} outside {:?}", cost.range);
@@ -223,7 +225,7 @@ fn check_corners(case: usize, problem: &ToleranceProblem, scales: &[f64]) {
     }
 }
 
-/// A shadow price is the slope of the cost by the limit.
+/// A shadow price is the slope of the cost with respect to the limit.
 #[test]
 fn a_shadow_price_is_the_slope_of_the_cost() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
@@ -254,7 +256,8 @@ fn two_parameters_match_a_refined_grid() {
                 break problem;
             }
         };
-        // The cost falls with each scale: at a given first scale, the second is the largest that is permitted.
+        // The cost decreases with each scale, so the best second scale is the largest that the first scale
+        // permits.
         let mut cost = |first: f64| {
             let mut keeps = |second: f64| {
                 let at = [first, second];

@@ -1,4 +1,4 @@
-//! The cheapest tolerances of the seed paper's robot against values computed without this crate.
+//! Tests the cheapest tolerances of the seed paper's robot against values computed without this crate.
 
 use crate::common::shipped;
 use sweetspot::assess::{AllocatedNodes, CellAllocation, CheapestTolerances, NoAllocation};
@@ -6,7 +6,8 @@ use sweetspot::cell::{Cell, CostLaw, ErrorSet, Model, Quantity, Reading, Sense, 
 use sweetspot::layout::Workcell;
 use sweetspot::units::{m_from_mm, mm_from_m};
 
-/// Returns the cell of the seed paper's section 4.3 with the linear model and Table 3 as tolerances, in xy.
+/// Returns the cell of section 4.3 of the seed paper with the linear model, Table 3 as tolerances, and the
+/// sense xy.
 fn paper_cell(reading: Reading, limit_mm: f64) -> Cell {
     let mut cell = shipped("hitachi_paper.toml");
     cell.errors = cell.robot.errors.iter().position(|e| e.name() == "table-3-tolerance").unwrap();
@@ -50,7 +51,8 @@ fn present_mm(reading: Reading) -> f64 {
     factor * mm_from_m(problem.requirements[0].before)
 }
 
-/// Three of the references have a share of the present figure as their limit, which is printed rounded.
+/// Three of the references have as limit a share of the present figure. The reference prints this limit
+/// rounded.
 #[test]
 fn the_worst_case_at_one_node_matches_the_reference() {
     let present = present_mm(Reading::WorstCase);
@@ -113,7 +115,7 @@ fn an_infeasible_limit_is_told_with_the_bounds_in_the_way() {
     let maps = workcell.maps(&layout);
     let problem = CellAllocation::new(&workcell, &layout, &maps, (None, NODE), 0.99).unwrap();
     let Err(NoAllocation::Infeasible(shortfalls)) = problem.solve() else { panic!("feasible") };
-    // All tolerances at a tenth give a tenth of 14.03314 mm.
+    // If all tolerances are a tenth of the present tolerances, the error is a tenth of 14.03314 mm.
     assert!((shortfalls[0].least - m_from_mm(1.403314)).abs() < 1e-8, "{:?}", shortfalls[0]);
     let without: Vec<f64> = shortfalls[0].bounds.iter().map(|b| b.without).collect();
     assert!(without.is_sorted() && without[0] < shortfalls[0].least);

@@ -1,4 +1,4 @@
-//! The cost of tolerances as the objective of a search, against the allocation of single layouts.
+//! Tests the cost of tolerances as the objective of a search against the allocation for single layouts.
 
 use crate::common::shipped;
 use rand::{Rng, SeedableRng};
@@ -42,7 +42,7 @@ const READINGS: [(Reading, Quantity, f64); 4] = [
     (Reading::Statistical, Quantity::Mean, 3.0),
 ];
 
-/// The reference of another program: the cheapest node is (5, 4), and not the node of least error.
+/// According to another program, the cheapest node is (5, 4), which is not the node of least error.
 #[test]
 fn a_layout_is_evaluated_at_the_cheapest_node_of_the_reference() {
     let mut cell = priced("hitachi_paper.toml", (Reading::WorstCase, Quantity::Rms), 10.0);
@@ -56,7 +56,8 @@ fn a_layout_is_evaluated_at_the_cheapest_node_of_the_reference() {
     assert!(found.is_accepted());
 }
 
-/// The evaluation judges bounds first and prices only nodes that can still win; the map prices every node.
+/// The evaluation compares bounds first and prices only nodes that can still be the cheapest. The map prices
+/// every node.
 #[test]
 fn the_evaluation_finds_the_cheapest_node_of_the_map() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
@@ -99,7 +100,8 @@ fn the_objective_is_the_cost_that_the_allocation_finds() {
     }
 }
 
-/// A limit that even the tightest tolerances exceed ranks a layout behind all that keep it.
+/// A layout at which even the tightest tolerances exceed a limit ranks behind all layouts that keep the
+/// limits.
 #[test]
 fn a_limit_beyond_the_tightest_tolerances_is_missed() {
     let workcell =
@@ -108,7 +110,8 @@ fn a_limit_beyond_the_tightest_tolerances_is_missed() {
     assert!(!found.is_accepted() && found.cost > 100.0 * workcell.tightest_cost(), "{found:?}");
 }
 
-/// A search by cost finds cheaper tolerances than the layout of least error needs, and a front has both ends.
+/// A search for the least cost finds cheaper tolerances than the layout of least error needs. A Pareto front
+/// contains both layouts.
 #[test]
 fn a_search_finds_the_cheapest_layout() {
     let mut cell = priced("hitachi_cell.toml", (Reading::WorstCase, Quantity::Rms), 12.0);

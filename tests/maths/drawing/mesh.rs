@@ -6,7 +6,8 @@ use sweetspot::cell::Shape;
 use sweetspot::drawing::Mesh;
 use sweetspot::pose::Pose;
 
-/// Returns the volume of a closed surface by the divergence theorem, which is wrong if a face looks inwards.
+/// Returns the volume of a closed surface by the divergence theorem. The result is wrong if the normal of a
+/// face points inwards.
 fn volume(mesh: &Mesh) -> f64 {
     let p = |i: u32| mesh.positions[i as usize];
     mesh.triangles.iter().map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c))) / 6.0).sum()
@@ -27,7 +28,7 @@ fn every_solid_mesh_is_closed_and_faces_outwards() {
     for (shape, exact) in solids {
         let mesh = Mesh::of(&shape, -0.8);
         let share = volume(&mesh) / exact;
-        // Polygons in place of circles lose a little volume.
+        // Polygons replace the circles, so the volume is slightly too small.
         assert!((0.975..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
         let extent = mesh.extent().map(|(lo, hi)| (hi - lo).amax());
         assert!(extent.is_some_and(|e| e > 0.1));

@@ -64,7 +64,7 @@ fn a_large_map_is_thinned_and_keeps_its_spot() {
     }
 }
 
-/// Bars join the origins of the frames of a robot without solids.
+/// A robot without solids is drawn as bars between the origins of its frames.
 #[test]
 fn every_robot_without_solids_is_drawn_as_bars() {
     for name in ["ur_cell.toml", "panda_cell.toml", "scara_cell.toml", "track_cell.toml"] {

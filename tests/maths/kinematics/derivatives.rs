@@ -1,5 +1,5 @@
-//! Tests first and second derivatives of the pose against hyper-dual numbers through the D-H product, and the
-//! second-order model built from them.
+//! Tests first and second derivatives of the pose against the D-H product in hyper-dual numbers, and the
+//! second-order model that uses these derivatives.
 
 use crate::common::cases;
 use crate::kinematics::errors::{predicted, random_errors, random_robot};
@@ -16,7 +16,7 @@ use sweetspot::kinematic_error::{Expansion, Perturbation, pose_error};
 use sweetspot::pose::Displacement;
 use sweetspot::robot::Chain;
 
-/// Postures at which something degenerates.
+/// Kinds of degenerate postures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Degeneracy {
     Random,
@@ -24,9 +24,9 @@ enum Degeneracy {
     Zero,
     /// Every axis is parallel to the first.
     Parallel,
-    /// All axes lie on one line: the TCP can only move across it.
+    /// All axes lie on one line, so the TCP can move only perpendicular to it.
     Stretched,
-    /// All axes meet in one point, every other one on the same line, as in a straight wrist.
+    /// All axes meet in one point, and every second axis lies on the same line, as in a straight wrist.
     Aligned,
     /// All axes meet in one point, and the TCP lies there.
     Collapsed,
@@ -66,9 +66,9 @@ fn posed(rng: &mut ChaCha8Rng, n: usize, case: Degeneracy) -> (Robot, JointVecto
     (robot, JointVector::default())
 }
 
-/// Returns the displacement of the TCP in one part of the dual numbers. The rotation vector is that of the
-/// antisymmetric part of `R' R^T = exp [phi]`: its even powers of phi are symmetric, its odd ones are `[phi]`
-/// and terms of third order, which second derivatives do not see.
+/// Returns the displacement of the TCP in one part of the dual numbers. The rotation vector follows from the
+/// antisymmetric part of `R' R^T = exp [phi]`. This part contains `[phi]` and terms of third order, which do
+/// not affect second derivatives.
 fn part(t: &Matrix4<HyperDual64>, of: impl Fn(&HyperDual64) -> f64, position: Vector3<f64>) -> Displacement {
     let get = |f: &dyn Fn(&HyperDual64) -> f64| Matrix3::from_fn(|i, k| f(&t[(i, k)]));
     let spin = get(&of) * get(&|x| x.re).transpose();
@@ -104,7 +104,8 @@ fn worst(robot: &Robot, q: &JointVector, expansion: &mut Expansion) -> (f64, f64
     (first, second)
 }
 
-/// Chains of a few metres agree to 1e-13 (m or rad, per m or rad of each parameter); 4e-15 are seen.
+/// The derivatives of chains of a few metres agree to 1e-13 (m or rad, per m or rad of each parameter).
+/// Typical differences are 4e-15.
 #[test]
 fn every_derivative_agrees_with_dual_numbers() {
     let robots = 8 * cases(12, 48);
@@ -114,7 +115,7 @@ fn every_derivative_agrees_with_dual_numbers() {
         let case = if round % 2 == 0 { Degeneracy::Random } else { CASES[round / 2 % 6] };
         let (robot, q) = posed(&mut rng, n, case);
         let chain = Chain::new(&robot);
-        // The memory comes from another posture.
+        // The expansion is first set to another posture, so that reused memory is tested.
         let mut expansion = Expansion::new(&chain);
         expansion.set(&chain.frames(&chain.posture(&[0.3; 8])));
         let (first, second) = worst(&robot, &q, &mut expansion);
@@ -126,7 +127,8 @@ fn every_derivative_agrees_with_dual_numbers() {
     println!("largest difference: first {:.1e}, second {:.1e}", largest(|x| x.0), largest(|x| x.1));
 }
 
-/// An expansion of some parameters equals that of all, through the coupling as well.
+/// The expansion of some parameters equals the corresponding part of the expansion of all parameters, also
+/// with joint coupling.
 #[test]
 fn derivatives_of_some_parameters_equal_those_among_all() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);
@@ -148,7 +150,7 @@ fn values(errors: &SignedErrors, size: f64) -> Vec<f64> {
     errors.values().iter().map(|v| v * size).collect()
 }
 
-/// Every parameter is wrong, those of base and tool as well.
+/// Every parameter has an error, including base and tool.
 #[test]
 fn the_second_order_model_agrees_with_its_derivatives() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -171,8 +173,8 @@ fn the_second_order_model_agrees_with_its_derivatives() {
     }
 }
 
-/// Halving the errors divides the remainder by eight for the second-order model and by four for the linear
-/// one.
+/// If the errors are halved, the remainder is divided by eight for the second-order model and by four for the
+/// linear model.
 #[test]
 fn error_models_converge_with_their_order() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);

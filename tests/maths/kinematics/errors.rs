@@ -1,4 +1,5 @@
-//! Tests both error models: derivatives, a reference in 60 digits, extreme sizes, signs by hand, the base.
+//! Tests the linear and the nonlinear error model: derivatives, a reference with 60 digits, extreme sizes,
+//! signs calculated by hand, and the base frame.
 
 use crate::common::{root, shipped, signed};
 use crate::kinematics::product::{no_errors, position, random_joints, rotation, tcp};
@@ -17,7 +18,7 @@ use sweetspot::layout::Workcell;
 use sweetspot::pose::{Displacement, Pose};
 use sweetspot::robot::Chain;
 
-/// Returns a robot of these rows. Its limits play no part.
+/// Returns a robot with the given rows. The joint limits do not matter.
 pub fn robot(joints: Vec<Joint>, coupling: Vec<Vec<f64>>, tool: Pose) -> Robot {
     let (footprint, text) = (Rectangle { centre: (0.0, 0.0), size: (1.0, 1.0) }, || "test".to_string());
     let (tool_axis, solids, tool_solids, errors) = (Vector3::x(), vec![], 0, vec![]);
@@ -48,8 +49,8 @@ pub fn joint(kind: JointKind, theta: f64, r: f64, l: f64, alpha: f64) -> Joint {
     Joint { name: "q".into(), kind, theta, r, l, alpha, limits: (-PI, PI), rates: Default::default() }
 }
 
-/// Returns a random robot with couplings, prismatic joints and right angles; `flat` sets every angle to 0 and
-/// all axes parallel.
+/// Returns a random robot with couplings, prismatic joints and right angles. If `flat` is true, every angle
+/// is 0 and all axes are parallel.
 pub fn random_robot(rng: &mut ChaCha8Rng, n: usize, flat: bool) -> Robot {
     let joints = (0..n).map(|_| {
         let kind = if rng.random_bool(0.25) { JointKind::Prismatic } else { JointKind::Revolute };
@@ -127,8 +128,8 @@ fn the_linearized_model_is_the_derivative() {
     }
 }
 
-/// tests/data/nonlinear_mpmath.py wrote the reference for errors up to 1 mm and 0.5 degrees, a thousandth and
-/// a millionth of that.
+/// The reference from tests/data/nonlinear_mpmath.py has errors of up to 1 mm and 0.5 degrees, and a
+/// thousandth and a millionth of these errors.
 #[test]
 fn the_nonlinear_model_keeps_its_digits_down_to_nanometres() {
     let text = std::fs::read_to_string(root().join("tests/data/nonlinear_mpmath.json")).unwrap();
@@ -143,7 +144,7 @@ fn the_nonlinear_model_keeps_its_digits_down_to_nanometres() {
         let row = |(i, slides)| joint(kind(slides), rows[0][i], rows[1][i], rows[2][i], rows[3][i]);
         let joints: Vec<_> = c["prismatic"].as_array().unwrap().iter().enumerate().map(row).collect();
         let coupling = c["coupling"].as_array().unwrap().iter().map(numbers).collect();
-        // How the tool is turned in its flange changes neither error.
+        // The orientation of the tool relative to the flange changes neither error.
         let mut robot =
             robot(joints, coupling, Pose::from_translation_rpy(three(&c["tool"]), vector![0.3, -0.8, 2.0]));
         for (frame, given) in
@@ -176,7 +177,7 @@ fn zero_errors_give_exactly_zero() {
     }
 }
 
-/// One tiny twist turns everything behind it about the x axis of its link.
+/// A tiny twist rotates all following links about the x axis of its link.
 #[test]
 fn tiny_twists_keep_their_digits() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -192,13 +193,14 @@ fn tiny_twists_keep_their_digits() {
         for model in Model::ALL {
             let e = predicted(&whole, &q, &errors, model);
             assert_close(e.rotation, turn, 1e-14, "rotation");
-            // The nonlinear model bends the arc by half its angle.
+            // In the nonlinear model, the displacement is the chord of the arc.
             assert_close(e.position, turn.cross(&arm), 1e-13 + size, "position");
         }
     }
 }
 
-/// The rotation vector equals that of the product up to and past half a turn, the shorter way round.
+/// The rotation vector equals the rotation vector of the matrix product for angles up to and beyond half a
+/// turn, where it takes the shorter way.
 #[test]
 fn large_twists_give_the_rotation_of_the_matrix_product() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -264,7 +266,7 @@ fn error_signs_match_hand_calculation() {
     check(&revolute, &dalpha(h), h, Model::Nonlinear, vector![-0.1, 0.0, -0.5], vector![0.0, h, 0.0]);
 }
 
-/// The whole cell is moved and turned by 90 degrees: (x, y) becomes (-y, x), in errors and in places.
+/// The whole cell is moved and rotated by 90 degrees, so (x, y) becomes (-y, x) in errors and in positions.
 #[test]
 fn error_maps_turn_with_the_base() {
     let mut cell = shipped("hitachi_paper.toml");

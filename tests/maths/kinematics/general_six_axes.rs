@@ -1,4 +1,4 @@
-//! Tests the inverse kinematics of any six revolute axes against a D-H product written here, against closed
+//! Tests the inverse kinematics of any six revolute axes against an independent D-H product, against closed
 //! forms and against the numeric solver.
 
 use crate::kinematics::six_axes::{InverseAnswer, InverseBench, P, R, Row, puma560, robot, turning, ur5};
@@ -44,8 +44,8 @@ fn hollow_wrist() -> [[f64; 4]; 6] {
     ]
 }
 
-/// Returns the number of random poses whose original posture is not found. Every posture found holds the
-/// pose.
+/// Returns the number of random poses whose original posture is not found. Checks that every posture found
+/// attains the pose.
 fn missed(bench: &InverseBench, count: usize, seed: u64) -> usize {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let missed = |_| {
@@ -90,8 +90,8 @@ fn the_original_posture_of_arms_with_parallel_or_intersecting_axes_is_found() {
     }
 }
 
-/// Returns how many solutions of a closed form are not among those of the general method, and for how many
-/// poses the numbers of solutions differ, with the number of solutions of the closed form.
+/// Returns three numbers: the solutions of a closed form that the general method misses, the poses with
+/// different numbers of solutions, and all solutions of the closed form.
 fn compared(closed: &InverseBench, general: &InverseBench, poses: usize) -> [usize; 3] {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let mut sums = [0; 3];
@@ -112,7 +112,7 @@ fn holds(answer: &InverseAnswer, posture: &Posture) -> bool {
     answer.found.iter().any(|(_, found)| near(&found.cos, &posture.cos) && near(&found.sin, &posture.sin))
 }
 
-/// Nearly singular poses are the exceptions: solutions that nearly coincide count as one or as two.
+/// Only nearly singular poses may differ, because solutions that nearly coincide count as one or as two.
 #[test]
 fn the_solutions_are_those_of_the_closed_forms() {
     let poses = crate::common::cases(3000, 30_000);
@@ -129,7 +129,7 @@ fn the_solutions_are_those_of_the_closed_forms() {
     }
 }
 
-/// The numeric solver starts from 384 postures, so that it rarely misses a solution.
+/// The numeric solver starts from 384 postures, so it rarely misses a solution.
 #[test]
 fn the_solutions_of_the_numeric_solver_are_found() {
     let counts: Vec<[usize; 3]> = (0..32u64)
@@ -187,7 +187,8 @@ fn a_pose_that_is_not_finite_has_no_solution() {
     }
 }
 
-/// Returns arms whose axes are all parallel, all on one line, all through one point, or without lengths.
+/// Returns degenerate arms, whose axes are all parallel, all on one line or all through one point, or whose
+/// lengths are all 0.
 fn degenerate_arms() -> Vec<[[f64; 4]; 6]> {
     let uniform = |row: [f64; 4]| [row; 6];
     let mut arms: Vec<_> = [

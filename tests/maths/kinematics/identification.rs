@@ -1,5 +1,5 @@
-//! Tests the condition of the identification Jacobian: four parameters per link fail at parallel axes, five
-//! do not.
+//! Tests the condition number of the identification Jacobian: with parallel axes, four parameters per link
+//! fail, but five parameters do not.
 //!
 //! `cargo test --test maths kinematics::identification -- --nocapture` prints the numbers.
 
@@ -41,7 +41,7 @@ fn from_data(name: &str) -> Robot {
     crate::common::load_from(&root().join("tests/data"), name).unwrap().cell.robot
 }
 
-/// Returns arms with three, three, three and two parallel axes.
+/// Returns four arms with three, three, three and two parallel axes.
 fn arms() -> [(&'static str, Robot); 4] {
     [
         ("Hitachi PW 10-II", shipped("hitachi_paper.toml").robot),
@@ -63,7 +63,7 @@ fn four_parameters_are_singular_at_parallel_axes_and_five_are_not() {
     }
 }
 
-/// Returns a robot whose parallel axes are off by an angle, as manufactured.
+/// Returns a robot whose parallel axes deviate by an angle, as in a manufactured arm.
 fn bent(robot: &Robot, angle: f64) -> Robot {
     let mut robot = robot.clone();
     let inner = robot.axes() - 1;
@@ -74,8 +74,9 @@ fn bent(robot: &Robot, angle: f64) -> Robot {
     robot
 }
 
-/// Let axes at an angle a be l apart. A turn b about y (dbeta) equals dq = b / a of one joint, undone by the
-/// next; the sideways shift l b / a equals dr = l b / a^2 along one axis and back along the other.
+/// Let two axes at an angle a have the distance l. A rotation b about y (dbeta) equals dq = b / a of one
+/// joint, which the next joint undoes. The remaining sideways shift l b / a equals dr = l b / a^2 along one
+/// axis and back along the other axis.
 #[test]
 fn near_to_parallel_four_parameters_grow_with_the_square_of_one_over_the_angle() {
     for (name, robot) in arms() {
@@ -92,7 +93,8 @@ fn near_to_parallel_four_parameters_grow_with_the_square_of_one_over_the_angle()
     }
 }
 
-/// The references are dual numbers through the D-H product and the eigenvalues of `J^T J`, at another length.
+/// The references are the D-H product in dual numbers and the eigenvalues of `J^T J`, with another length
+/// scale.
 #[test]
 fn the_identification_condition_agrees_with_the_matrix_product() {
     for (name, robot) in arms() {
@@ -140,8 +142,8 @@ fn links(robot: &Robot, of: impl Fn(&Parameter) -> bool) -> Vec<Parameter> {
     Parameter::of_robot(robot.axes()).take(5 * robot.axes()).filter(of).collect()
 }
 
-/// Five parameters hold all that they leave out: 4 n of n revolute joints, and the sixth motion of the last
-/// link is that of the tool.
+/// The five-parameter set is complete: no further parameter is independent of it. It has 4 n parameters for n
+/// revolute joints, and the sixth motion of the last link belongs to the tool.
 #[test]
 fn five_parameters_per_link_are_complete_and_minimal() {
     for (name, robot) in arms() {
@@ -153,8 +155,8 @@ fn five_parameters_per_link_are_complete_and_minimal() {
     }
 }
 
-/// Without parallel axes, but with couplings and adjacent prismatic joints, the set holds as many parameters
-/// as are independent.
+/// Without parallel axes, but with couplings and adjacent prismatic joints, the set contains as many
+/// parameters as are independent.
 #[test]
 fn prismatic_joints_have_no_redundant_parameter() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
@@ -171,7 +173,7 @@ fn prismatic_joints_have_no_redundant_parameter() {
     }
 }
 
-/// Prismatic joints lie between parallel axes, and two of them cross.
+/// The prismatic joints are between parallel axes, and the axes of two of them cross.
 #[test]
 fn prismatic_joints_beside_parallel_axes_have_five_parameters() {
     let slide =
@@ -209,6 +211,6 @@ fn too_few_postures_make_identification_singular() {
         assert!(condition(&chain, few, FiveParameter, LENGTH) > 1e12);
     }
     assert!(condition(&chain, &all[..20], FiveParameter, LENGTH) < 1000.0);
-    // The flange lies on the last axis: positions alone do not show how far it turns.
+    // The flange lies on the last axis, so positions alone do not show its rotation.
     assert_eq!(condition(&chain, &all, FiveParameter, 0.0), f64::INFINITY);
 }

@@ -12,7 +12,7 @@ use sweetspot::reach::{Inverse, Reach};
 use sweetspot::robot::Chain;
 use sweetspot::units::wrapped;
 
-/// Returns TCP and elevation of the tool axis in the base frame.
+/// Returns the position of the TCP and the elevation of the tool axis in the base frame.
 fn held(robot: &Robot, q: &[f64]) -> (Vector3<f64>, f64) {
     let t = tcp(robot, q, &no_errors(robot.axes()), 0.0);
     (position(&t), elevation(&(rotation(&t) * robot.tool_axis)))
@@ -22,20 +22,21 @@ fn elevation(axis: &Vector3<f64>) -> f64 {
     axis.z.atan2(axis.x.hypot(axis.y))
 }
 
-/// Returns how far each joint is outside its limits; negative inside.
+/// Returns the distance of each joint beyond its limits, which is negative inside the limits.
 fn outside(robot: &Robot, q: &JointVector) -> Vec<f64> {
     robot.joints.iter().zip(q).map(|(j, q)| (j.limits.0 - q).max(q - j.limits.1)).collect()
 }
 
-/// Returns the largest difference of joints. Whole turns do not count where the limits leave a choice.
+/// Returns the largest difference of a joint between two postures. Full turns do not count if the range of
+/// the joint exceeds one turn.
 fn apart(robot: &Robot, a: &JointVector, b: &JointVector) -> f64 {
     let turns = |j: &Joint| j.limits.1 - j.limits.0 > TAU;
     let each = robot.joints.iter().zip(a.iter().zip(b));
     each.map(|(j, (a, b))| if turns(j) { wrapped(a - b).abs() } else { (a - b).abs() }).fold(0.0, f64::max)
 }
 
-/// Checks that every branch holds the tool as `q` does, that both entry points judge the limits alike and
-/// rightly, and that `q`, known to be allowed, is among the branches.
+/// Checks that every branch has the tool pose of `q`. Also checks that both functions judge the limits
+/// equally and rightly, and that the allowed posture `q` is among the branches.
 fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
     let (chain, (target, bend)) = (Chain::new(robot), held(robot, q));
     let arm = Inverse::new(&chain);
@@ -64,7 +65,7 @@ fn check_inverse(robot: &Robot, q: &JointVector, tolerance: f64) {
 fn check_inverse_at_random(robot: &Robot, configurations: usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for _ in 0..configurations {
-        // The sine of joint 3, 2e-4 at worst here, conditions the result and leaves five digits.
+        // The sine of joint 3 determines the condition. It is at least 2e-4 here, which leaves five digits.
         check_inverse(robot, &random_joints(robot, &mut rng), 1e-9);
     }
 }
@@ -75,7 +76,7 @@ fn the_inverse_recovers_postures_of_the_robot_of_the_paper() {
     check_inverse_at_random(&shipped("hitachi_paper_parallelogram.toml").robot, 10_000);
 }
 
-/// Rows (q_offset, r, l, alpha; deg, mm) of an arm with every offset that its family allows.
+/// Rows (q_offset, r, l, alpha; degrees, mm) of an arm with all offsets that its kinematic family allows.
 const OFFSETS: [[f64; 4]; 4] = [
     [20.0, 700.0, 150.0, 90.0],
     [30.0, 120.0, 600.0, 0.0],
@@ -89,7 +90,7 @@ const TOOL: &str = "tool = { position_mm = [30, 70, -110], axis = [1, 0, 0] }";
 const AT_FLANGE: &str = "tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }";
 const SERIAL: &str = "[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";
 
-/// Returns a robot read from text; `limits` (deg) hold for every joint.
+/// Returns a robot read from text. Every joint has the limits `limits` (degrees).
 fn arm(rows: [[f64; 4]; 4], limits: [f64; 2], coupling: &str, tool: &str) -> Robot {
     let row = |(i, [q, r, l, a]): (usize, &[f64; 4])| {
         format!(
@@ -166,7 +167,7 @@ fn the_inverse_finds_postures_at_the_joint_limits() {
     }
 }
 
-/// Search and map judge alike within the rounding of a limit.
+/// At a joint limit, search and map give the same verdict despite rounding.
 #[test]
 fn map_and_search_agree_at_the_tolerance_of_a_limit() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -190,7 +191,8 @@ fn map_and_search_agree_at_the_tolerance_of_a_limit() {
     }
 }
 
-/// With a stretched arm or a vertical tool, joints are found to the square root of the rounding only.
+/// For a stretched arm or a vertical tool, the accuracy of the joints is only the square root of the rounding
+/// error.
 #[test]
 fn the_inverse_handles_singular_postures() {
     let robot = arm(OFFSETS, [-180.0, 180.0], SERIAL, AT_FLANGE);
@@ -246,8 +248,8 @@ fn the_base_yaw_keeps_its_limits_on_the_base_axis() {
     }
 }
 
-/// Joint 2 has two turns to choose from, which differ by half a turn of joint 3. A posture alone does not
-/// decide its limits, so the numeric solver is used.
+/// Two turns of joint 2 are possible, which differ by half a turn of joint 3. The posture alone does not
+/// decide whether joint 2 is within its limits, so the numeric solver is used.
 #[test]
 fn a_fractional_gear_over_several_turns_is_solved_on_the_actuators() {
     let gear = "[[1, 0, 0, 0], [0, 1, 0, 0], [0, -0.5, 1, 0], [0, 0, 0, 1]]";

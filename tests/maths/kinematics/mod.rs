@@ -1,5 +1,5 @@
-//! Tests forward and inverse kinematics and the error models against a D-H product written here, its
-//! derivatives by dual numbers, references in 60 digits and cases done by hand.
+//! Tests forward and inverse kinematics and the error models against an independent D-H product, its
+//! derivatives in dual numbers, references with 60 digits and cases calculated by hand.
 
 mod derivatives;
 pub mod errors;

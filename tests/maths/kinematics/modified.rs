@@ -1,5 +1,5 @@
-//! Tests errors of standard and modified (Craig) rows through a cell file against the product of such rows
-//! written here: order of `rotation_deg`, place of dbeta, and the frame of `joints`.
+//! Tests errors of standard and modified (Craig) rows of a cell file against an independent product of such
+//! rows. Covers the order of `rotation_deg`, the place of dbeta, and the frame of `joints`.
 
 use crate::common::{from_text, signed};
 use crate::kinematics::errors::predicted;
@@ -27,8 +27,8 @@ fn frame(e: &[f64]) -> Matrix4<f64> {
     slide(e[0] / 1e3, e[1] / 1e3, e[2] / 1e3) * z * y * x
 }
 
-/// Chain and its errors as a file gives them, mm and degrees: per row r, l, alpha, theta, and dq, dr, dl,
-/// dalpha, dbeta; base and tool; then the joint frames.
+/// Chain and its errors as a file states them, in mm and degrees. Each row has r, l, alpha, theta, and dq,
+/// dr, dl, dalpha, dbeta. Base, tool and joint frames follow.
 struct Chain {
     modified: bool,
     rows: Vec<[f64; 4]>,
@@ -47,14 +47,14 @@ impl Chain {
         let mut frame = || [(); 6].map(|()| some(2.0));
         let (mut base, tool) = (frame(), frame());
         let mut joints: Vec<_> = (0..n).map(|_| frame()).collect();
-        // Modified row 1 holds the first of them, and its frame the other.
+        // Modified row 1 contains the first of these errors, and its joint frame contains the other.
         if modified {
             (base[3], joints[0]) = (0.0, [0.0; 6]);
         }
         Self { modified, rows, slides, errors, frames: [base, tool], joints }
     }
 
-    /// Returns the shipped cell with this robot. Its operations play no part.
+    /// Returns the shipped cell with this robot. The operations of the cell do not matter.
     fn robot_text(&self) -> String {
         let row = |(k, ([r, l, alpha, theta], slides)): (usize, (&[f64; 4], &bool))| {
             let kind = match slides {
@@ -87,9 +87,9 @@ impl Chain {
         )
     }
 
-    /// Returns `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta) J Rz(theta) Tz(r)` of every modified row, and
-    /// `J Rz(theta) Tz(r) Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)` of every standard one, with `unit` times
-    /// the errors.
+    /// Returns `Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta) J Rz(theta) Tz(r)` of every modified row, and `J
+    /// Rz(theta) Tz(r) Tx(l + dl) Rx(alpha + dalpha) Ry(dbeta)` of every standard row, with `unit` times the
+    /// errors.
     fn tcp(&self, robot: &Robot, q: &[f64], unit: f64) -> Matrix4<f64> {
         let scaled = |e: &[f64; 6]| frame(&e.map(|v| v * unit));
         let mut t = scaled(&self.frames[0]);

@@ -1,5 +1,5 @@
-//! Tests the numeric inverse kinematics: it finds poses made by the D-H product here, and its reasons agree
-//! with geometry.
+//! Tests the numeric inverse kinematics: the solver finds poses that an independent D-H product makes, and
+//! its reasons agree with geometry.
 
 use crate::common::{data, from_text, root, shipped};
 use crate::kinematics::errors::{joint, random_robot, robot};
@@ -23,7 +23,8 @@ const SLIDE: JointKind = JointKind::Prismatic;
 /// Row of an arm: kind, r, l, alpha in degrees, limits in rad or m.
 type Row = (JointKind, f64, f64, f64, (f64, f64));
 
-/// Writes the joint coordinates of all solutions to `out`, and tests that each is found again from its start posture.
+/// Writes the joint coordinates of all solutions to `out`, and tests that each solution is found again from
+/// its start posture.
 fn all_of(solver: &Numeric, goal: &TcpGoal, out: &mut Vec<JointVector>) -> Shortfall {
     let mut found = Vec::new();
     let missing = solver.all(goal, &mut found);
@@ -32,7 +33,7 @@ fn all_of(solver: &Numeric, goal: &TcpGoal, out: &mut Vec<JointVector>) -> Short
     missing
 }
 
-/// Returns a robot of these rows without coupling.
+/// Returns a robot with the given rows and without coupling.
 fn serial(rows: &[Row], tool: Pose) -> Robot {
     let joints = rows.iter().map(|&(kind, r, l, alpha, limits)| {
         let mut row = joint(kind, 0.0, r, l, alpha.to_radians());
@@ -61,8 +62,8 @@ fn five_axes() -> Robot {
     serial(&rows, tool)
 }
 
-/// Returns the Franka Emika Panda. The maker's rows are the modified ones (a and alpha before the joint),
-/// moved here to the joint before.
+/// Returns the Franka Emika Panda. The manufacturer states modified rows (a and alpha before the joint). Here
+/// a and alpha are moved to the row of the previous joint.
 fn panda() -> Robot {
     let rows = [
         (TURN, 0.333, 0.0, -90.0, (-2.8973, 2.8973)),
@@ -86,7 +87,7 @@ fn scara(last: f64) -> Robot {
     serial(&rows, Pose::identity())
 }
 
-/// Returns `arm` on slides across each other.
+/// Returns `arm` on slides that are perpendicular to each other.
 fn on_slides(slides: usize, arm: &Robot) -> Robot {
     let rows = [(SLIDE, 0.0, 0.0, 90.0, (-1.0, 1.5)), (SLIDE, 0.2, 0.1, -90.0, (0.0, 0.8))];
     let mut robot = serial(&rows[..slides], arm.tool);
@@ -114,7 +115,7 @@ fn fk(robot: &Robot, q: &JointVector) -> Matrix4<f64> {
     tcp(robot, q, &no_errors(robot.axes()), 0.0)
 }
 
-/// Returns the goal at `q` with all of the orientation or a part of it.
+/// Returns the goal at `q` with the full orientation or a part of it.
 fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> TcpGoal {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
@@ -127,11 +128,11 @@ fn goal_at(robot: &Robot, q: &JointVector, rows: usize) -> TcpGoal {
     TcpGoal { position: position(&t), attitude }
 }
 
-/// Returns distance (m) and angle (rad) of a posture from a goal.
+/// Returns the distance (m) and the angle (rad) of a posture from a goal.
 fn off(robot: &Robot, q: &JointVector, goal: &TcpGoal) -> (f64, f64) {
     let t = fk(robot, q);
     let axis = rotation(&t) * robot.tool_axis;
-    // The chord replaces the arc cosine, which has no digits at 0.
+    // The chord is used instead of the arc cosine, which is inaccurate near 0.
     let between = |a: Vector3<f64>, b: Vector3<f64>| 2.0 * ((a - b).norm() / 2.0).min(1.0).asin();
     let angle = match goal.attitude {
         AttitudeGoal::Any => 0.0,
@@ -153,7 +154,8 @@ fn check(robot: &Robot, q: &JointVector, goal: &TcpGoal) {
     assert!(q[robot.axes()..].iter().all(|q| *q == 0.0), "{q:?}");
 }
 
-/// Returns how many of `count` poses made inside the limits are not found. Every solution found is checked.
+/// Returns the number of poses that are not found among `count` poses of postures inside the limits. Checks
+/// every solution found.
 fn missed(robot: &Robot, rows: usize, count: usize) -> usize {
     let (solver, mut rng) = (Numeric::new(&Chain::new(robot)), ChaCha8Rng::seed_from_u64(7));
     let goals: Vec<_> = (0..count).map(|_| goal_at(robot, &random_joints(robot, &mut rng), rows)).collect();
@@ -205,7 +207,7 @@ fn a_goal_with_a_free_orientation_is_found() {
     }
 }
 
-/// Fractional couplings, slides and turns come in any order, as a file may hold them.
+/// Fractional couplings, slides and revolute joints occur in any order, as in a file.
 #[test]
 fn poses_of_random_chains_are_solved_numerically() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
@@ -312,7 +314,7 @@ fn an_unreachable_goal_reports_the_distance() {
     let (long, short) = (planar(&[0.5, 0.4, 0.3], &free), planar(&[1.0, 0.3, 0.2], &free));
     let still = planar(&[0.5, 0.4, 0.3], &[(-FRAC_PI_2, FRAC_PI_2), (-1e-12, 1e-12), (-1e-12, 1e-12)]);
     let cases = [
-        // The first pose is stretched, the next below the plane.
+        // The nearest posture is the stretched arm, or the target lies above or below the plane of the arm.
         (&long, vector![2.0, 0.0, 0.0], 0.8),
         (&long, vector![-1.2, -0.9, 0.0], 0.3),
         (&long, vector![1.2, 0.9, 0.4], 0.5),
@@ -321,7 +323,8 @@ fn an_unreachable_goal_reports_the_distance() {
         // The target lies in the central hole.
         (&short, vector![0.0, 0.0, 0.0], 0.5),
         (&short, vector![0.0, 0.4, 0.0], 0.1),
-        // The rod turns by a right angle to each side, so its ends are nearest to a point behind it.
+        // The rod turns by up to a right angle to each side, so it is nearest to a point behind it at one of
+        // its limits.
         (&still, vector![-0.5, 0.0, 0.0], 1.3),
         (&still, vector![-0.5, -1.2, 0.0], 0.5),
         (&long, vector![1e9, 0.0, 0.0], 1e9 - 1.2),
@@ -336,19 +339,21 @@ fn an_unreachable_goal_reports_the_distance() {
     }
 }
 
-/// The wrist of a SCARA must turn by the rest that its two elbows leave, and its limits forbid that.
+/// For both elbow configurations, the wrist of a SCARA would have to make the remaining rotation, which its
+/// limits forbid.
 #[test]
 fn a_joint_limit_that_forbids_the_orientation_is_named() {
     let (limit, mut rng, mut told) = (0.2, ChaCha8Rng::seed_from_u64(9), 0);
     let robot = scara(limit);
     for _ in 0..200 {
         let mut q = random_joints(&robot, &mut rng);
-        // Neither elbow is near its limits.
+        // For neither elbow configuration, the first two joints are near their limits.
         q[0] *= 0.3;
         q[1] = (0.5 + 1.2 * rng.random::<f64>()) * q[1].signum();
         q[3] = rng.random_range(-PI..PI);
         let goal = goal_at(&robot, &q, 6);
-        // The other elbow mirrors the triangle of the two links at the line to the wrist.
+        // For the other elbow configuration, the triangle of the two links is mirrored about the line to the
+        // wrist.
         let (l1, l2) = (0.35, 0.3);
         let line = (l2 * q[1].sin()).atan2(l1 + l2 * q[1].cos());
         let other = [q[0] + 2.0 * line, -q[1]];
@@ -395,7 +400,7 @@ fn numeric_solutions_are_deterministic() {
             let goal = goal_at(&robot, &q, rows);
             all_of(&first, &goal, &mut a);
             let one = first.one(&goal);
-            // Earlier questions must not matter.
+            // Earlier goals must not matter.
             all_of(&second, &other, &mut b);
             all_of(&second, &goal, &mut b);
             assert_eq!((a, one), (b, second.one(&goal)));
@@ -403,7 +408,7 @@ fn numeric_solutions_are_deterministic() {
     }
 }
 
-/// A robot of seven axes reaches a pose in a continuum of postures.
+/// A robot with seven axes reaches a pose in a continuum of postures.
 #[test]
 fn a_continuum_of_solutions_is_sampled_evenly() {
     let (robot, mut rng, mut out) = (panda(), ChaCha8Rng::seed_from_u64(17), Vec::new());
@@ -435,7 +440,7 @@ fn nearly_vertical_tools_and_half_turns_are_solved() {
             check(&robot, &q, &goal);
         }
     }
-    // The start is turned by half a turn, nearly half, or not at all.
+    // The start is rotated by half a turn, nearly half a turn, or not at all.
     let q = [0.3, -1.2, 1.4, -0.5, 0.9, 0.2, 0.0, 0.0];
     for angle in [0.0, 1e-12, 1e-8, PI - 1e-8, PI, -PI] {
         for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {

@@ -1,4 +1,4 @@
-//! Tests the inverse kinematics of arms with an offset wrist against a D-H product written here, and against
+//! Tests the inverse kinematics of arms with an offset wrist against an independent D-H product, and against
 //! the numeric solver.
 
 use crate::kinematics::six_axes::{InverseBench, turning};
@@ -21,8 +21,8 @@ fn crx() -> [[f64; 4]; 6] {
     ]
 }
 
-/// Returns the rows of a random arm: the axes 2 and 3 are parallel if `anthropomorphic`, and the wrist has
-/// two offsets.
+/// Returns the rows of a random arm whose wrist has two offsets. If `anthropomorphic` is true, axes 2 and 3
+/// are parallel.
 fn random_rows(rng: &mut ChaCha8Rng, anthropomorphic: bool) -> [[f64; 4]; 6] {
     let mut side = || if rng.random() { 1.0 } else { -1.0 };
     let [first, second] = [side(), side()];
@@ -50,7 +50,8 @@ fn random_rows(rng: &mut ChaCha8Rng, anthropomorphic: bool) -> [[f64; 4]; 6] {
     ]
 }
 
-/// Returns the rows from flange to base: row k is the joint 7 - k with the twist of row 6 - k, both reversed.
+/// Returns the rows of the chain from flange to base. Row k is joint 7 - k with the twist of row 6 - k, both
+/// reversed.
 fn reversed(rows: &[[f64; 4]; 6]) -> [[f64; 4]; 6] {
     std::array::from_fn(|k| {
         let [theta, r, ..] = rows[5 - k];
@@ -59,8 +60,8 @@ fn reversed(rows: &[[f64; 4]; 6]) -> [[f64; 4]; 6] {
     })
 }
 
-/// Returns the number of random poses whose original posture is not found. Every posture found holds the
-/// pose.
+/// Returns the number of random poses whose original posture is not found. Checks that every posture found
+/// attains the pose.
 fn missed(bench: &InverseBench, count: usize, seed: u64) -> usize {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let missed = |_| {
@@ -104,7 +105,7 @@ fn the_scan_finds_the_original_posture_of_random_arms_in_both_directions() {
     assert!(sum * 500 <= all * poses, "{sum} of {}: {lost:?}", all * poses);
 }
 
-/// The numeric solver starts from 384 postures, so that it rarely misses a solution.
+/// The numeric solver starts from 384 postures, so it rarely misses a solution.
 #[test]
 fn the_scan_finds_the_solutions_of_the_numeric_solver() {
     let counts: Vec<[usize; 3]> = (0..40u64)
@@ -123,7 +124,7 @@ fn the_scan_finds_the_solutions_of_the_numeric_solver() {
     );
 }
 
-/// The distance to a target out of reach is that of the intersection of the axes 4 and 5.
+/// The distance of a target out of reach is the distance of the intersection of axes 4 and 5.
 #[test]
 fn a_target_out_of_reach_has_the_least_distance_of_the_wrist() {
     let bench = InverseBench::offset(turning(crx()));
@@ -131,7 +132,7 @@ fn a_target_out_of_reach_has_the_least_distance_of_the_wrist() {
     flange.rotation = Matrix3::identity();
     flange.translation = nalgebra::Vector3::new(3.0, 0.0, 0.245);
     let answer = bench.solve(&flange);
-    // P is at 150 mm from an axis 6 that passes 160 mm beside the target, and the arm reaches 1080 mm.
+    // The point P is 150 mm from axis 6, which passes 160 mm beside the target. The arm reaches 1080 mm.
     let on_circle = |angle: f64| nalgebra::Vector3::new(3.0 + 0.15 * angle.cos(), 0.15 * angle.sin(), 0.405);
     let distance = |angle: f64| (on_circle(angle) - nalgebra::Vector3::new(0.0, 0.0, 0.245)).norm() - 1.08;
     let least = (0..3600).map(|k| distance(f64::from(k).to_radians() / 10.0)).fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! D-H product that uses nothing of the crate but the description of a robot.
+//! Independent D-H product, which uses only the description of a robot from the crate.
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use num_dual::DualNum;
@@ -8,28 +8,29 @@ use std::array::from_fn;
 use sweetspot::cell::{JointKind, JointVector, Robot, SignedErrors};
 use sweetspot::pose::Pose;
 
-/// Returns the D-H matrix of eq. (1) as textbooks print it.
+/// Returns the D-H matrix of eq. (1) in the form of textbooks.
 fn link<D: DualNum<Primitive = f64> + Copy>(theta: D, r: D, l: D, alpha: D) -> Matrix4<D> {
     let ((s, c), (sa, ca)) = (theta.sin_cos(), alpha.sin_cos());
     let (o, i) = (D::from(0.0), D::from(1.0));
     Matrix4::new(c, -s * ca, s * sa, l * c, s, c * ca, -c * sa, l * s, o, sa, ca, r, o, o, o, i)
 }
 
-/// Returns a turn about y after the link: Hayati's fifth parameter.
+/// Returns a rotation about y after the link: Hayati's fifth parameter.
 fn about_y<D: DualNum<Primitive = f64> + Copy>(angle: D) -> Matrix4<D> {
     let ((s, c), o, i) = (angle.sin_cos(), D::from(0.0), D::from(1.0));
     Matrix4::new(c, o, s, o, o, i, o, o, -s, o, c, o, o, o, o, i)
 }
 
-/// Returns `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`. D-H links make all of it but the turn about y.
+/// Returns `Trans(x, y, z) Rz(rz) Ry(ry) Rx(rx)`. D-H links give all factors except the rotation about y.
 fn frame<D: DualNum<Primitive = f64> + Copy>(values: &[D]) -> Matrix4<D> {
     let (o, mut slide) = (D::from(0.0), Matrix4::identity());
     (slide[(0, 3)], slide[(1, 3)], slide[(2, 3)]) = (values[0], values[1], values[2]);
     slide * link(values[5], o, o, o) * about_y(values[4]) * link(o, o, o, values[3])
 }
 
-/// Returns the TCP with these errors: dq, dr, dl, dalpha, dbeta of every link, then x, y, z, rx, ry, rz of
-/// the base, of the tool and of every joint frame J, whose error is between J and its inverse.
+/// Returns the pose of the TCP with the given errors. The list has dq, dr, dl, dalpha and dbeta of every
+/// link. It continues with x, y, z, rx, ry and rz of the base, of the tool and of every joint frame J. The
+/// error of J is between J and its inverse.
 pub fn product<D: DualNum<Primitive = f64> + Copy>(robot: &Robot, q: &[f64], errors: &[D]) -> Matrix4<D> {
     let (links, frames) = errors.split_at(5 * robot.axes());
     let mut t = frame(frames);
@@ -57,8 +58,8 @@ fn homogeneous<D: DualNum<Primitive = f64> + Copy>(pose: &Pose) -> Matrix4<D> {
     t.map(D::from)
 }
 
-/// Returns the TCP with `unit` times the errors in every D-H value: 0 is the nominal robot, 1 the perturbed
-/// one, an infinitesimal the derivative.
+/// Returns the pose of the TCP with `unit` times the errors in every D-H value. The unit 0 gives the nominal
+/// robot, 1 the robot with errors, and an infinitesimal unit the derivative.
 pub fn tcp<D: DualNum<Primitive = f64> + Copy>(
     robot: &Robot,
     q: &[f64],

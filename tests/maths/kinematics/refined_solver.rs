@@ -1,4 +1,4 @@
-//! Tests the closed forms that are refined by Newton's method: against a D-H product written here, against the
+//! Tests the closed forms that Newton's method refines: against an independent D-H product, against the
 //! numeric solver, and on rows with offsets of kilometres.
 
 use crate::common::shipped;
@@ -22,8 +22,8 @@ fn disturb(robot: &mut Robot, size: f64, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Returns the number of random poses for which nothing is found, and of those whose original posture is not
-/// found. Every posture found holds the pose, and no branch index occurs twice.
+/// Returns the number of random poses without any solution, and the number of poses whose original posture is
+/// not found. Checks that every posture found attains the pose, and that no branch index occurs twice.
 fn missed(bench: &InverseBench, count: usize, seed: u64) -> [usize; 2] {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut missed = [0; 2];
@@ -39,7 +39,7 @@ fn missed(bench: &InverseBench, count: usize, seed: u64) -> [usize; 2] {
     missed
 }
 
-/// Postures within about the size of the errors of a singular posture may be missed.
+/// Postures whose distance from a singular posture is about the size of the errors may be missed.
 #[test]
 fn the_original_postures_of_disturbed_arms_are_found() {
     let poses = crate::common::cases(500, 20_000);
@@ -83,7 +83,7 @@ fn the_solutions_of_the_numeric_solver_are_found() {
 /// rows of the new axes. The common normal of two nearly parallel axes can be kilometres away.
 fn tilted(robot: &Robot, size: f64, rng: &mut ChaCha8Rng) -> Robot {
     let mut tilted = robot.clone();
-    // What the rows so far leave over: a rotation about z (rad) and a translation along z (m).
+    // Motion that the rows so far do not contain: a rotation about z (rad) and a translation along z (m).
     let (mut turn, mut slide) = (0.0, 0.0);
     for joint in &mut tilted.joints {
         let about = |axis: Vector3<f64>| Rotation3::new(axis).into_inner();
@@ -133,7 +133,7 @@ fn arms_far_from_every_family_are_not_refined() {
     assert!(RefinedSolver::new(&Chain::new(&short)).is_none());
 }
 
-/// A pose far out of reach is refused with its distance, and a hostile pose ends without a posture.
+/// A pose far out of reach gives its distance, and a pose with invalid numbers gives no posture.
 #[test]
 fn poses_out_of_reach_have_a_distance() {
     let mut robot = ur5().robot;
@@ -149,8 +149,8 @@ fn poses_out_of_reach_have_a_distance() {
     }
 }
 
-/// Nanometres in the lengths change no sign of a node, and hardly a value. The twists stay, because the error model
-/// of parallel axes has another parameter.
+/// Changes of nanometres in the lengths do not change the class of any node, and hardly any value. The twists
+/// stay exact, because the error model of parallel axes has another parameter.
 #[test]
 fn a_cell_with_nearly_exact_rows_has_the_values_of_the_closed_form() {
     let cell = shipped("wrist_cell.toml");

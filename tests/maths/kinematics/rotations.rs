@@ -1,4 +1,4 @@
-//! Tests small motions: exponential, logarithm and their laws from 1e-300 rad to half a turn.
+//! Tests small motions: exponential map, logarithm and their laws from 1e-300 rad to half a turn.
 
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3, vector};
 use rand::{Rng, SeedableRng};
@@ -38,7 +38,7 @@ fn the_rotation_logarithm_undoes_the_exponential() {
         let vector = axis * angle;
         for rotation in [SmallRotation::of(&vector), SmallRotation::about(&axis, angle)] {
             let back = rotation.vector();
-            // Half a turn may come back as half a turn the other way.
+            // The logarithm of half a turn may be half a turn in the other direction.
             let back = if angle == PI && back.dot(&vector) < 0.0 { -back } else { back };
             assert_near(back, vector, 1e-15 * angle, "log exp");
         }
@@ -65,14 +65,14 @@ fn points_move_by_rodrigues_formula() {
     for (angle, _) in ANGLES.into_iter().flat_map(|a| (0..200).map(move |k| (a, k))) {
         let (axis, arm) = (unit(&mut rng), within(&mut rng, 1.0));
         let moved = SmallRotation::of(&(axis * angle)).moved(&arm);
-        // The tolerance is 1e-15 of the way, at a chord of up to 2 |arm|.
+        // The relative tolerance is 1e-15, and the chord is up to 2 |arm|.
         assert_near(moved, rodrigues(&axis, angle, &arm), 2e-15 * angle.min(2.0), "moved");
         let turned = Rotation3::new(axis * angle) * arm;
         assert_near(moved + arm, turned, 2e-15, "against nalgebra");
     }
 }
 
-/// Values of log(exp(a) exp(b)) with 60 digits (mpmath, quaternions), for a and b as stored in f64.
+/// Values of log(exp(a) exp(b)), computed with 60 digits (mpmath, quaternions) for a and b as stored in f64.
 #[allow(clippy::approx_constant)] // near to half a turn on purpose
 const PRODUCTS: [([f64; 3], [f64; 3], [f64; 3]); 12] = [
     ([1e-300, 0.0, 0.0], [0.0, 2e-300, 0.0], [1e-300, 2e-300, 0.0]),
@@ -118,13 +118,13 @@ fn composed_rotations_agree_with_60_digits() {
     }
 }
 
-/// The product of any two rotations is finite, at most half a turn, and equal to that of nalgebra's
+/// The product of any two rotations is finite, at most half a turn, and equal to the product of nalgebra's
 /// quaternions.
 #[test]
 fn no_composed_rotation_is_nan() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
     for (a, b) in ANGLES.into_iter().flat_map(|a| ANGLES.map(|b| (a, b))) {
-        // The axes are equal (rotations add or cancel) or arbitrary.
+        // The two axes are equal, so that rotations add or cancel, or arbitrary.
         let axis = unit(&mut rng);
         for (a, b) in [(axis * a, axis * b), (axis * a, axis * -b), (axis * a, unit(&mut rng) * b)] {
             let product = SmallRotation::of(&a).after(&SmallRotation::of(&b));
@@ -146,7 +146,7 @@ fn assert_same(got: &Displacement, want: &Matrix4<f64>, what: &str) {
     assert!(off.iter().all(|x| x.abs() < 1e-14), "{what}: {got:?} is off by {off}");
 }
 
-/// `then`, `inverse` and `at` are products of 4 x 4 matrices.
+/// The methods `then`, `inverse` and `at` agree with products of 4 x 4 matrices.
 #[test]
 fn displacements_compose_as_matrices() {
     let mut rng = ChaCha8Rng::seed_from_u64(24);
@@ -166,7 +166,7 @@ fn displacements_compose_as_matrices() {
     }
 }
 
-/// Nanometres and nanoradians keep their digits, since no number of order 1 takes part.
+/// Displacements of nanometres and nanoradians keep their digits, because no number of order 1 is involved.
 #[test]
 fn small_displacements_keep_their_digits() {
     let mut rng = ChaCha8Rng::seed_from_u64(25);
@@ -180,7 +180,7 @@ fn small_displacements_keep_their_digits() {
         let swept = rodrigues(&(b.rotation / angle), angle, &arm);
         assert_near(b.at(&arm).position, b.position + swept, 2e-15 * size, "at");
         assert_near(b.at(&arm).at(&-arm).position, b.position, 2e-15 * size, "there and back");
-        // By Baker, Campbell and Hausdorff the remainder is of third order.
+        // By the Baker-Campbell-Hausdorff formula, the remainder is of third order.
         let want = a.rotation + b.rotation + b.rotation.cross(&a.rotation) / 2.0;
         let tolerance = (1e-15 + size * size) * size;
         assert_near(a.then(&b).rotation, want, tolerance, "rotation");

@@ -1,5 +1,5 @@
-//! Tests the closed-form inverse kinematics of six-axis arms against a D-H product written here, brute force
-//! and counts of another program.
+//! Tests the closed-form inverse kinematics of six-axis arms against an independent D-H product, brute force
+//! and numbers of solutions from another program.
 
 use crate::common::root;
 use crate::kinematics::product::{no_errors, position, rotation, tcp};
@@ -58,7 +58,7 @@ pub enum Arm {
     General(Box<GeneralSixAxes>),
 }
 
-/// InverseAnswer of the solver for one pose.
+/// Answer of the solver for one pose.
 pub struct InverseAnswer {
     pub missing: f64,
     pub found: Vec<(u8, Posture)>,
@@ -89,14 +89,14 @@ impl InverseBench {
         Self { robot, chain, arm }
     }
 
-    /// Returns a chain that nearly has a closed form.
+    /// Returns the bench of a chain that nearly has a closed form.
     pub fn refined(robot: Robot) -> Self {
         let chain = Chain::new(&robot);
         let arm = Arm::Refined(Box::new(RefinedSolver::new(&chain).unwrap()));
         Self { robot, chain, arm }
     }
 
-    /// Returns any chain of six revolute axes.
+    /// Returns the bench of any chain of six revolute axes.
     pub fn general(robot: Robot) -> Self {
         let chain = Chain::new(&robot);
         let arm = Arm::General(Box::new(GeneralSixAxes::new(&chain).unwrap()));
@@ -126,28 +126,30 @@ impl InverseBench {
         crate::kinematics::product::random_joints(&self.robot, rng)
     }
 
-    /// Solves the pose of `q`, checks that every answer holds it, and returns the answers.
+    /// Solves the pose of `q`, which must have a solution. Checks that every solution attains the pose, and
+    /// returns the solutions.
     pub fn check(&self, q: &JointVector) -> InverseAnswer {
         let answer = self.verified(q);
         assert!(!answer.found.is_empty() && answer.missing == 0.0, "{q:?}: {} missing", answer.missing);
         answer
     }
 
-    /// Solves the pose of `q`, checks that every answer holds it, and returns the answers, if any.
+    /// Solves the pose of `q`, checks that every solution attains the pose, and returns the solutions, if
+    /// any.
     pub fn verified(&self, q: &JointVector) -> InverseAnswer {
         let flange = self.pose(q);
         let answer = self.solve(&flange);
         for (branch, posture) in &answer.found {
             let held = self.chain.forward(posture);
             let position = (held.translation - flange.translation).norm();
-            // The Frobenius norm of a small turn is sqrt(2) times the angle.
+            // The Frobenius norm of the difference is sqrt(2) times the small angle.
             let turn = (held.rotation - flange.rotation).norm() / 2f64.sqrt();
             assert!(position < 1e-9 && turn < 1e-9, "{q:?} branch {branch}: {position:e} m, {turn:e} rad");
         }
         answer
     }
 
-    /// Returns the largest difference of a cosine, sine or slide from the nearest answer.
+    /// Returns the largest difference of a cosine, sine or slide between `q` and the nearest solution.
     pub fn nearest(&self, q: &JointVector, answer: &InverseAnswer) -> f64 {
         let original = self.chain.posture(q);
         let apart = |p: &Posture| {
@@ -160,8 +162,8 @@ impl InverseBench {
         answer.found.iter().map(|(_, p)| apart(p)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Solves a random pose, also by the numeric solver. Returns the number of its solutions, how many of them are
-    /// among the answers, and the number of answers.
+    /// Solves a random pose, also with the numeric solver. Returns the number of numeric solutions, how many
+    /// of them are among the answers, and the number of answers.
     pub fn beside_numeric(&self, rng: &mut ChaCha8Rng) -> [usize; 3] {
         let flange = self.pose(&self.random(rng));
         let attitude = AttitudeGoal::Rotation(flange.rotation);
@@ -172,9 +174,9 @@ impl InverseBench {
         [expected.len(), found, answer.found.len()]
     }
 
-    /// Checks random poses: all are found, all answers are right, and the original is among them. At a
-    /// distance d from a singularity an angle is known to 1e-15 / d: all but a few within 1e-7, those within
-    /// 1e-4.
+    /// Checks random poses: all poses are solved, all solutions are right, and the original posture is among
+    /// them. At a distance d from a singularity, the accuracy of an angle is 1e-15 / d. Nearly all angles are
+    /// within 1e-7, and the rest within 1e-4.
     fn check_random(&self, count: usize, seed: u64) {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut far = 0;
@@ -223,7 +225,7 @@ pub fn stanford() -> InverseBench {
     ]))
 }
 
-/// Returns the Franka Panda without joint 7, which has a spherical shoulder.
+/// Returns the Franka Panda without joint 7. This arm has a spherical shoulder.
 pub fn panda() -> InverseBench {
     InverseBench::wrist(turning([
         [0.0, 333.0, 0.0, -90.0],
@@ -235,7 +237,8 @@ pub fn panda() -> InverseBench {
     ]))
 }
 
-/// Returns an arm of Universal Robots' family with every offset that it allows, axes 3 and 4 turned over.
+/// Returns an arm of Universal Robots' kinematic family with every offset that the family allows, and with
+/// axes 3 and 4 reversed.
 pub fn offsets() -> InverseBench {
     InverseBench::parallel(turning([
         [10.0, 120.0, 35.0, 70.0],
@@ -294,7 +297,7 @@ fn the_inverse_recovers_postures_of_general_chains() {
     }
 }
 
-/// Right angles and zeros in every place cover the special cases of the first three joints.
+/// Rows with right angles and zeros in every place cover the special cases of the first three joints.
 #[test]
 fn the_inverse_recovers_postures_of_special_chains() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
@@ -309,7 +312,7 @@ fn the_inverse_recovers_postures_of_special_chains() {
         }
         let robot = robot(&rows);
         if SphericalWrist::new(&Chain::new(&robot)).is_ok() {
-            // A seed of its own keeps the poses independent of the chains drawn.
+            // A separate seed makes the poses independent of the random chains.
             InverseBench::wrist(robot).check_random(100, k as u64);
             solved[k % 8] += 1;
         }

@@ -1,5 +1,5 @@
-//! Tests six-axis arms where solutions meet or end: singular and boundary poses, limits, refusals, branch
-//! numbers.
+//! Tests six-axis arms at poses where solutions meet or end (singular and boundary poses), and limits,
+//! refusals and branch numbers.
 
 use crate::common::data;
 use crate::kinematics::six_axes::*;
@@ -15,7 +15,7 @@ use sweetspot::reach::{SphericalWrist, ThreeParallel};
 use sweetspot::robot::{Chain, Posture};
 use sweetspot::units::wrapped;
 
-/// Returns an angle that is singular, or at any distance from it down to rounding.
+/// Returns the singular angle `angle`, or an angle at any distance from it down to rounding.
 fn nearly(rng: &mut ChaCha8Rng, angle: f64) -> f64 {
     let off = match rng.random_range(0..4) {
         0 => 0.0,
@@ -24,7 +24,8 @@ fn nearly(rng: &mut ChaCha8Rng, angle: f64) -> f64 {
     angle + if rng.random() { off } else { -off }
 }
 
-/// Sets joint `k` (1: axis 2) so that the origin of `frame` is straight above axis 2, beside or on axis 1.
+/// Sets joint 2 so that the origin of `frame` lies on axis 1, apart from an offset along axis 2. Returns
+/// whether this is possible.
 fn above(bench: &InverseBench, q: &mut JointVector, frame: usize) -> bool {
     q[1] = -bench.robot.joints[1].theta;
     let frames = bench.chain.frames(&bench.chain.posture(q));
@@ -34,7 +35,7 @@ fn above(bench: &InverseBench, q: &mut JointVector, frame: usize) -> bool {
     cosine.abs() <= 1.0
 }
 
-/// Returns an arm without offsets from its base axis, above which theta_1 is free.
+/// Returns an arm without offsets from its base axis. If the wrist is on this axis, theta_1 is free.
 pub fn centred() -> InverseBench {
     InverseBench::wrist(turning([
         [0.0, 400.0, 60.0, 90.0],
@@ -77,7 +78,7 @@ fn singular_wrists_have_a_representative() {
             bench.check(&q);
         }
     }
-    // The free angle of a wrist in line is theta_4 = 0.
+    // If the wrist axes are in line, the free angle theta_4 is 0.
     let bench = puma560();
     let answer = bench.check(&from_fn(|k| [0.3, -0.5, 0.7, 1.1, 0.0, -0.4, 0.0, 0.0][k]));
     assert!(answer.found.iter().any(|(_, p)| (p.cos[3], p.sin[3]) == (1.0, 0.0)));
@@ -115,7 +116,7 @@ fn wrist_centres_on_or_next_to_the_base_axis_are_solved() {
 #[test]
 fn stretched_and_folded_arms_are_found() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    // Seen from axis 3 of the stretched arm, the wrist centre points along the upper arm.
+    // If the arm is stretched, the wrist centre lies in the direction of the upper arm, seen from axis 3.
     for (bench, stretched) in [
         (puma560(), -0.4318f64.atan2(0.0203)),
         (irb140(), -0.380f64.atan2(0.015)),
@@ -126,7 +127,7 @@ fn stretched_and_folded_arms_are_found() {
         for _ in 0..2_500 {
             let mut q = bench.random(&mut rng);
             let folded = if rng.random() { PI } else { 0.0 };
-            // One pose in ten has its wrist in line, too.
+            // In one of ten poses, the wrist axes are also in line.
             if rng.random_range(0..10) == 0 {
                 q[4] = 0.0;
             }
@@ -253,14 +254,14 @@ fn a_chain_outside_the_family_is_refused_with_the_reason() {
     assert!(parallel(|r| r.joints[0].alpha = 0.0).contains("parallel to its neighbour"));
     assert!(parallel(|r| r.joints[2].l = 0.0).contains("no length"));
     assert!(ThreeParallel::new(&puma560().chain).is_err());
-    // Twists of a calibration file, good to nine digits, are solved as they are.
+    // Twists from a calibration file, which have nine digits, are accepted.
     let mut robot = ur5().robot;
     for (joint, sign) in [(0, 1.0), (3, 1.0), (4, -1.0)] {
         robot.joints[joint].alpha = sign * (PI / 2.0 + 2.05e-10);
     }
     let bench = InverseBench::parallel(robot);
     bench.check(&from_fn(|k| 0.3 + 0.4 * k as f64));
-    // Three joints cannot leave a plane or a sphere.
+    // The first three joints cannot move the wrist centre out of a plane or a sphere.
     let mut flat = puma560().robot;
     flat.joints[0].alpha = 0.0;
     assert!(SphericalWrist::new(&Chain::new(&flat)).unwrap_err().contains("anywhere in space"));

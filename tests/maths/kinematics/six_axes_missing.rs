@@ -1,4 +1,4 @@
-//! Tests how far out of reach a pose of a six-axis arm is, against brute force.
+//! Tests the distance by which a pose of a six-axis arm is out of reach, against brute force.
 
 use crate::common::cases;
 use crate::kinematics::six_axes::*;
@@ -14,8 +14,8 @@ fn random_rotation(rng: &mut ChaCha8Rng) -> Matrix3<f64> {
     Pose::from_translation_rpy(Vector3::zeros(), vector![angle(), angle() / 2.0, angle()]).rotation
 }
 
-/// Returns the least distance of the wrist centre (frame 4) from `p` by brute force: joints 2 and 3 on a
-/// grid, the best points refined by ever smaller steps, joint 1 at its best.
+/// Returns the least distance of the wrist centre (frame 4) from `p` by brute force. Joints 2 and 3 are on a
+/// grid, the best points are refined by ever smaller steps, and joint 1 has its best angle.
 fn brute(bench: &InverseBench, p: &Vector3<f64>) -> f64 {
     let distance = |a: f64, b: f64| {
         let c = bench.chain.frames(&bench.chain.posture(&[0.0, a, b, 0.0, 0.0, 0.0, 0.0, 0.0])).links[4]
@@ -80,8 +80,8 @@ fn the_reach_gap_is_the_least_distance() {
     }
 }
 
-/// Near the base axis the gap is the way out. Beyond the reach, some move of the flange by the gap is enough,
-/// and none by a tenth of it.
+/// Near the base axis, the gap is the distance outwards to the reachable region. Beyond the reach, some move
+/// of the flange by the gap makes the pose reachable, and no move by a tenth of the gap does.
 #[test]
 fn the_reach_gap_of_three_parallel_axes_is_the_least_distance() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);

@@ -1,4 +1,4 @@
-//! Shared by these tests: robots in a cell of one operation, and random error sets.
+//! Helpers that these tests share: robots in a cell with one operation, and random error sets.
 
 use crate::common::{from_text, root, shipped};
 use nalgebra::Vector3;
@@ -25,7 +25,7 @@ pub fn gauge_of(cell: &Cell) -> ErrorEvaluator {
     ErrorEvaluator::new(cell, &cell.operations[0])
 }
 
-/// Returns a situation of the robot alone: without taught frame and pick.
+/// Returns a work context without a taught frame and without a pick.
 pub fn alone() -> WorkContext {
     WorkContext {
         site: WorkFrame {

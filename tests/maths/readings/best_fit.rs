@@ -1,4 +1,4 @@
-//! Tests the best fit of the robot base, which is in closed form, against sums over many postures.
+//! Tests the best fit of the robot base, which has a closed form, against sums over many postures.
 
 use crate::common::{cases, robots, shipped, signed};
 use crate::readings::registration::all_wrong_with;
@@ -23,13 +23,14 @@ fn spread_postures(robot: &Robot, chain: &Chain, count: usize) -> Vec<Frames> {
     (0..count).map(|k| chain.frames(&chain.posture(&joints(k)))).collect()
 }
 
-/// Root of the mean square of the lengths of vectors.
+/// Returns the root mean square of the lengths of vectors.
 fn rms(vectors: impl ExactSizeIterator<Item = Vector3<f64>>) -> f64 {
     let count = vectors.len() as f64;
     (vectors.map(|v| v.norm_squared()).sum::<f64>() / count).sqrt()
 }
 
-/// The rotation and the centres of the rigid motion that Kabsch's method (singular value decomposition) fits.
+/// Returns the rotation and the two centres of the rigid motion that Kabsch's method (singular value
+/// decomposition) fits.
 fn kabsch(nominal: &[Vector3<f64>], moved: &[Vector3<f64>]) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>) {
     let mean = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / points.len() as f64;
     let (from, to) = (mean(nominal), mean(moved));
@@ -41,8 +42,8 @@ fn kabsch(nominal: &[Vector3<f64>], moved: &[Vector3<f64>]) -> (Matrix3<f64>, Ve
     (u * sign * vt, from, to)
 }
 
-/// The closed form of the fitted base agrees, within a hundredth of the error that the fit leaves, with
-/// Kabsch's method over ten thousand postures of every robot of the library.
+/// The closed form of the fitted base agrees with Kabsch's method over ten thousand postures of every robot
+/// of the library. The tolerance is a hundredth of the error that the fit leaves.
 #[test]
 fn the_best_fit_agrees_with_kabsch_over_the_workspace() {
     let mut rng = ChaCha8Rng::seed_from_u64(53);
@@ -69,8 +70,8 @@ fn the_best_fit_agrees_with_kabsch_over_the_workspace() {
     }
 }
 
-/// The parts of the effects that the fitted base removes agree, within a hundredth of the effects, with least
-/// squares over ten thousand postures of every robot of the library.
+/// The parts of the effects that the fitted base removes agree with least squares over ten thousand postures
+/// of every robot of the library. The tolerance is a hundredth of the effects.
 #[test]
 fn the_fitted_effects_agree_with_least_squares_over_the_workspace() {
     let mut rng = ChaCha8Rng::seed_from_u64(55);

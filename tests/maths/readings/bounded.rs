@@ -1,4 +1,4 @@
-//! Tests distributions in which bounded parameters dominate, against closed forms and plain random draws.
+//! Tests distributions in which bounded parameters dominate against closed forms and plain random draws.
 
 use crate::common::cases;
 use crate::readings::bench::*;
@@ -10,12 +10,13 @@ use sweetspot::cell::*;
 use sweetspot::reading::norm::{ConditionalScratch, NormDistribution, NormLaw, PowerNormal};
 use sweetspot::units::rad_from_deg;
 
-/// Relative error that a percentile may have where few and where many parameters act; the reading promises 1 %.
+/// Largest relative error of a percentile with few and with many parameters. The documented limit is 1 %.
 const PERCENTILE: [f64; 2] = [0.006, 0.009];
-/// Error that a yield may have here: the reading promises 0.005, of which the draws may take 0.002.
+/// Largest error of a yield here. The documented limit is 0.005, and the draws themselves may be wrong by
+/// 0.002.
 const SHARE: f64 = 0.003;
 
-/// Returns half the width of a distribution of unit variance.
+/// Returns the half width of a distribution with unit variance.
 fn half(distribution: Distribution) -> f64 {
     if distribution == Distribution::Triangular { 6f64.sqrt() } else { 3f64.sqrt() }
 }
@@ -152,7 +153,8 @@ fn crowded(rng: &mut ChaCha8Rng, m: usize) -> (Vec<Vector6<f64>>, Vec<Distributi
     (columns, distributions.collect())
 }
 
-/// Largest deviations of the percentiles, the shares and the mean of a law from those of plain random draws.
+/// Largest deviations of the percentiles, the shares and the mean of a law from the values of plain random
+/// draws.
 #[derive(Debug, Default)]
 struct Deviations {
     percentile: f64,
@@ -161,11 +163,13 @@ struct Deviations {
 }
 
 impl Deviations {
-    /// Compares a law with sorted norms of random draws, with their own uncertainty, and remembers the deviations.
+    /// Compares a law with the sorted norms of random draws, allows for the uncertainty of the draws, and
+    /// records the deviations.
     fn compare(&mut self, law: &NormLaw<'_>, norms: &[f64], percentile: f64, what: &str) {
         let count = norms.len() as f64;
         for p in [0.5, 0.95, 0.99] {
-            // Plain draws know a percentile to one standard deviation of its rank; four are allowed.
+            // The uncertainty of a percentile of plain draws is one standard deviation of its rank. Four
+            // standard deviations are allowed.
             let rank = |by: f64| {
                 let at = p * count + by * (p * (1.0 - p) * count).sqrt();
                 norms[(at as usize).min(norms.len() - 1)]
@@ -187,7 +191,7 @@ impl Deviations {
     }
 }
 
-/// Polynomials of a normal variable have the variance and the excess kurtosis for which they are made.
+/// A polynomial of a normal variable has the requested variance and excess kurtosis.
 #[test]
 fn a_power_normal_variable_has_its_excess_kurtosis() {
     for kurtosis in [0.0, -0.01, -0.1, -0.3, -0.6] {
@@ -207,8 +211,8 @@ fn a_power_normal_variable_has_its_excess_kurtosis() {
     assert_eq!(PowerNormal::with_excess_kurtosis(f64::NAN).value(-2.5), -2.5);
 }
 
-/// Every mix in every number of components, each kind dominating in turn and with many parameters of any kind,
-/// agrees with plain random draws.
+/// Every mix of distributions agrees with plain random draws, for every number of components. Each kind of
+/// distribution dominates in turn, and some mixes have many parameters of any kind.
 #[test]
 fn percentiles_and_yields_of_random_mixes_agree_with_random_draws() {
     let mut rng = ChaCha8Rng::seed_from_u64(71);
@@ -238,7 +242,7 @@ fn percentiles_and_yields_of_random_mixes_agree_with_random_draws() {
     assert!(bounded.iter().chain(&normal).all(|count| *count > 3), "{bounded:?} {normal:?}");
 }
 
-/// Both methods agree where one hands over to the other.
+/// The two methods agree at the transition from one method to the other.
 #[test]
 fn the_methods_agree_where_no_bounded_parameter_dominates() {
     let mut rng = ChaCha8Rng::seed_from_u64(72);
@@ -273,8 +277,8 @@ fn normal_parameters_do_not_change_method() {
     }
 }
 
-/// The value that a search minimizes is the figure that a map shows, and no percentile is above the worst
-/// case of bounded parameters.
+/// A search minimizes the same figure that a map shows. No percentile exceeds the worst case of bounded
+/// parameters.
 #[test]
 fn the_search_and_the_map_use_the_same_figure_below_the_worst_case() {
     let mut rng = ChaCha8Rng::seed_from_u64(74);

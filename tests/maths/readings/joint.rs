@@ -10,7 +10,7 @@ use sweetspot::layout::Workcell;
 use sweetspot::reading::{Estimate, share_of};
 use sweetspot::units::m_from_mm;
 
-/// Each end of Wilson's interval is the share from which the observed one is 1.96 standard deviations away.
+/// At each end of Wilson's interval, the observed share differs from the end by 1.96 standard deviations.
 #[test]
 fn the_interval_of_a_share_solves_wilsons_equation() {
     for (count, samples) in [(0, 10), (10, 10), (3, 10), (950, 1000), (65_536, 65_536), (65_500, 65_536)] {
@@ -25,7 +25,7 @@ fn the_interval_of_a_share_solves_wilsons_equation() {
     }
 }
 
-/// Returns the cell of two operations with statistical reading, limits (mm) and errors of the equipment.
+/// Returns the cell with two operations, the statistical reading, limits (mm) and errors of the equipment.
 fn limited(limits: [f64; 2], errors: [Option<FrameErrors>; 2]) -> Workcell {
     let mut cell = shipped("hitachi_cell.toml");
     (cell.reading, cell.quantity, cell.model) = (Reading::Statistical, Quantity::P99, Model::Nonlinear);
@@ -37,8 +37,8 @@ fn limited(limits: [f64; 2], errors: [Option<FrameErrors>; 2]) -> Workcell {
     Workcell::new(cell).unwrap()
 }
 
-/// Returns the share of plain random arms that keep the limits: of both operations, of the first, of the
-/// second. An arm draws each parameter of the robot once, and each parameter of each fixture once.
+/// Returns the shares of plain random arms that keep the limits of both operations, of the first and of the
+/// second operation. For each arm, each parameter of the robot and of each fixture is drawn once.
 fn drawn(a: &Assessment<'_>, count: usize) -> [f64; 3] {
     let mut rng = ChaCha8Rng::seed_from_u64(81);
     let posed = [0, 1].map(|k| {
@@ -102,15 +102,15 @@ fn the_yield_of_a_cell_agrees_with_random_arms() {
             let scatter = 4.0 * (0.25 / count as f64).sqrt();
             near(estimate, share, scatter + 1e-3);
         }
-        // Bounds of Frechet and Bonferroni
+        // Bounds of Frechet and Bonferroni.
         assert!(together <= first.min(second) && together >= first + second - 1.0);
         let whole = a.cell_yield.unwrap();
         assert!(whole.low <= together && together <= whole.high && whole.high - whole.low < 0.01);
     }
 }
 
-/// With errors of the fixtures alone, which the operations do not share, the yields multiply. With errors of
-/// the robot alone, two equal operations keep their limits on the same arms.
+/// If only the fixtures have errors, which the operations do not share, the joint yield is the product of the
+/// yields. If only the robot has errors, two equal operations keep their limits on the same arms.
 #[test]
 fn shared_parameters_have_one_draw_and_others_are_independent() {
     let side = Spread { plus_minus: m_from_mm(3.0), distribution: Distribution::Uniform, sigmas: 3.0 };

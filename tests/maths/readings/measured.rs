@@ -11,7 +11,8 @@ use sweetspot::kinematic_error::{Perturbation, pose_error};
 use sweetspot::reading::{Budget, monte_carlo};
 use sweetspot::robot::{Chain, Frames};
 
-/// Parameters of a UR10 that a calibration identifies, with their values and sizes of their deviations.
+/// Returns parameters of a UR10 that a calibration identifies, each with its value and the size of its
+/// deviation.
 fn identified() -> [(Parameter, f64, f64); 7] {
     [
         (Parameter::Dl(1), 8e-4, 2e-4),
@@ -81,7 +82,7 @@ fn the_signed_reading_of_measured_errors_is_the_error_of_their_values() {
     }
 }
 
-/// The samples are drawn by the Cholesky factor of the covariance, without code of the program.
+/// The reference draws samples with the Cholesky factor of the covariance, without code of the program.
 #[test]
 fn statistics_of_measured_errors_agree_with_plain_monte_carlo() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -117,7 +118,7 @@ fn statistics_of_measured_errors_agree_with_plain_monte_carlo() {
     }
 }
 
-/// The worst case is at a corner about the measured values.
+/// The worst case is at a corner of the box around the measured values.
 #[test]
 fn the_worst_case_of_measured_errors_agrees_with_all_corners() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -151,7 +152,7 @@ fn the_worst_case_of_measured_errors_agrees_with_all_corners() {
             let budget = Budget::new(&evaluator, &alone(), &frames, &mut memory);
             let shares: f64 = budget.shares.iter().map(|s| s.of_worst).sum();
             assert!((shares - 1.0).abs() < 1e-9, "{shares}");
-            // The stated corner has the stated error.
+            // The reported corner has the reported error.
             evaluator.prepare(&alone(), &frames, &mut memory);
             let worst = evaluator.worst(&evaluator.sense, &alone(), &frames, &mut memory);
             let mut values = vec![0.0; evaluator.sources.list.len()];

@@ -33,7 +33,7 @@ pub fn near(value: f64, wanted: f64, absolute: f64) {
     assert!((value - wanted).abs() <= absolute, "{value} instead of {wanted}");
 }
 
-/// Returns `erf(x)` by its series, good to 1e-15 up to x = 3.
+/// Returns `erf(x)` by its series, which is accurate to 1e-15 up to x = 3.
 fn erf(x: f64) -> f64 {
     let (mut term, mut sum) = (x, x);
     for n in 1..80 {
@@ -313,7 +313,7 @@ fn the_mean_of_the_norm_agrees_with_the_table() {
     for (sd, mu, mean) in table {
         close(diagonal(sd, mu).mean(), mean, 1e-9);
     }
-    // Far from zero: |mu| + sd^2 (m - 1) / (2 |mu|), the next term is sd^4.
+    // Far from zero, the mean is |mu| + sd^2 (m - 1) / (2 |mu|); the next term is of order sd^4.
     close(diagonal(&[1e-3; 3], &[0.6, 0.8, 0.0]).mean(), 1.0 + 1e-6, 1e-9);
 }
 
@@ -367,7 +367,7 @@ fn the_figures_of_the_norm_do_not_depend_on_units_and_axes() {
             close(there.rms(), here.rms() * scale, 1e-12);
             near(there.cdf(1.3 * scale), here.cdf(1.3), 1e-12);
         }
-        // Householder's reflection turns the first m axes.
+        // A Householder reflection maps the first m axes to other axes.
         let v = vector(&[1.0, -2.0, 0.5, 3.0, 1.5, 0.7][..m]);
         let turn = Matrix6::identity() - v * v.transpose() * (2.0 / v.norm_squared());
         let cut = |g: &Vector6<f64>| Vector6::from_fn(|i, _| if i < m { g[i] } else { 0.0 });
@@ -378,8 +378,8 @@ fn the_figures_of_the_norm_do_not_depend_on_units_and_axes() {
     }
 }
 
-/// The correction of one component is Edgeworth's: densities times Hermite polynomials. A sum of uniform
-/// parameters has the sixth cumulant `100/21 gamma_k^2 g_k^6`.
+/// The correction of one component is Edgeworth's series: densities times Hermite polynomials. The sixth
+/// cumulant of a sum of uniform parameters is the sum of `100/21 gamma_k^2 g_k^6`.
 #[test]
 fn the_kurtosis_of_one_component_follows_edgeworths_series() {
     let columns = [vector(&[0.6]), vector(&[0.64]), vector(&[0.48])];
@@ -392,14 +392,14 @@ fn the_kurtosis_of_one_component_follows_edgeworths_series() {
         let sum = four / 24.0 * he[0] + six / 720.0 * he[1] + four * four / 1152.0 * he[2];
         near(norm.cdf(c), 2.0 * normal_cdf(c) - 1.0 - 2.0 * density(c) * sum, 1e-9);
     }
-    // With a mean only the first order is complete.
+    // With a mean, only the first order of the correction is complete.
     let small = [-1.2e-3, 0.0, -0.6e-3];
     for mu in [0.2, 1.0, 2.0, 5.0, 50.0] {
         let norm = NormDistribution::new(1, &columns, &small, &vector(&[mu]));
         let f = |x: f64| normal_cdf(x) - four * 1e-3 / 24.0 * (x * x * x - 3.0 * x) * density(x);
         for d in [-1.5, -0.3, 0.4, 1.2, 2.2] {
             let c: f64 = mu + d;
-            // The series of erf ends at 3, and the far side at 6.5 deviations.
+            // The series of erf is accurate up to 3, and the far side is negligible beyond 6.5 deviations.
             if c > 0.0 && (c + mu < 4.2 || c + mu > 6.5) {
                 let far_side = if c + mu < 4.2 { f(-c - mu) } else { 0.0 };
                 near(norm.cdf(c), f(d) - far_side, 2e-8);
@@ -408,14 +408,15 @@ fn the_kurtosis_of_one_component_follows_edgeworths_series() {
     }
 }
 
-/// A parameter that is normal with variance 1 - a, 1, 1 + a in one, four, one of six cases has the fourth
-/// cumulant a^2 and no sixth, eighth or tenth. The exact distribution is a mean of three.
+/// A parameter is a mixture of normal laws with the variances 1 - a, 1 and 1 + a and the weights 1/6, 4/6 and
+/// 1/6. The fourth cumulant of this parameter is a^2, and the cumulants six to ten are 0. The exact
+/// distribution is the weighted mean of three laws.
 #[test]
 fn the_kurtosis_of_several_components_follows_a_mixture() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for round in 0..60 {
         let m = 2 + round % 5;
-        // With a mean the second order is incomplete.
+        // With a mean, the second order of the correction is incomplete.
         let size = [0.0, 0.5, 5.0][round % 3];
         let (a, tolerance): (f64, f64) = if size == 0.0 { (0.3, 1.5e-5) } else { (0.05, 1e-7) };
         let mut columns = random(&mut rng, m, m + 2);
@@ -528,7 +529,7 @@ fn the_norm_far_from_zero_is_normal() {
     }
 }
 
-/// The parabola hands over to the hyperbola without a jump.
+/// The figures have no jump at the transition from the parabola to the hyperbola.
 #[test]
 fn the_figures_of_the_norm_are_continuous_in_the_mean() {
     for m in 1..=6 {
@@ -575,8 +576,8 @@ fn the_figures_of_the_norm_are_finite_and_ordered() {
     }
 }
 
-/// The lower bound of a figure is below the exact figure of random covariances, with and without a mean. Without a mean
-/// it is near.
+/// The lower bound of a figure is below the exact figure for random covariances, with and without a mean.
+/// Without a mean, the bound is close to the figure.
 #[test]
 fn the_bound_of_a_centred_vector_is_below_the_exact_figure() {
     let mut rng = ChaCha8Rng::seed_from_u64(16);

@@ -3,7 +3,7 @@
 use sweetspot::reading::normal_quantile::normal_quantile;
 
 /// Quantiles of the standard normal distribution. Abramowitz and Stegun, Handbook of Mathematical Functions,
-/// table 26.5, give the first digits; mpmath gives the others.
+/// table 26.5, give the first digits, and mpmath gives the other digits.
 const PUBLISHED: [(f64, f64); 8] = [
     (0.75, 0.674_489_750_196_081_7),
     (0.9, 1.281_551_565_544_600_4),

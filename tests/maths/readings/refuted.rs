@@ -1,4 +1,4 @@
-//! Tests what happens where samples refute first-order figures: the samples take their place everywhere.
+//! Tests that samples replace the first-order figures everywhere if the samples refute these figures.
 
 use crate::common::shipped;
 use crate::readings::norm::near;
@@ -47,7 +47,7 @@ fn figures_of_samples_replace_refuted_ones_in_every_report() {
             assert_eq!(check.confirmed, holds);
             near(check.samples.p95.value, a.samples[0].as_ref().unwrap().p95.value, 1e-12);
         }
-        // A bound of first-order figures says nothing about figures of samples.
+        // A bound of first-order figures does not hold for figures of samples.
         let proof = prove(&workcell, &ProofOptions::default(), &AtomicBool::new(false));
         assert_eq!(proof.covers, Covers::Everything);
         let (proven, gap) = a.proven(&proof);

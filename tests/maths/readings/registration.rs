@@ -1,5 +1,6 @@
-//! Tests what a taught frame, a fitted base and a relative operation remove from the error, against what must
-//! vanish and against other computations. The fit itself is tested in best_fit.rs.
+//! Tests the part of the error that a taught frame, a fitted base and a relative operation remove. The
+//! references are errors that must vanish and independent computations. The file best_fit.rs tests the fit
+//! itself.
 
 use crate::common::{cases, shipped};
 use crate::readings::bench::*;
@@ -43,8 +44,8 @@ fn reachable(rng: &mut ChaCha8Rng, robot: &Robot) -> Frames {
     frames_at(robot, &random_joints(rng, robot))
 }
 
-/// A frame is taught at three postures. Its rule leaves no error at the origin, an error only along the line
-/// at the second, and only in the plane at the third.
+/// A frame is taught at three postures. The rule leaves no error at the origin, an error along the line at
+/// the second point, and an error in the plane at the third point.
 #[test]
 fn a_taught_frame_leaves_the_error_of_its_rule() {
     let mut rng = ChaCha8Rng::seed_from_u64(51);
@@ -52,7 +53,7 @@ fn a_taught_frame_leaves_the_error_of_its_rule() {
         let mut cell = all_wrong(&mut rng);
         cell.registration = Registration::Taught;
         let chain = Chain::new(&cell.robot);
-        // The triangle is one that a person would teach.
+        // The triangle is as high as a triangle that an operator would teach.
         let mut postures = [0, 1, 2].map(|_| reachable(&mut rng, &cell.robot));
         let height = |p: &[Frames; 3]| {
             let [a, b, c] = [0, 1, 2].map(|k| p[k].tcp.translation);
@@ -87,8 +88,8 @@ fn a_taught_frame_leaves_the_error_of_its_rule() {
     }
 }
 
-/// Errors of base and fixture move everything alike: a taught frame does not see them, and a fitted base does
-/// not see the base.
+/// Errors of base and fixture move everything rigidly. They cancel with a taught frame, and errors of the
+/// base cancel with a fitted base.
 #[test]
 fn rigid_errors_cancel_in_a_relative_error() {
     let mut rng = ChaCha8Rng::seed_from_u64(52);
@@ -116,7 +117,7 @@ fn rigid_errors_cancel_in_a_relative_error() {
                     let bound = if model == Model::SecondOrder { 1e-6 } else { 1e-12 };
                     assert!(p.error.norm() < bound, "{registration:?} {model:?}: {}", p.error);
                     let most = p.figures.iter().map(|f| f.worst_linear.max(f.p95)).fold(0.0, f64::max);
-                    // The second-order mean remains, since registration is of first order.
+                    // The second-order mean remains, because registration is computed to first order.
                     assert!(most < 1e-4, "{registration:?} {model:?}: {most}");
                 }
             }
@@ -130,8 +131,8 @@ fn homogeneous(pose: &Pose) -> Matrix4<f64> {
     t
 }
 
-/// Pick and place are products of 4 x 4 matrices: the part is gripped where the pick is wrong, and the
-/// gripper is wrong again where it is placed.
+/// The reference for pick and place is a product of 4 x 4 matrices. The error of the pick changes the grip of
+/// the part, and the error of the place acts on the gripper again.
 #[test]
 fn the_relative_error_is_the_error_of_the_placed_part() {
     let mut rng = ChaCha8Rng::seed_from_u64(54);
@@ -153,7 +154,7 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
         let values = evaluator.sources.signed();
         let mut memory = evaluator.memory();
         let got = evaluator.error_of(&values, &situation, &q, Model::Nonlinear, &mut memory);
-        // T2' (T1'^-1 T1) is the pose of the part, T2 the intended one.
+        // T2' (T1'^-1 T1) is the pose of the placed part, and T2 is the intended pose.
         let [t1, t2] = [&p, &q].map(|f| homogeneous(&f.tcp));
         let [wrong1, wrong2] =
             [&pick, &place].map(|q| crate::kinematics::product::tcp(&cell.robot, q, &errors, 1.0));
@@ -162,7 +163,8 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
         let turn = (part * t2.try_inverse().unwrap()).fixed_view::<3, 3>(0, 0).into_owned();
         assert!((got.position - position).norm() < 1e-12, "{}", got.position - position);
         assert!((Rotation3::new(got.rotation).into_inner() - turn).norm() < 1e-12);
-        // Both agree to first order and vanish at the same posture.
+        // The linear and the nonlinear error agree to first order. If pick and place are at the same posture,
+        // the error vanishes.
         let linear = evaluator.error_of(&values, &situation, &q, Model::Linear, &mut memory);
         let off = (linear.position - position).norm();
         assert!(off < 5e-4, "{off}");
@@ -171,7 +173,7 @@ fn the_relative_error_is_the_error_of_the_placed_part() {
     }
 }
 
-/// A displaced fixture shifts the error, seen from the displaced work.
+/// A displaced fixture changes the error, which is measured relative to the displaced work.
 #[test]
 fn fixture_errors_match_hand_calculation() {
     let mut cell = shipped("hitachi_paper.toml");
@@ -205,14 +207,14 @@ fn fixture_errors_match_hand_calculation() {
         let work = Vector3::new(0.0, 1e-3, 0.0) + Vector3::new(0.0, 0.0, 2e-3).cross(&at);
         assert!((p.error + work).norm() < 1e-15, "{} {}", p.error, work);
         assert!((p.rotation + Vector3::new(0.0, 0.0, 2e-3)).norm() < 1e-15);
-        // As tolerances the two add up.
+        // As tolerances, the errors of robot and fixture add up.
         let worst = p.figures[4].worst_linear;
         assert!((worst - work.norm().max((work - Vector3::new(0.0, 2e-3, 0.0)).norm())).abs() < 1e-14);
     }
 }
 
-/// A fixture that is off in all components moves the work by `W Trans Rz Ry Rx W^-1`, where W is the nominal
-/// frame of the work; the error is the inverse motion of the TCP.
+/// A fixture with errors in all components moves the work by `W Trans Rz Ry Rx W^-1`, where W is the nominal
+/// frame of the work. The error is the inverse motion of the TCP.
 #[test]
 fn all_components_of_a_fixture_error_act_in_their_stated_order() {
     let mut cell = shipped("hitachi_paper.toml");
@@ -241,8 +243,8 @@ fn all_components_of_a_fixture_error_act_in_their_stated_order() {
     assert!(seen > 70, "{seen}");
 }
 
-/// A surface on which no three points can be touched has no taught frame, and the layout has no value. A part
-/// that cannot be picked cannot be placed.
+/// If no three points of a surface can be touched, the surface has no taught frame, and the layout has no
+/// value. A part that cannot be picked cannot be placed.
 #[test]
 fn a_frame_that_cannot_be_taught_is_reported() {
     let mut cell = shipped("hitachi_paper.toml");

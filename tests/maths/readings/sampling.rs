@@ -8,10 +8,11 @@ use sweetspot::cell::*;
 use sweetspot::reading::{Figures, MonteCarlo, monte_carlo};
 use sweetspot::units::rad_from_deg;
 
-/// Samples of each posture.
+/// Number of samples of each posture.
 const SAMPLES: usize = 1 << 20;
 
-/// Returns five robots: the paper's, two of six axes, random ones of seven and of five with slides.
+/// Returns five robots: the paper's robot, two robots with six axes, and two random robots with seven axes
+/// and with five axes and slides.
 fn robots(rng: &mut ChaCha8Rng) -> Vec<Robot> {
     let paper = shipped("hitachi_paper.toml").robot;
     let mut seven = random_robot(rng, 7);
@@ -36,7 +37,7 @@ fn percentiles_and_yields_of_five_robots_agree_with_monte_carlo() {
     let (mut inside, mut all) = (0, 0);
     for (first, robot) in robots(&mut rng).into_iter().enumerate() {
         for k in first..first + cases(1, 20) {
-            // Good arms have 0.2 mm and 0.03 degrees at three sigma.
+            // Good arms have tolerances of 0.2 mm and 0.03 degrees (three standard deviations).
             let sizes = (2e-4, rad_from_deg(0.03));
             let wrong = 3 * robot.axes() + k % 4;
             let tolerance = random_tolerance(&mut rng, robot.axes(), wrong, sizes, &[Distribution::Normal]);
@@ -51,7 +52,7 @@ fn percentiles_and_yields_of_five_robots_agree_with_monte_carlo() {
             cell.operations[0].limit = Some(judged.figures[typical.own()].rms * 1.3);
             let (first, success, sampled) = both(&cell, &q, k as u64);
             let what = format!("{} posture {k}: {first:?} {success} {sampled:?}", cell.robot.name);
-            // A 95 % interval covers 95 % under the nonlinear model.
+            // Under the nonlinear model, about 5 % of the samples exceed the computed 95th percentile.
             assert!((0.045..=0.055).contains(&sampled.above.value), "{what}");
             let pairs = [
                 (sampled.rms, first.rms),
@@ -61,8 +62,8 @@ fn percentiles_and_yields_of_five_robots_agree_with_monte_carlo() {
                 (sampled.success.unwrap(), success),
             ];
             for (interval, figure) in pairs {
-                // Plain sampling would know a figure to about 0.1 %; quasi-random points know it better
-                // than the theory's third order.
+                // Plain sampling would give a figure to about 0.1 %. With quasi-random points, the sampling
+                // error is smaller than the neglected terms of third order.
                 let slack = 5e-4 * interval.value;
                 let within = (interval.low..=interval.high).contains(&figure);
                 let half = (interval.high - interval.low) / 2.0;
@@ -88,9 +89,9 @@ fn dominated(rng: &mut ChaCha8Rng, axes: usize, count: usize, first: Distributio
     tolerance
 }
 
-/// On random chains with any mix of distributions, each kind dominating in turn, the statistical reading
-/// agrees with a million samples of the nonlinear model: percentiles within 1 %, yields within 0.5 points.
-/// No percentile is above the worst case of bounded parameters.
+/// On random chains with any mix of distributions, of which each kind dominates in turn, the statistical
+/// reading agrees with a million samples of the nonlinear model. Percentiles agree within 1 %, and yields
+/// within 0.5 percentage points. No percentile is above the worst case of bounded parameters.
 #[test]
 fn a_dominating_parameter_of_any_distribution_keeps_the_figures_right() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);

@@ -10,7 +10,7 @@ use sweetspot::cell::*;
 use sweetspot::reading::{Budget, Figures, MonteCarlo, monte_carlo};
 use sweetspot::units::rad_from_deg;
 
-/// Sets a covariance over lengths and angles, some of them nearly one: `B B^T` of random B.
+/// Sets the covariance `B B^T` of a random matrix B over lengths and angles. Some correlations are nearly 1.
 fn correlated(rng: &mut ChaCha8Rng, robot: &Robot, tolerance: &mut Tolerance) -> DMatrix<f64> {
     let n = robot.axes();
     let parameters = vec![0, PER_LINK + 1, PER_LINK + 2, 2 * PER_LINK + 3, PER_LINK * n + 4, PER_LINK * n];
@@ -83,8 +83,9 @@ fn a_covariance_is_propagated_to_the_tool() {
     }
 }
 
-/// Percentiles follow the shape of uniform and triangular parameters, which a normal of the same covariance
-/// misses. No parameter may make a quarter of the variance: the shape would be that of this one alone.
+/// Percentiles depend on the shape of uniform and triangular distributions, which a normal law of equal
+/// covariance misses. No parameter may contribute a quarter of the variance, because its shape alone would
+/// then dominate.
 #[test]
 fn the_distributions_of_the_parameters_matter() {
     let mut rng = ChaCha8Rng::seed_from_u64(62);
@@ -126,8 +127,8 @@ fn one_uniform_parameter_keeps_its_distribution() {
     assert!((first.mean - 0.5e-3).abs() < 1e-8 && sampled.confirms(&first), "{first:?}");
 }
 
-/// A large turn moves the tool along an arc, not along its tangent: the samples refute the first-order
-/// figures, and replace them.
+/// A large rotation moves the tool along an arc, not along its tangent. The samples therefore refute and
+/// replace the first-order figures.
 #[test]
 fn monte_carlo_can_refute_the_first_order_figures() {
     let cell = with_one_error(0, Spread { plus_minus: 3.0, distribution: Distribution::Normal, sigmas: 3.0 });
@@ -139,7 +140,7 @@ fn monte_carlo_can_refute_the_first_order_figures() {
     assert!(sampled.check(Quantity::P95, &mut first, &mut success, &mut value));
 }
 
-/// Returns a cell of a random arm of which only one parameter errs.
+/// Returns a cell with a random arm in which only one parameter has an error.
 fn with_one_error(parameter: usize, spread: Spread) -> Cell {
     let mut rng = ChaCha8Rng::seed_from_u64(63);
     let mut robot = random_robot(&mut rng, 4);
@@ -161,7 +162,8 @@ fn first_and_sampled(cell: &Cell) -> (Figures, MonteCarlo) {
     (first, monte_carlo(&evaluator, &alone(), &frames, 1 << 16, 3, first.p95))
 }
 
-/// The parts of the linear worst case are those of its corner, and the terms add up to the error.
+/// The budget of the linear worst case consists of the terms at its corner, and these terms add up to the
+/// error.
 #[test]
 fn the_error_budget_adds_up() {
     let mut rng = ChaCha8Rng::seed_from_u64(64);
@@ -182,7 +184,7 @@ fn the_error_budget_adds_up() {
             assert!((share.term - want[place]).norm() < 1e-12, "{:?}", share.parameter);
             assert!((share.alone - want[place].norm()).abs() < 1e-12);
         }
-        // Each share is the slope of the worst case by its tolerance.
+        // Each share is the slope of the worst case with respect to its tolerance.
         let (first, h) = (&budget.shares[0], 1e-6);
         let mut tighter = cell.clone();
         if let ErrorSet::Tolerance(t) = &mut tighter.robot.errors[0] {

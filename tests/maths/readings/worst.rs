@@ -1,4 +1,4 @@
-//! Tests the worst case through the whole pipeline against every corner of the tolerance box.
+//! Tests the worst case of complete evaluations against every corner of the tolerance box.
 
 use crate::common::{cases, shipped};
 use crate::kinematics::product::{no_errors, tcp};
@@ -12,7 +12,7 @@ use sweetspot::kinematic_error::{Perturbation, position_error};
 use sweetspot::robot::Chain;
 use sweetspot::units::mm_from_m;
 
-/// Returns a sample in which one parameter alone is wrong by 1.
+/// Returns a sample in which one parameter has the error 1 and all others have none.
 pub fn unit(axes: usize, parameter: Parameter) -> SignedErrors {
     let mut e = no_errors(axes);
     match parameter {
@@ -44,7 +44,8 @@ pub fn columns(robot: &Robot, q: &JointVector, tolerance: &Tolerance) -> Vec<Vec
         .collect()
 }
 
-/// Returns the largest size over all corners, one flip after another (Gray code).
+/// Returns the largest size over all corners, which are visited in Gray code order, one sign change at a
+/// time.
 fn brute(columns: &[Vector3<f64>], keep: &Matrix3<f64>) -> f64 {
     let kept: Vec<Vector3<f64>> = columns.iter().map(|c| keep * c).collect();
     let mut signs = vec![1.0; kept.len()];
@@ -67,7 +68,7 @@ fn the_worst_case_of_random_chains_agrees_with_every_corner() {
     for k in 0..200 {
         let axes = 1 + k % 8;
         let robot = random_robot(&mut rng, axes);
-        // Some cases have all 2^16 corners, the others fewer.
+        // Some cases have 2^16 corners, and the others have fewer.
         let wrong = if k % 20 == 0 { 16 } else { rng.random_range(1..=12) };
         let tolerance = random_tolerance(&mut rng, axes, wrong, (2e-3, 2e-2), &[Distribution::Normal]);
         let q = random_joints(&mut rng, &robot);
@@ -87,7 +88,7 @@ fn the_worst_case_of_random_chains_agrees_with_every_corner() {
                 "{k} {name}: {} {want}",
                 worst.linear
             );
-            // The corner attains it.
+            // The reported corner attains the worst case.
             let at: Vector3<f64> = columns.iter().zip(&worst.corner).map(|(c, s)| keep * c * *s).sum();
             assert!((at.norm() - want).abs() <= 1e-12 * scale, "{k} {name}: corner {} {want}", at.norm());
         }
@@ -108,7 +109,8 @@ fn the_worst_case_of_table_3_at_the_initial_position_is_exact() {
         let mut memory = evaluator.memory();
         evaluator.prepare(&alone(), &frames, &mut memory);
         let worst = evaluator.worst(&evaluator.sense, &alone(), &frames, &mut memory).linear;
-        // The RSS of the tolerances is three times the RMS at 3 sigma.
+        // The root sum square of the tolerances is three times the RMS, because a tolerance is three standard
+        // deviations.
         (
             mm_from_m(worst),
             3.0 * mm_from_m(evaluator.norm(&evaluator.sense, &alone(), &frames, &mut memory).rms()),
@@ -133,15 +135,16 @@ const SENSES: [(&str, [f64; 3]); 5] = [
     ("z", [0.0, 0.0, 1.0]),
 ];
 
-/// No corner exceeds the nonlinear worst case by more than the polish can miss. With tolerances of the paper
-/// it misses nothing.
+/// No corner exceeds the nonlinear worst case by more than the final local search can miss. With the
+/// tolerances of the paper, the search misses nothing.
 #[test]
 fn the_nonlinear_worst_case_agrees_with_every_corner() {
     let mut rng = ChaCha8Rng::seed_from_u64(32);
     let mut cell = shipped("hitachi_paper.toml");
     (cell.reading, cell.model) = (Reading::WorstCase, Model::Nonlinear);
     for k in 0..cases(40, 300) {
-        // The error sets are Tables 2 and 3. In the plane, corners tie in the linear model.
+        // The error sets are Tables 2 and 3. In the plane, several corners have equal values in the linear
+        // model.
         let (sense, kept) = SENSES[k / 2 % 5];
         (cell.errors, cell.operations[0].sense) = (k % 2, Sense::plain(sense).unwrap());
         let evaluator = gauge_of(&cell);

@@ -9,7 +9,8 @@ use sweetspot::reading::zonotope::*;
 
 type Set<const M: usize> = Vec<SVector<f64, M>>;
 
-/// Returns the farthest of all corners in Gray order, with a fresh sum at every 64th.
+/// Returns the distance of the farthest corner. The corners are visited in Gray code order, and every 64th
+/// sum is computed afresh.
 fn brute<const M: usize>(set: &Set<M>) -> f64 {
     let mut best = 0.0;
     let mut sum = SVector::<f64, M>::zeros();
@@ -41,7 +42,7 @@ fn solve<const M: usize>(set: &Set<M>, scratch: &mut ZonotopeScratch) -> (Farthe
     (found, signs)
 }
 
-/// Returns generators cut, or filled up with zeros.
+/// Returns the generators truncated to `K` components, or extended with zeros.
 fn resized<const M: usize, const K: usize>(set: &Set<M>) -> Set<K> {
     set.iter().map(|g| SVector::from_fn(|d, _| if d < M { g[d] } else { 0.0 })).collect()
 }
@@ -50,7 +51,7 @@ fn assert_close(a: f64, b: f64, tolerance: f64, what: &str) {
     assert!((a - b).abs() <= tolerance * b.abs(), "{what}: {a:e} instead of {b:e}");
 }
 
-/// Checks every promise about a result but that it is the farthest.
+/// Checks every documented property of a result, except that the vertex is the farthest.
 fn check_promises<const M: usize>(set: &Set<M>, scratch: &mut ZonotopeScratch, what: &str) -> Farthest {
     let (found, signs) = solve(set, scratch);
     assert!(found.value.is_finite() && found.upper >= found.value, "{what}: {found:?}");
@@ -92,7 +93,7 @@ fn spoil<const M: usize>(set: &mut Set<M>, rng: &mut ChaCha8Rng, by: f64) {
     }
 }
 
-/// Returns sums of a few directions: the rank is below the dimension, the position general otherwise.
+/// Returns random combinations of a few directions, so the rank is below the dimension.
 fn of_rank<const M: usize>(rng: &mut ChaCha8Rng, n: usize, rank: usize) -> Set<M> {
     let basis = random::<M>(rng, rank);
     (0..n).map(|_| basis.iter().map(|b| b * rng.random_range(-1.0..1.0)).sum()).collect()
@@ -104,7 +105,7 @@ fn bundles<const M: usize>(rng: &mut ChaCha8Rng, n: usize, directions: usize) ->
     (0..n).map(|k| basis[k % directions] * rng.random_range(-2.0..2.0)).collect()
 }
 
-/// Returns one kind of set after another, `n` generators each.
+/// Returns one set of `n` generators of each kind.
 fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str, Set<M>)> {
     let mut sets = vec![("general", random(rng, n)), ("collinear", bundles(rng, n, 1))];
     sets.push(("two directions", bundles(rng, n, 2)));
@@ -133,7 +134,8 @@ fn families<const M: usize>(rng: &mut ChaCha8Rng, n: usize) -> Vec<(&'static str
     sets.push(("equal length", random::<M>(rng, n).iter().map(|g| g.normalize()).collect()));
     let cube = |k: usize| SVector::from_fn(|d, _| f64::from(d == k % M));
     sets.push(("cube", (0..n).map(cube).collect()));
-    // Grid vectors make every sum exact and ties frequent: edges of cube, octahedron and others.
+    // With vectors of a grid, every sum is exact and ties are frequent, as for the edges of a cube or an
+    // octahedron.
     let step = |rng: &mut ChaCha8Rng| f64::from(rng.random_range(-1..=1));
     sets.push(("grid", (0..n).map(|_| SVector::from_fn(|_, _| step(rng))).collect()));
     sets
@@ -194,7 +196,8 @@ fn sixteen_generators_agree_with_all_corners() {
     }
 }
 
-/// A planar arm has effects in a plane and along its normal, at any orientation in space.
+/// The effects of a planar arm lie in a plane or along its normal. The plane may have any orientation in
+/// space.
 #[test]
 fn a_perpendicular_generator_adds_as_pythagoras() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -236,7 +239,7 @@ fn simple_zonotopes_match_hand_calculation() {
     assert_eq!(farthest_6(&[], &mut scratch, &mut []).upper, 0.0);
 }
 
-/// Sets with too many corners to enumerate: three methods agree.
+/// For sets with too many corners to enumerate, three methods agree.
 #[test]
 fn both_methods_agree_on_many_generators() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -246,7 +249,7 @@ fn both_methods_agree_on_many_generators() {
         let found = check_promises(&flat, &mut scratch, "2-D").value;
         let lifted: Set<3> = flat.iter().map(|g| Vector3::new(g.x, 0.6 * g.y, 0.8 * g.y)).collect();
         assert_close(check_promises(&lifted, &mut scratch, "lifted").value, found, 1e-12, "2-D in 3-D");
-        // The bend is too small to see, but large enough to prevent the split.
+        // The bend does not change the result noticeably, but prevents the set from being split.
         let bent: Set<3> = lifted.iter().map(|g| g + Vector3::x() * rng.random_range(0.0..1e-13)).collect();
         assert_close(check_promises(&bent, &mut scratch, "bent").value, found, 1e-12, "2-D nearly in 3-D");
         let solid = random::<3>(&mut rng, n);
@@ -257,7 +260,8 @@ fn both_methods_agree_on_many_generators() {
     }
 }
 
-/// Thirty generators of a full robot are solved exactly: no corner of many random ones is farther.
+/// The zonotope of the thirty generators of a robot is solved exactly: none of many random corners is
+/// farther.
 #[test]
 fn six_dimensional_zonotopes_of_a_robot_are_exact() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);
@@ -277,7 +281,7 @@ fn six_dimensional_zonotopes_of_a_robot_are_exact() {
     }
 }
 
-/// Invalid numbers give invalid results, but no panic.
+/// NaN and infinity give invalid results, but no panic.
 #[test]
 fn the_worst_case_handles_nan_and_infinity() {
     let mut scratch = ZonotopeScratch::default();
