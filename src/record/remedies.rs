@@ -36,7 +36,7 @@ pub struct RemediesDocument {
     pub remedies: Vec<RemedyEntry>,
     /// Remedies that are each sufficient alone; empty if no remedy helps.
     pub advised: Vec<Remedy>,
-    /// Advice in one sentence.
+    /// Advice in words.
     pub advice: String,
 }
 
@@ -107,7 +107,7 @@ pub fn remedy_name(remedy: Remedy) -> &'static str {
     }
 }
 
-/// Returns the advice in one sentence, or in two sentences if a remedy brings no improvement.
+/// Returns the advice in words, with a last sentence if a remedy brings no improvement.
 fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
     let unit = remedies.layout(Remedy::AsDrawn).cell.unit();
     let value = |remedy| match remedies.objective(remedy) {
@@ -124,34 +124,38 @@ fn advice(remedies: &Remedies<'_>, can_move: bool) -> String {
             "Neither calibrating nor moving lowers the error by 1 % or more.".into()
         }
         ([Remedy::Calibrated, Remedy::Moved, ..], _) => format!(
-            "Calibrate or move: each alone keeps every limit; calibrating takes the error {}, and moving takes it to {}.",
+            "Calibrate or move: each alone keeps every limit. Calibrating changes the error {}, and moving \
+             changes the error to {}.",
             to(Remedy::Calibrated),
             value(Remedy::Moved)
         ),
         ([Remedy::Calibrated, ..], true) => {
             format!(
-                "Calibrate: this alone keeps every limit, and takes the error {}.",
+                "Calibrate: calibrating alone keeps every limit, and changes the error {}.",
                 to(Remedy::Calibrated)
             )
         }
         ([Remedy::Calibrated, ..], false) => {
             format!(
-                "Calibrate: this takes the error {}, and moving the equipment as well would lower it by less than 1 % more.",
+                "Calibrate: calibrating changes the error {}. Moving the equipment as well would lower the \
+                 error by less than 1 % more.",
                 to(Remedy::Calibrated)
             )
         }
         ([Remedy::Moved, ..], true) => {
             format!(
-                "Move the equipment: this alone keeps every limit, and takes the error {}.",
+                "Move the equipment: moving alone keeps every limit, and changes the error {}.",
                 to(Remedy::Moved)
             )
         }
         ([Remedy::Moved, ..], false) => format!(
-            "Move the equipment: this takes the error {}, and calibrating as well would lower it by less than 1 % more.",
+            "Move the equipment: moving changes the error {}. Calibrating as well would lower the error by \
+             less than 1 % more.",
             to(Remedy::Moved)
         ),
         ([Remedy::Both, ..], _) => format!(
-            "Do both: this takes the error {}; calibrating alone gives {}, moving alone {}.",
+            "Do both: calibrating and moving together change the error {}; calibrating alone gives {}, \
+             moving alone {}.",
             to(Remedy::Both),
             value(Remedy::Calibrated),
             value(Remedy::Moved)

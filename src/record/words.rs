@@ -89,7 +89,7 @@ pub fn caveats(cell: &Cell) -> Vec<String> {
         (!pick.over.needs_every_node()).then(|| {
             let [place, pick] = [&place.name, &pick.name].map(|name| shown(name));
             format!(
-                "{place} is relative to {pick}. The spot of {pick} is chosen first, for its own least error. Choosing both spots together may lower the objective, but not below its value with an error of 0 at {place}"
+                "{place} is relative to {pick}. The spot of {pick} is chosen first, so that the error of {pick} is least. Choosing both spots together may lower the objective, but not below the objective with an error of 0 at {place}"
             )
         })
     }));

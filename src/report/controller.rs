@@ -42,7 +42,7 @@ const RAPID: [&str; 4] = [
 const URSCRIPT: [&str; 4] = [
     "Poses p[x, y, z, rx, ry, rz]: positions in m, rotation vectors in rad.",
     "The values are relative to the base feature of the controller. The frame base_link of ROS is rotated by 180",
-    "degrees about z relative to it.",
+    "degrees about z relative to the base feature.",
     "A spot is the pose of the TCP in the feature: pose_trans(feature_NAME, spot_NAME) is the pose in the base.",
 ];
 /// Convention of FANUC user frames, as comment lines.
@@ -52,7 +52,7 @@ const FANUC: [&str; 6] = [
     "of axis J2, not at the foot of the robot: subtract the height of that origin in the base frame from each Z.",
     "Enter the values by hand: MENU, SETUP, Frames, User Frame, DETAIL, METHOD, Direct Entry.",
     "A spot is the frame of the TCP in the user frame on which the operation happens; the configuration of the",
-    "joints is not part of it.",
+    "joints is not part of the frame.",
 ];
 
 /// Returns the file of a controller. All characters are ASCII.

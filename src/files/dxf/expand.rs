@@ -138,7 +138,7 @@ impl BlockWalk<'_> {
         };
         if self.inside.contains(&name) {
             let message = format!("the block `{}` contains itself", shown(&block.name));
-            return Err(DxfFault::new(line, message, "explode the block, or draw it anew"));
+            return Err(DxfFault::new(line, message, "explode the block, or redraw it"));
         }
         if self.inside.len() == MAX_DEPTH {
             let message = format!("blocks are nested more than {MAX_DEPTH} deep");

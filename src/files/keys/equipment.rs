@@ -21,7 +21,7 @@ key_table! {
         FROM = from("\"equipment/worktable.toml\"");
         SCHEMA = schema("sweetspot/equipment/1");
         UNITS = super::UNITS;
-        NAME = text("name", "Name of the equipment for readers of its file; messages use the name of the table in the cell file.");
+        NAME = text("name", "Name of the equipment for readers of the file; messages use the name of the table in the cell file.");
         SOURCE = super::SOURCE;
         SURFACE = table("surface", &rectangle::TABLE, "Work surface: a rectangle at height 0 of the frame of the equipment.").example("{ size_mm = [1500, 700] }");
         FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space that nothing else may use at the heights of the solids, or at any height if there are no solids. If left out, it is the rectangle that covers the solids and the surface.").example("{ size_mm = [600, 600] }").remedy("add footprint = { size_mm = [600, 600] }");
@@ -34,7 +34,7 @@ key_table! {
     equipment, "a piece of equipment", "Equipment: work surface, solids, floor space and placement.", {
         PLACEMENT = table("placement", &placement::TABLE, "Placement in the world, or in the frame of the equipment that it stands on.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
         STANDS_ON = text("stands_on", "Equipment that carries this piece. The piece moves with its carrier, and its placement is in the frame of the carrier.").example("\"worktable\"");
-        TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement: the layout must work everywhere within it. If left out, it is 2 mm and 0.2 degrees for equipment that a search places.").example("{ x_mm = 2, y_mm = 2 }");
+        TOLERANCE = table("placement_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement: the layout must work everywhere within this tolerance. If left out, it is 2 mm and 0.2 degrees for equipment that a search places.").example("{ x_mm = 2, y_mm = 2 }");
         ERRORS = table("errors", &errors_of_equipment::TABLE, "Errors of the placement or the fixture, in the frame of the equipment.");
     }
     extends super::body::TABLE;
@@ -65,7 +65,7 @@ fn dxf() -> Value {
 }
 
 key_table! {
-    obstacle, "an obstacle", "Obstacle: fixed in the world, with no work done on it.", {
+    obstacle, "an obstacle", "Obstacle: fixed in the world; no operation happens on it.", {
         PLACEMENT = table("placement", &fixed_placement::TABLE, "Placement in the world; for a floor plan, the placement of the origin of the drawing.").required().remedy("add placement = { x_mm = 0, y_mm = 1000, z_mm = 600 }");
         PLAN = table("plan", &plan::TABLE, "Floor plan whose closed outlines are obstacles; each convex part of an outline is one obstacle.").example("{ file = \"hall.dxf\", layers = [\"COLUMNS\"], height_mm = 3000 }");
     }

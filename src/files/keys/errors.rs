@@ -134,16 +134,16 @@ key_table! {
 key_table! {
     distribution, "`distribution`", "Distributions of the plus-or-minus values of the D-H rows and the frames.", {
         DEFAULT = word::<Distribution>("default", "Distribution of all errors whose key is left out.").default(Literal::Word(Distribution::Normal.name()));
-        DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one for each joint.");
-        DR = Key::new("dr", BY_JOINT, "Distribution of dr_mm: one word, or a list with one for each joint.");
-        DL = Key::new("dl", BY_JOINT, "Distribution of dl_mm: one word, or a list with one for each joint.");
-        DALPHA = Key::new("dalpha", BY_JOINT, "Distribution of dalpha_deg: one word, or a list with one for each joint.");
-        DBETA = Key::new("dbeta", BY_JOINT, "Distribution of dbeta_deg: one word, or a list with one for each joint.");
-        BASE = Key::new("base", BY_COMPONENT, "Distribution of the errors of the base frame: one word, or six for x, y, z and the rotations about them.");
-        TOOL = Key::new("tool", BY_COMPONENT, "Distribution of the errors of the TCP: one word, or six for x, y, z and the rotations about them.");
-        JOINTS = Key::new("joints", BY_COMPONENT, "Distribution of the errors of every joint frame: one word, or six for x, y, z and the rotations about them.");
+        DQ = Key::new("dq", BY_JOINT, "Distribution of dq_deg and dq_mm: one word, or a list with one word for each joint.");
+        DR = Key::new("dr", BY_JOINT, "Distribution of dr_mm: one word, or a list with one word for each joint.");
+        DL = Key::new("dl", BY_JOINT, "Distribution of dl_mm: one word, or a list with one word for each joint.");
+        DALPHA = Key::new("dalpha", BY_JOINT, "Distribution of dalpha_deg: one word, or a list with one word for each joint.");
+        DBETA = Key::new("dbeta", BY_JOINT, "Distribution of dbeta_deg: one word, or a list with one word for each joint.");
+        BASE = Key::new("base", BY_COMPONENT, "Distribution of the errors of the base frame: one word, or six words for x, y, z and the rotations about these axes.");
+        TOOL = Key::new("tool", BY_COMPONENT, "Distribution of the errors of the TCP: one word, or six words for x, y, z and the rotations about these axes.");
+        JOINTS = Key::new("joints", BY_COMPONENT, "Distribution of the errors of every joint frame: one word, or six words for x, y, z and the rotations about these axes.");
         ELASTIC = word::<Distribution>("elastic", "Distribution of all elastic terms.");
-        COMPLIANCE = Key::new("compliance", BY_JOINT, "Distribution of compliance_deg_per_Nm: one word, or a list with one for each joint.");
+        COMPLIANCE = Key::new("compliance", BY_JOINT, "Distribution of compliance_deg_per_Nm: one word, or a list with one word for each joint.");
     }
 }
 
@@ -161,17 +161,17 @@ key_table! {
     error_set, "an error set", "Errors of the robot: one signed sample, tolerances, or measured errors.", {
         SOURCE = super::SOURCE.required().example("").remedy("add source = \"...\"");
         FORM = super::FORM_OF_SET;
-        DQ_DEG = Key::new("dq_deg", POSTURE, "Errors of the coordinates of revolute joints: one for each joint, 0 for a prismatic one.");
-        DQ_MM = Key::new("dq_mm", POSTURE, "Errors of the coordinates of prismatic joints: one for each joint, 0 for a revolute one.");
+        DQ_DEG = Key::new("dq_deg", POSTURE, "Errors of the coordinates of revolute joints: one for each joint, 0 for a prismatic joint.");
+        DQ_MM = Key::new("dq_mm", POSTURE, "Errors of the coordinates of prismatic joints: one for each joint, 0 for a revolute joint.");
         DR = row("dr_mm", "Errors of the axial offsets r: one for each joint.");
         DL = row("dl_mm", "Errors of the common normals l: one for each joint.");
         DALPHA = row("dalpha_deg", "Errors of the twists alpha: one for each joint.");
         DBETA = Key::new("dbeta_deg", POSTURE, "Errors of the fifth parameter (Hayati), for parallel axes: a rotation about y after the row's Tx(l) Rx(alpha) and before the error of the joint frame that follows; one for each joint.");
         BASE = table("base", &frame_error::TABLE, "Error of the base frame.");
         TOOL = table("tool", &frame_error::TABLE, "Error of the TCP.");
-        JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames; each moves its joint and everything after it. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
-        ELASTIC = Key::new("elastic", ValueKind::List(&ValueKind::Table(&elastic_term::TABLE), (0, MANY), "elastic terms"), "Deflections of joints by gravity, as a calibration identifies them; each depends on the posture.").example("[{ joint = 2, link = 3, deg_per_m = -0.05 }]");
-        COMPLIANCE = Key::new("compliance_deg_per_Nm", POSTURE, "Compliances of the joints: the deflection per torque of gravity by the masses of links, tool and held part; one for each joint, 0 for a prismatic one.");
+        JOINTS = Key::new("joints", ValueKind::List(&ValueKind::Table(&joint_frame_error::TABLE), (0, MAX_JOINTS), "frame errors"), "Errors of joint frames. Each error moves its joint and everything after the joint. The frame is the D-H frame before a standard row, the frame after Tx(l) Rx(alpha) of a modified row, or the origin frame of a URDF joint.").example("[{ joint = 1, rotation_deg = [0, 0, 0.1] }]");
+        ELASTIC = Key::new("elastic", ValueKind::List(&ValueKind::Table(&elastic_term::TABLE), (0, MANY), "elastic terms"), "Deflections of joints by gravity, as a calibration identifies them; each deflection depends on the posture.").example("[{ joint = 2, link = 3, deg_per_m = -0.05 }]");
+        COMPLIANCE = Key::new("compliance_deg_per_Nm", POSTURE, "Compliances of the joints: the deflection per torque of gravity by the masses of links, tool and held part; one for each joint, 0 for a prismatic joint.");
         PERIODIC = Key::new("periodic", ValueKind::List(&ValueKind::Table(&periodic_error::TABLE), (0, MAX_JOINTS), "periodic errors"), "Periodic errors of joints, as a calibration identifies them; for robots without joint coupling.").example("[{ joint = 1, cos_deg = [0.004, 0], sin_deg = [0, -0.01] }]");
         DISTRIBUTION = Key::new("distribution", ValueKind::Either(&[SPREAD, ValueKind::Table(&distribution::TABLE)]), "Distribution of the plus-or-minus values: one word for all, or a table with words for rows and frames.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
@@ -190,7 +190,7 @@ key_table! {
 key_table! {
     errors_of_equipment, "`errors`", "Errors of the placement or the fixture of a piece of equipment, in its frame.", {
         FORM = super::FORM;
-        DISTRIBUTION = Key::new("distribution", BY_COMPONENT, "Distribution of the errors: one word, or six for x, y, z and the rotations about them.").default(Literal::Word(Distribution::Normal.name()));
+        DISTRIBUTION = Key::new("distribution", BY_COMPONENT, "Distribution of the errors: one word, or six words for x, y, z and the rotations about these axes.").default(Literal::Word(Distribution::Normal.name()));
         SIGMAS = super::SIGMAS;
         COST = costs::COST;
     }

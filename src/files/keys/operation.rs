@@ -61,7 +61,7 @@ key_table! {
         GRID = Key::new("grid", DIVISIONS, "Divisions along x and y of the surface: [10, 8] makes 11 x 9 nodes.").required_unless("points_mm").example("[10, 8]").remedy("add grid = [10, 8], the divisions along x and y");
         REGION = table("region", &rectangle::TABLE, "Part of the surface that the grid covers; if left out, the whole surface.").example("{ centre_mm = [100, 50], size_mm = [200, 100] }");
         POINTS_MM = Key::new("points_mm", POINTS, "Points of the surface (x and y) at which the operation happens, in place of a grid.").example("[[-100, 0], [100, 0]]");
-        OVER = word::<NodeAggregation>("over", "best: the operation happens at the best node; max, mean, p95: it happens at every node, and the maximum, mean or 95th percentile of their errors counts; if left out, best for a grid, max for points.");
+        OVER = word::<NodeAggregation>("over", "best: the operation happens at the best node; max, mean, p95: the operation happens at every node, and the maximum, mean or 95th percentile of the errors counts; if left out, best for a grid, max for points.");
         STANDOFF = number_or_zero("standoff_mm", NumberRange::NotNegative, "Distance of the TCP above the surface.");
         BEND = Key::new("bend_deg", ValueKind::Coordinate(-MAX_BEND, MAX_BEND), "Elevation of the tool axis: -90 points down, 0 is horizontal; a number, a range or a list.").required().example("-90").remedy("add bend_deg = 0");
         AZIMUTH = Key::new("azimuth_deg", super::AZIMUTH, "Azimuth: heading of the tool axis in the surface, or of the tool's x axis if the tool is vertical; a number, a range, a list, \"radial\" (in the vertical plane through the axis of the robot base) or \"free\".").default(Literal::Word("free"));
@@ -71,10 +71,10 @@ key_table! {
         LIMIT_MM = number("limit_mm", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in mm.").example("0.5");
         LIMIT_DEG = number("limit_deg", NumberRange::Positive, "Requirement: largest allowed error, for a sense measured in degrees.").example("0.1");
         RELATIVE_TO = text("relative_to", "Earlier operation that picked the part placed here: errors common to both operations cancel.").example("\"picking\"");
-        TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach its frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
+        TEACH = Key::new("teach_mm", ValueKind::List(&PLAN, (3, 3), "points"), "Three points of the surface (x and y) that teach the surface frame when the registration is taught.").example("[[-500, -200], [500, -200], [-500, 200]]");
         APPROACH = number_or_zero("approach_mm", NumberRange::NotNegative, "Length of the straight approach along the tool axis.");
         RETRACT = number_or_zero("retract_mm", NumberRange::NotNegative, "Length of the straight retract along the tool axis.");
-        DWELL = number_or_zero("dwell_s", NumberRange::UpTo(MAX_DWELL), "Time that the operation takes at its spot, or at every listed point, with the robot at rest; it counts in the cycle time.");
+        DWELL = number_or_zero("dwell_s", NumberRange::UpTo(MAX_DWELL), "Duration of the operation at its spot, or at every listed point, with the robot at rest. The duration is part of the cycle time.");
         LINE_SPEED = number("line_speed_mm_s", NumberRange::Positive, "Greatest speed of the TCP on the approach and the retract, for example during an insertion; if left out, only the joints limit the speed.").example("50");
         WEIGHT = number("weight", NumberRange::Positive, "Weight of the operation's error in the objective.").default(Literal::Number(1.0));
         HELD = table("held", &held::TABLE, "Part that the robot holds at the operation. The part is checked for collision, too.");

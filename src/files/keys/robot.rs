@@ -37,13 +37,13 @@ const MAX_VELOCITY_MM: Key =
 const MAX_ACCELERATION_DEG: Key = number(
     "max_acceleration_deg_s2",
     NumberRange::Positive,
-    "Greatest acceleration and deceleration of a revolute joint; if left out, full_speed_after_s gives it.",
+    "Greatest acceleration and deceleration of a revolute joint; if left out, it follows from full_speed_after_s.",
 )
 .example("600");
 const MAX_ACCELERATION_MM: Key = number(
     "max_acceleration_mm_s2",
     NumberRange::Positive,
-    "Greatest acceleration and deceleration of a prismatic joint; if left out, full_speed_after_s gives it.",
+    "Greatest acceleration and deceleration of a prismatic joint; if left out, it follows from full_speed_after_s.",
 )
 .example("2000");
 
@@ -56,9 +56,9 @@ const SOLIDS_OF_LINKS: ValueKind =
 const SOLIDS: ValueKind = ValueKind::List(&ValueKind::Table(&solid::TABLE), (0, MANY), "solids");
 
 key_table! {
-    joint, "a joint", "D-H row of one joint: A = Rz(q_offset + q) Tz(r) Tx(l) Rx(alpha) if revolute and standard.", {
+    joint, "a joint", "D-H row of one joint. A standard row of a revolute joint is A = Rz(q_offset + q) Tz(r) Tx(l) Rx(alpha).", {
         NAME = Key::new("name", ValueKind::Name, "Name of the joint for messages.").required();
-        R = number("r_mm", NumberRange::Finite, "Axial offset r along z; a prismatic joint adds its coordinate to it.").required();
+        R = number("r_mm", NumberRange::Finite, "Axial offset r along z; a prismatic joint adds its coordinate to r.").required();
         L = number("l_mm", NumberRange::Finite, "Common normal l along x.").required();
         ALPHA = number("alpha_deg", NumberRange::Finite, "Twist alpha about x.").required();
         MOTION = word::<JointMotion>("kind", "Kind of joint; a passive joint has no actuator and rotates with other joints through the coupling.").default(Literal::Word(JointMotion::Revolute.name()));
@@ -119,7 +119,7 @@ key_table! {
         FROM = from("\"equipment/gripper.toml\"");
         SCHEMA = schema("sweetspot/tool/1");
         UNITS = super::UNITS;
-        NAME = text("name", "Name of the tool for readers of its file.");
+        NAME = text("name", "Name of the tool for readers of the file.");
         SOURCE = super::SOURCE;
         POSITION = vector("position_mm", "Position of the tool centre point (TCP).").required().example("[0, 0, 160]");
         RPY = super::RPY;
@@ -148,7 +148,7 @@ key_table! {
         SOURCE = super::SOURCE.required_unless("urdf").example("").remedy("add source = \"...\"");
         CONVENTION = word::<Convention>("convention", "Order of the rows: Rz Tz Tx Rx (standard) or Tx Rx Rz Tz (modified, Craig).").default(Literal::Word(Convention::Standard.name()));
         JOINT = Key::new("joint", ValueKind::List(&ValueKind::Table(&joint::TABLE), (1, MAX_JOINTS), "D-H rows"), "D-H rows, starting at the base: one [[joint]] for each joint.").required_unless("urdf").remedy("add a [[joint]] for every D-H row, with its limits");
-        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i is 1, and the numbers after it are 0.").example("[[1, 0], [1, 1]]");
+        COUPLING = Key::new("coupling", ValueKind::List(&POSTURE, (1, MAX_JOINTS), "rows"), "Coupling: row i gives D-H coordinate i as a weighted sum of the actuators; number i of the row is 1, and all later numbers are 0.").example("[[1, 0], [1, 1]]");
         HOME = Key::new("home", POSTURE, "Home posture, one number for each joint, degrees or mm; if left out, each coordinate is 0, or the middle of its limits if they exclude 0.").example("[0, -30, 60, 0]");
         RATE = Key::new("rate", ValueKind::List(&ValueKind::Table(&joint_rate::TABLE), (0, MAX_JOINTS), "rates"), "Greatest speeds and accelerations of joints; they override the values of the rows, or of the URDF.").example("[{ joint = 1, max_velocity_deg_s = 180, max_acceleration_deg_s2 = 600 }]");
         FULL_SPEED_AFTER = number("full_speed_after_s", NumberRange::Positive, "Time from rest to full speed for every joint without an acceleration limit; if left out, cycle times assume 0.5 s and are estimates.").example("0.3");
@@ -157,7 +157,7 @@ key_table! {
         TIP_LINK = text("tip_link", "Link of the URDF that carries the tool; if left out, the only link without children.").example("\"flange\"");
         PACKAGES = Key::new("packages", ValueKind::Named(&ValueKind::Text, 0), "Folders of the ROS packages that the URDF names, relative to the folder of this file.").example("{ NAME = \"FOLDER\" }");
         TOOL = table("tool", &tool::TABLE, "Tool at the mechanical interface.").required().remedy("add tool = { position_mm = [0, 0, 0], axis = [1, 0, 0] }");
-        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers them.").remedy("add footprint = { size_mm = [600, 600] }");
+        FOOTPRINT = table("footprint", &rectangle::TABLE, "Floor space of the base, from the floor up to the top of the solids of link 0; if left out, the rectangle that covers these solids.").remedy("add footprint = { size_mm = [600, 600] }");
         SOLID = Key::new("solid", SOLIDS_OF_LINKS, "Solids on the links.");
         MASS = Key::new("mass", ValueKind::List(&ValueKind::Table(&mass::TABLE), (0, MANY), "masses"), "Masses of the links, for errors with compliance_deg_per_Nm.").example("[{ link = 2, mass_kg = 12.5, centre_mm = [-200, 0, 0] }]");
         SELF_COLLISION = Key::new("self_collision", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&self_collision::TABLE)]), "Whether the robot is checked for collision with itself, or a table with the pairs of solids that may touch.").default(Literal::Boolean(true));
@@ -173,8 +173,8 @@ key_table! {
     /// Keys of the table `[robot]` of a cell.
     robot_in_cell, "`robot`", "Robot of a cell and the placement of its base.", {
         BASE = table("base", &placement::TABLE, "Placement of the robot base in the world; if left out, the origin.");
-        BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base: the layout must work everywhere within it. If left out, it is 2 mm and 0.2 degrees for a base that a search places.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
-        PEDESTAL = Key::new("pedestal", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&rectangle::TABLE)]), "Whether a robot base above the floor stands on a pedestal, or the cross-section of the pedestal in the base frame. The pedestal is drawn and checked for collision. If true, it is as large as the footprint of the robot. Write false for a base on a wall or a gantry.").default(Literal::Boolean(true));
+        BASE_TOLERANCE = table("base_tolerance", &placement_tolerance::TABLE, "Tolerance of the placement of the robot base: the layout must work everywhere within this tolerance. If left out, it is 2 mm and 0.2 degrees for a base that a search places.").example("{ x_mm = 0.5, yaw_deg = 0.05 }");
+        PEDESTAL = Key::new("pedestal", ValueKind::Either(&[ValueKind::Boolean, ValueKind::Table(&rectangle::TABLE)]), "Whether a robot base above the floor stands on a pedestal, or the cross-section of the pedestal in the base frame. The pedestal is drawn and checked for collision. If true, the pedestal is as large as the footprint of the robot. Write false for a base on a wall or a gantry.").default(Literal::Boolean(true));
     }
     extends super::robot::TABLE;
     rules [Rule::Needs("schema", "units")];

@@ -203,7 +203,7 @@ fn read_equipment(t: &mut Table) -> Vec<Equipment> {
     all.extend(t.named(&cell::OBSTACLE, |name, t| {
         if taken.is_some_and(|taken| taken.value.get(name).is_some()) {
             let message = format!("the name `{}` is already used by a piece of equipment", shown(name));
-            t.error(t.at, message, "give the obstacle a name of its own");
+            t.error(t.at, message, "give the obstacle a different name");
         }
         if t.get(&obstacle::PLAN).is_some() {
             drawn.extend(plan::read(name, t)?);

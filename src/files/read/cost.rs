@@ -75,7 +75,7 @@ pub fn read_all(t: &mut Table, parameters: &[CostedParameter]) -> Option<Vec<Tol
     for entry in entries.into_iter().flatten() {
         let Some(places) = &entry.parameters else {
             if rest.is_some() {
-                t.error(entry.at, "two costs name no parameters", "add parameters = [...] to all but one");
+                t.error(entry.at, "two costs name no parameters", "add parameters = [...] to one of the two");
             }
             rest = Some(entry);
             continue;

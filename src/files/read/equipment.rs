@@ -112,7 +112,7 @@ pub fn read_keep_out(name: &str, t: &mut Table) -> Option<KeepOut> {
         let (low, high) = (units::mm_from_m(min[axis]), units::mm_from_m(max[axis]));
         let (axis, low, high) = (["x", "y", "z"][axis], plain(low), plain(high));
         let message = format!("the box is empty: in {axis}, min_mm {low} is not below max_mm {high}");
-        t.error(t.at, message, "give the low corner as min_mm, the high one as max_mm");
+        t.error(t.at, message, "give the low corner as min_mm, the high corner as max_mm");
     }
     Some(KeepOut { name: name.to_string(), min, max })
 }

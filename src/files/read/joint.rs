@@ -24,7 +24,7 @@ pub fn read_all(t: &mut Table) -> Option<Vec<Joint>> {
     for (joint, row) in joints.iter().zip(rows) {
         if !names.insert(&joint.name) {
             let message = format!("two joints are named `{}`", joint.name);
-            t.error(row.at, message, "give each a name of its own: messages name the joints");
+            t.error(row.at, message, "give each joint a unique name: messages name the joints");
         }
     }
     let turns = |j: &&Joint| j.kind == JointKind::Revolute && !j.is_passive();
@@ -104,7 +104,7 @@ fn read_coupling_row(row: &Node, i: usize, n: usize, t: &mut Table) -> Option<Ve
         t.error(
             row.at,
             message,
-            "a coordinate is its own actuator plus multiples of the actuators before it",
+            "a coordinate is its own actuator plus multiples of the preceding actuators",
         );
     }
     Some(values)

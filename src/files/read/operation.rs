@@ -219,7 +219,7 @@ fn read_relative(name: &str, t: &mut Table, around: &References<'_>) -> Option<u
         }
         Some(k) if is_everywhere(&around.operations[k].2) => {
             let message = format!("`{}` happens at every one of its nodes", shown(&other));
-            (message, "name an operation that has one spot, such as one with over = \"best\"".to_string())
+            (message, "name an operation with one spot, for example with over = \"best\"".to_string())
         }
         Some(k) => return Some(k),
     };

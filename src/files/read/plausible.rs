@@ -67,7 +67,7 @@ pub fn warn(cell: &Cell, root: &Node, lib: &mut Library<'_>) {
             thing.at,
             Severity::Warning,
             message,
-            "are all lengths really in mm, including those of the robot?",
+            "are all lengths really in mm, including the lengths of the robot?",
         );
     }
 }

@@ -66,7 +66,7 @@ fn read_rate(t: &mut Table, of: &Joint) -> RateLimits {
     let slides = [&joint_rate::MAX_VELOCITY_MM, &joint_rate::MAX_ACCELERATION_MM];
     let name = shown(&of.name);
     if of.is_passive() {
-        let message = format!("the passive joint `{name}` has no speed of its own");
+        let message = format!("the passive joint `{name}` has no separate speed");
         t.error(t.at, message, "state the speeds of the joints that it follows");
         t.give_up();
         return RateLimits::default();

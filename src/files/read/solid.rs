@@ -48,7 +48,7 @@ pub fn read_each<T>(
             && !names.insert(s.name.clone())
         {
             let message = format!("two solids are named `{}`", s.name);
-            t.error(t.at, message, "give each a name of its own: messages name the solids");
+            t.error(t.at, message, "give each solid a unique name: messages name the solids");
         }
         read_one(t, solid)
     });

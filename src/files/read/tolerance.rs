@@ -58,7 +58,7 @@ pub fn read_measured(
     arm: ErrorRows<'_>,
 ) -> Option<MeasuredErrors> {
     if let Some(node) = t.get(&error_set::DISTRIBUTION) {
-        let message = "measured errors have no `distribution`: their covariance is that of normal variables";
+        let message = "measured errors have no `distribution`: a covariance implies normal distributions";
         t.error(node.at, message, "leave it out, or write kind = \"tolerance\"");
     }
     if let Some(node) = t.get(&error_set::COST) {

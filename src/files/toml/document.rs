@@ -91,7 +91,7 @@ impl<'a> Library<'a> {
         let (message, help) = match (*found).cmp(&MAX_FAULTS) {
             Ordering::Less => (message, help.into()),
             Ordering::Equal => {
-                (format!("more than {MAX_FAULTS} faults"), "correct the listed ones first".into())
+                (format!("more than {MAX_FAULTS} faults"), "correct the listed faults first".into())
             }
             Ordering::Greater => return,
         };

@@ -148,8 +148,8 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
     };
     let farthest = lower.abs().max(upper.abs());
     let (most, unit) = match joint.kind {
-        UrdfJointKind::Prismatic => (TOO_LONG, "m: is this one in mm?"),
-        _ => (TOO_MANY_TURNS, "rad: is this one in degrees?"),
+        UrdfJointKind::Prismatic => (TOO_LONG, "m: is this limit in mm?"),
+        _ => (TOO_MANY_TURNS, "rad: is this limit in degrees?"),
     };
     if lower > upper {
         let message = format!("the limits of joint `{name}` are reversed: {lower} is above {upper}");
@@ -162,7 +162,7 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
         lib.error(at, message, format!("limits of a URDF are in {unit}"));
     } else if joint.kind == UrdfJointKind::Revolute && farthest > MANY_TURNS {
         let message = format!("joint `{name}` turns by up to {farthest} rad, more than four turns");
-        lib.fault(at, Severity::Warning, message, "limits of a URDF are in rad: is this one in degrees?");
+        lib.fault(at, Severity::Warning, message, "limits of a URDF are in rad: is this limit in degrees?");
     }
     Some((lower, upper))
 }
@@ -171,8 +171,8 @@ fn read_limits(joint: &UrdfJoint, lib: &mut Library<'_>) -> Option<(f64, f64)> {
 fn warn_of_speed(joint: &UrdfJoint, lib: &mut Library<'_>) {
     let Some((velocity, at)) = joint.velocity else { return };
     let (most, unit, help) = match joint.kind {
-        UrdfJointKind::Prismatic => (TOO_LONG, "m/s", "speeds of a URDF are in m/s: is this one in mm/s?"),
-        _ => (TOO_FAST, "rad/s", "speeds of a URDF are in rad/s: is this one in degrees/s?"),
+        UrdfJointKind::Prismatic => (TOO_LONG, "m/s", "speeds of a URDF are in m/s: is this speed in mm/s?"),
+        _ => (TOO_FAST, "rad/s", "speeds of a URDF are in rad/s: is this speed in degrees/s?"),
     };
     if velocity > most {
         let message = format!("joint `{}` moves by up to {velocity} {unit}", shown(&joint.name.name));

@@ -155,7 +155,7 @@ impl<'u> Tree<'u> {
         }
         let names = listed(found.iter().map(|&l| &*self.urdf.links[l].name.name));
         let message = format!("the URDF has {} {what}", found.len());
-        lib.error(at, message, format!("choose one with {key} = \"...\": {names}"));
+        lib.error(at, message, format!("choose one of them with {key} = \"...\": {names}"));
         None
     }
 }

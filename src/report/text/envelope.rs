@@ -63,7 +63,7 @@ pub fn robot(sheet: &RobotDataSheet<'_>) -> String {
     } else {
         let _ = writeln!(
             out,
-            "envelope    `sweetspot envelope` computes it, which takes a few seconds for this arm"
+            "envelope    `sweetspot envelope` computes the envelope; this takes a few seconds for this arm"
         );
     }
     let _ = writeln!(out, "solids      {}", solids(robot));

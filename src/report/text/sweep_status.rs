@@ -33,7 +33,7 @@ pub fn sweep_status(status: &SweepStatus) -> String {
         let _ = writeln!(out, "failed");
     }
     for f in failed {
-        let end = if f.given_up { "; the workers have given it up" } else { "" };
+        let end = if f.given_up { "; the workers have given up on it" } else { "" };
         let _ = writeln!(out, "  {:04}  {}{end}", f.index, shown(&f.why));
     }
     if !hosts.is_empty() {
