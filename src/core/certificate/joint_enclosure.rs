@@ -119,7 +119,7 @@ impl JointEnclosure {
     /// Returns an upper bound of the change of the geometric Jacobian in the enclosure. The change is
     /// measured by its Frobenius norm, with lengths divided by `reach` (m).
     ///
-    /// The columns of the Jacobian belong to the actuators.
+    /// Each column of the Jacobian refers to one actuator.
     pub fn jacobian_change(&self, chain: &Chain, task: &ToolTask, frames: &Frames, reach: f64) -> f64 {
         let posed = PosedChain::new(chain, task, frames);
         let total: f64 = self.half.iter().sum();
@@ -152,8 +152,8 @@ impl JointEnclosure {
 
     /// Returns an upper bound of the displacement of the points in a ball that moves with a frame, m.
     ///
-    /// The ball has its centre at `centre` (base frame, m), and the joints from `first` up to, but not
-    /// including, `frame` move it. `frames` are the frames of the nominal posture.
+    /// The ball has its centre at `centre` (base frame, m). The joints from `first` up to, but not including,
+    /// `frame` move the ball. `frames` are the frames of the nominal posture.
     pub fn displacement(
         &self,
         chain: &Chain,
@@ -196,9 +196,8 @@ impl JointEnclosure {
         let bend = theta(bend, f64::abs);
         let half: JointVector =
             std::array::from_fn(|j| first.iter().map(|steps| steps[j].abs()).sum::<f64>() + bend[j]);
-        // If the orientation of the tool is not controlled as a whole, the tool can only rotate about the
-        // vertical with the first joint. If a numeric solver controls the tool axis, the tool can rotate with
-        // every joint.
+        // If the orientation is not controlled as a whole, the tool can rotate only about the vertical with
+        // the first joint. If a numeric solver controls the tool axis, the tool can rotate with every joint.
         let tool_turn = match (posed.task.keeps_orientation, posed.task.rotation[0].0) {
             (true, _) if posed.task.radial => target.heading + target.yaw,
             (true, _) => 0.0,

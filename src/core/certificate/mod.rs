@@ -6,7 +6,8 @@
 //!
 //! - the target stays within reach, and the joints keep their limits and margins;
 //! - the posture keeps its distance from singular postures;
-//! - every solid keeps its clearance: no solid moves farther than its distance allows ([`Misplacements`]);
+//! - every solid keeps its clearance: no solid moves farther than its distance from other solids allows
+//!   ([`Misplacements`]);
 //! - the value of the operation is at most a known bound ([`ValueBound`]).
 //!
 //! All steps use bounds that cover the whole target box, not samples. If a bound is too wide, no certificate
@@ -15,8 +16,8 @@
 //! | file | content |
 //! |---|---|
 //! | `target_box` | set of possible targets |
-//! | `joint_enclosure` | the joint coordinates that follow the target |
-//! | `posed_chain` | the test that these joint coordinates follow the target |
+//! | `joint_enclosure` | bounds of the joint coordinates that follow the target |
+//! | `posed_chain` | test that the arm follows the target within these bounds |
 //! | `misplacements` | bounds of the motion of solids |
 //! | `value_bound` | upper bound of the value |
 

@@ -43,8 +43,8 @@ pub type Square = [Rows; MAX_ROWS];
 /// Chain at its nominal posture, prepared for a joint enclosure.
 ///
 /// The coordinates y are displacements of the active joints. For successive revolute joints with parallel
-/// axes, the coordinates are sums of joint angles, beginning with the first of these joints. Such a sum
-/// rotates one link and shifts the links after it, so a planar arm decouples into independent links.
+/// axes, the coordinates are sums of joint angles, beginning with the first of these joints. A change of such
+/// a sum rotates one link and shifts the links after it, so a planar arm decouples into independent links.
 pub struct PosedChain<'a> {
     pub chain: &'a Chain,
     pub task: &'a ToolTask,
@@ -53,7 +53,7 @@ pub struct PosedChain<'a> {
     pub moved: [Vector3<f64>; MAX_JOINTS],
     /// Matrix S of `theta = S y`, where theta are the displacements of the active joints.
     pub to_theta: Square,
-    /// Rigid pieces of the arm: piece k leads from active joint k to the next active joint, and the last
+    /// Rigid pieces of the arm. Piece k leads from active joint k to the next active joint, and the last
     /// piece leads to the TCP.
     pub pieces: [Piece; MAX_ROWS],
 }

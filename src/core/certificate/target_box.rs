@@ -36,9 +36,8 @@ impl TargetBox {
     /// Returns the box of a target on a piece of equipment. `target` is the nominal position of the target in
     /// the world frame, m.
     ///
-    /// The position of the target depends on the placements of the equipment, of all equipment that carries
-    /// it, and of the robot base. Each placement is expanded to first order, and a bound of the second-order
-    /// terms is added.
+    /// The position of the target depends on the placements of the equipment, of its carriers and of the
+    /// robot base. Each placement is expanded to first order, and a bound of the second-order terms is added.
     pub fn new(cell: &Cell, layout: &Layout, equipment: usize, target: &Vector3<f64>) -> Self {
         let mut sum = Self { position: Vector3::zeros(), yaw: 0.0, heading: 0.0 };
         let mut second = SecondOrder::default();
@@ -77,8 +76,8 @@ impl TargetBox {
         second.levers = f64::max(second.levers, arm.0.hypot(arm.1));
     }
 
-    /// Returns this box for an attitude that is measured from the direction of the target as seen from the
-    /// base axis.
+    /// Returns this box for an attitude with a radial azimuth, measured from the direction of the target as
+    /// seen from the base axis.
     ///
     /// `target` is the nominal position of the target in the base frame, m.
     ///
@@ -129,7 +128,7 @@ struct SecondOrder {
 }
 
 impl SecondOrder {
-    /// Returns a bound of the displacement (m) that the first-order terms leave out.
+    /// Returns a bound of the displacement (m) that the first-order terms neglect.
     ///
     /// Successive rotations rotate the lever arms and the translations by at most `turned`.
     fn bound(&self) -> f64 {

@@ -1,15 +1,15 @@
 //! Upper bound of the value of an operation while the arm follows its target through a target box.
 //!
-//! To first order, the error is a sum of effects: the size of each error source times the displacement that a
-//! unit of this source causes. Let f be such an effect as a function of the position in the target box, and
-//! h_t the half width along axis t. Linear interpolation between the corners deviates from f by at most the
-//! sum of `h_t^2 / 2 max |d2f/dt2|` over all axes t. Second derivatives of an effect are products of unit
-//! axes and one lever arm, so the lever arms bound them.
+//! To first order, the error is a sum of effects. An effect is the size of an error source times the
+//! displacement that a unit of this source causes. Let f be such an effect as a function of the position in
+//! the target box, and h_t the half width along axis t. Linear interpolation between the corners deviates
+//! from f by at most the sum of `h_t^2 / 2 max |d2f/dt2|` over all axes t. Second derivatives of an effect
+//! are products of unit axes and one lever arm, so the lever arms bound them.
 //!
-//! The size of a signed sample, the worst case, the RMS and the mean are convex functions of the effects.
-//! Their largest value is therefore at most the largest value at the corners, plus the value of the
-//! deviations. A percentile of a normal error is not convex. But a percentile grows with the covariance S (T.
-//! W. Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer.
+//! The size of a signed sample, the worst case, the RMS and the mean are convex functions of the effects. The
+//! largest value of such a function is therefore at most the largest value at the corners, plus the value of
+//! the deviations. A percentile of a normal error is not convex. But a percentile grows with the covariance S
+//! (T. W. Anderson, "The integral of a symmetric unimodal function over a symmetric convex set", Proc. Amer.
 //! Math. Soc. 6, 1955). If `S <= (1 + e) S_0` holds for every position, the percentile is at most
 //! `sqrt(1 + e)` times the percentile at S_0.
 
@@ -31,11 +31,11 @@ const ROUNDING: f64 = 1e-12;
 pub enum NoValueBound {
     /// A registration removes part of the error. This part also depends on other postures.
     Registered,
-    /// The error is relative to the pick of the part.
+    /// The error is measured relative to the operation that picks the part.
     Relative,
     /// The sense has rotations.
     Rotation,
-    /// The sense is in axes of the tool.
+    /// The sense is given in axes of the tool.
     ToolAxes,
     /// The value is a share of failures.
     Share,

@@ -9,7 +9,7 @@ use parry3d::math as pm;
 use parry3d::query::{DefaultQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{Ball, Shape as ParryShape, SharedShape, TriMesh, TriMeshFlags};
 
-/// One solid as a shape of parry3d. The shape is convex unless it is a triangle mesh.
+/// One solid as a shape of the collision library parry3d. The shape is convex unless it is a triangle mesh.
 pub(super) struct CollisionBody {
     pub(super) shape: SharedShape,
     /// Pose of the shape in the frame that carries it.

@@ -164,7 +164,7 @@ pub(super) fn overlapping(a: (&Vector3<f64>, &Vector3<f64>), b: (&Vector3<f64>, 
 
 /// Returns the squared distance between the segments ab and cd, m^2.
 ///
-/// The function takes the nearest points of the two lines and clamps them to the segments in turn (C.
+/// The function computes the nearest points of the two lines and clamps them to the segments in turn (C.
 /// Ericson, Real-Time Collision Detection, 2005, section 5.1.9).
 pub(super) fn segments_apart_squared(
     a: &Vector3<f64>,
@@ -177,7 +177,7 @@ pub(super) fn segments_apart_squared(
     let held = |over: f64, under: f64| if under > 0.0 { (over / under).clamp(0.0, 1.0) } else { 0.0 };
     let s = held(uv * vw - uw * vv, uu * vv - uv * uv);
     let t = held(uv * s + vw, vv);
-    // With t clamped to an end, the nearest s changes.
+    // If t was clamped to an end, the nearest s changes.
     let s = held(uv * t - uw, uu);
     (w + u * s - v * t).norm_squared()
 }

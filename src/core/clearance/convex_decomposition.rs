@@ -109,8 +109,8 @@ fn division(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<u8> {
         let step = (3 * part.len()).div_ceil(MAX_POINTS).max(1);
         let corners = part.iter().flat_map(|&t| triangles[t as usize]).step_by(step);
         let points: Vec<_> = corners.map(|i| vector(&vertices[i as usize])).collect();
-        // The hull of a long thin set may fail or turn inside out. In that case, the volume of the bounding
-        // box is used.
+        // The computed hull of a long thin set of points may be missing or inverted. In that case, the volume
+        // of the bounding box is used.
         let most = box_volume(&points);
         let hull = polyhedron(&points).map(|solid| volume_of(&solid));
         hull.filter(|v| (0.0..=most).contains(v)).unwrap_or(most)

@@ -4,10 +4,10 @@
 //! measured between the solids before their rounding, and from the segments of capsules. The radii are then
 //! subtracted.
 //!
-//! parry3d gives the nearest points of two solids. Between two convex solids lies an empty slab, bounded by
-//! two planes perpendicular to the line through these points. The returned distance is the width of this
-//! slab, which never exceeds the true distance. For a mesh, the returned distance is the distance between the
-//! nearest points.
+//! parry3d gives the nearest points of two solids. An empty slab lies between two convex solids. Two planes
+//! perpendicular to the line through the nearest points bound the slab. The returned distance is the width of
+//! this slab, which never exceeds the true distance. For a mesh, the returned distance is the distance
+//! between the nearest points.
 
 use super::bodies::{CollisionBody, EquipmentSolid, parry_pose, vector};
 use super::contact::Hit;

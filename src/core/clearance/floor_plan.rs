@@ -24,7 +24,7 @@ pub struct Separation {
     pub depth: f64,
 }
 
-/// Largest computed overlap, m, that counts as touching. It exceeds the effect of rounding.
+/// Largest computed overlap, m, that counts as touching. This value exceeds the effect of rounding.
 const TOUCHING: f64 = 1e-9;
 
 /// Fence of a cell, prepared once for all layouts.
@@ -59,7 +59,7 @@ impl FencePolygon {
     /// Returns how far a floor space reaches beyond the fence, m; 0 if the floor space is inside and keeps
     /// the clearance.
     ///
-    /// The result is the largest of the following lengths, to each of which the clearance is added:
+    /// The result is the largest of the following lengths, each plus the clearance:
     ///
     /// - for each corner of the floor space that lies outside the fence, its distance from the fence;
     /// - for each edge of the fence, the depth by which the edge enters the floor space.
@@ -106,9 +106,8 @@ impl EquipmentFootprint {
 
 /// Floor spaces of a cell, prepared once for all layouts.
 ///
-/// [`Self::with_tolerances`] gives a plan in which floor spaces also keep the distance by which misplacements
-/// may bring them closer together. A layout without an overlap in this plan has no overlap at any
-/// misplacement.
+/// [`Self::with_tolerances`] adds the distance by which misplacements may bring floor spaces closer together.
+/// A layout without an overlap in such a plan has no overlap at any misplacement.
 pub struct FloorPlan {
     equipment: Vec<EquipmentFootprint>,
     /// For each piece of equipment, the index of the equipment on which it stands, if any.
@@ -307,7 +306,8 @@ impl FloorPlan {
     }
 }
 
-/// Distance that a floor space keeps in addition to the clearance, because it may be misplaced, m.
+/// Extra distance, m, that a floor space keeps in addition to the clearance, because the object may be
+/// misplaced.
 #[derive(Debug, Clone, Copy)]
 struct Room {
     plan: f64,

@@ -14,7 +14,7 @@ pub(super) struct PlacedRectangle {
     pub(super) sin: f64,
 }
 
-/// Unit direction in plan, and the depth (m) by which two shapes overlap along it.
+/// Unit direction in plan, and the depth (m) by which two shapes overlap along this direction.
 #[derive(Clone, Copy)]
 pub(super) struct AxisDepth {
     pub(super) direction: PlanePoint,

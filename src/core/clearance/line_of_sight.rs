@@ -34,8 +34,8 @@ impl Scene {
     /// visible.
     ///
     /// Both points are in the world frame, m. `frames` are the link frames in the robot base frame; the robot
-    /// holds no part. A solid of the flange or the tool that contains the reflector carries the reflector, so
-    /// this solid counts as hiding nothing.
+    /// holds no part. A solid of the flange or the tool that contains the reflector is ignored, because it
+    /// carries the reflector.
     pub fn hides(
         &self,
         placed: &PlacedSolids,

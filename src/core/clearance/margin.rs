@@ -8,7 +8,7 @@ use super::robot_solids::RobotSolid;
 use super::scene::Scene;
 use nalgebra::Vector3;
 
-/// Upper bounds of how far solids move from their nominal poses, as seen from the robot base, m.
+/// Upper bounds, m, of the motion of solids from their nominal poses, relative to the robot base.
 ///
 /// A robot solid is given by its index in [`Scene::bounding_spheres`]. For equipment, the index after the
 /// last piece denotes the fence, and None denotes the floor.

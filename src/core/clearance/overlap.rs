@@ -53,7 +53,7 @@ impl Overlap {
             Party::Fence => "the fence".into(),
         };
         let (a, b) = (name(self.a), name(self.b));
-        // Distance between the floor spaces in plan; negative if they overlap there.
+        // Distance between the floor spaces in plan; negative if they overlap in plan.
         let aside = self.clearance - self.depth;
         let verb = if self.b == Party::Fence { "reaches beyond" } else { "overlaps" };
         if aside < 0.0 && self.rise == 0.0 {

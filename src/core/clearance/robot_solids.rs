@@ -28,8 +28,8 @@ pub(super) struct RobotSolid {
     pub(super) bodies: Vec<CollisionBody>,
     /// Solid enlarged by [`TOUCHING`] alone, for distances and for checks of the robot against itself.
     pub(super) bare: Vec<CollisionBody>,
-    /// Closed mesh of a solid with several convex parts. The mesh serves to test whether another solid lies
-    /// wholly inside it. None for any other solid.
+    /// Closed mesh of a solid with several convex parts. None for other solids. The mesh serves to test
+    /// whether another solid lies wholly inside the mesh.
     pub(super) shell: Option<CollisionBody>,
     /// Bounding capsule of the solid without the clearance, in the carrier frame.
     pub(super) core: BoundingCapsule,

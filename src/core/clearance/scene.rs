@@ -249,7 +249,8 @@ impl Scene {
             && let Some(mesh) = body.shape.as_trimesh()
         {
             verdict = seen.against_mesh(mesh);
-            // A body that does not touch the surface lies wholly inside the mesh if one of its points does.
+            // A body that does not touch the surface lies wholly inside the mesh if one point of the body
+            // lies inside.
             if verdict == ContactVerdict::Apart && *closed && body.holds(&vector(&seen.a)) {
                 return true;
             }
@@ -303,7 +304,8 @@ fn touches_part(
             let hits = |s: &SharedShape| near(s) && intersecting(&*body.shape, relative, &**s);
             let whole = std::slice::from_ref(&link.shape);
             let pieces = if link.pieces.is_empty() { whole } else { &link.pieces };
-            // A link that does not touch the surface lies wholly inside the mesh if one of its points does.
+            // A link that does not touch the surface lies wholly inside the mesh if one point of the link
+            // lies inside.
             pieces.iter().any(hits) || *closed && body.holds(&(*relative * link.inside))
         }
     }

@@ -1,4 +1,4 @@
-//! Time of a straight line of the TCP, and of a path of a transfer.
+//! Time of a straight line of the TCP, and time of a transfer path.
 
 use super::path_timing::path_time;
 use super::rate_bounds::RateBounds;
@@ -37,7 +37,7 @@ pub fn line_time(chain: &Chain, knots: &[JointVector], bounds: &RateBounds, spee
     }
 }
 
-/// Returns the least time, s, of a path of straight moves and straight lines of the TCP.
+/// Returns the least time, s, of a path that consists of straight moves and straight lines of the TCP.
 ///
 /// `corners` holds the indices of the joint vectors at which the arm stops, including both ends of the path.
 /// Between two corners, two joint vectors denote a straight move in joint coordinates. More joint vectors

@@ -67,7 +67,7 @@ impl SampleLimits {
     fn controllable(&self, step: f64, next: f64) -> f64 {
         let own = 1.0 / (2.0 * step);
         let mut most = self.most;
-        // Each pair of a lower and an upper bound of u is consistent from x = 0 up to `x = room / rise`.
+        // A lower and an upper bound of u are consistent from x = 0 up to `x = room / rise`.
         let mut limit = |rise: f64, room: f64| {
             if rise > 0.0 {
                 most = most.min(room / rise);

@@ -40,12 +40,12 @@ pub struct PathSlack<'a> {
     pub equipment: Option<&'a dyn Fn(Option<usize>) -> f64>,
     /// Upper bound, m, of the decrease of the distance between a robot solid (an index into
     /// [`Scene::bounding_spheres`]) and a piece of equipment. The function returns None if the bound is not
-    /// less than the sum of the deviations of the robot and of the equipment.
+    /// less than the sum of both deviations.
     pub between: Option<&'a dyn Fn(usize, usize) -> Option<f64>>,
 }
 
-/// Returns the first point of a path at which the distance of the robot from other solids may fall below
-/// the clearance of the cell. Robot and equipment may deviate from the path by up to `slack`.
+/// Returns the first point of a path at which the robot may come nearer to other solids than the clearance of
+/// the cell. Robot and equipment may deviate from the path by up to `slack`.
 ///
 /// The path consists of straight moves between the joint vectors `knots`, rad or m. The result None proves
 /// that there is no contact. A reported contact may also be a near miss of solids that pass each other within

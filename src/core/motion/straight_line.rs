@@ -112,7 +112,7 @@ fn extrapolated(knots: &[JointVector]) -> JointVector {
 /// posture `from`. Each step is the least-norm solution of the linearized equations.
 ///
 /// Returns None if the method does not converge. Also returns None if a joint coordinate differs from `from`
-/// by 1 rad or 1 m or more, because the solution then belongs to another branch.
+/// by 1 rad or 1 m or more: this solution is in another branch.
 fn follow(
     chain: &Chain,
     from: &JointVector,

@@ -52,7 +52,7 @@ pub struct Transfer {
     /// Joint vector of the next operation at its spot.
     ///
     /// Joint angles may be changed by whole turns, so that they are nearest to the angles at the previous
-    /// operation. At the end of a cycle, the joint angles are those at which the cycle started.
+    /// operation. At the end of a cycle, the joint angles are the angles at which the cycle started.
     pub arrival: JointVector,
 }
 
@@ -229,7 +229,7 @@ pub fn direct_travel(chain: &Chain, stops: &[JointVector], reach: f64) -> f64 {
     travel(chain, &path, reach)
 }
 
-/// Returns the joint vector `to` with its angles changed by whole turns, so that they are nearest to `from`
+/// Returns the joint vector `to` with angles changed by whole turns. The new angles are the nearest to `from`
 /// within the joint limits.
 pub fn nearest_turns(chain: &Chain, from: &JointVector, to: &JointVector) -> JointVector {
     let mut near = *to;

@@ -21,8 +21,7 @@ const MAX_MISSED_BY_SCAN: usize = 1;
 /// (Frobenius norm).
 const MAX_ERROR: f64 = 1e-9;
 
-/// Inverse kinematics for a given pose of the last D-H frame: a closed form, or a scan of one joint with
-/// closed forms for the other joints.
+/// Inverse kinematics for a given pose of the last D-H frame, by a closed form or by a scan of one joint.
 #[derive(Debug, Clone)]
 pub(super) enum ExactSolver {
     Scara(Scara),

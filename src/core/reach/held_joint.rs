@@ -54,8 +54,8 @@ impl HeldJoint {
     /// Prepares the redundancy resolution of a chain with its first joint held constant, or its last if
     /// `first` is false.
     ///
-    /// Returns None if the chain has fewer than four joints, if the redundant joint is coupled to another
-    /// joint, or if `solver` returns no solver of the other joints.
+    /// Returns None for fewer than four joints, for a redundant joint that is coupled to another joint, or if
+    /// `solver` cannot solve the other joints.
     pub fn new(chain: &Chain, first: bool, solver: fn(&Chain) -> Option<PoseSolver>) -> Option<Self> {
         let n = chain.axes();
         let held = if first { 0 } else { n.checked_sub(1)? };
@@ -144,8 +144,8 @@ impl HeldJoint {
         (whole.cos[at], whole.sin[at], whole.r[at]) = *held;
     }
 
-    /// Returns an upper bound of the distance (m) by which one lattice step of the redundant joint moves the
-    /// point that the other joints must reach.
+    /// Returns an upper bound (m) of the motion of the other joints' target point per lattice step of the
+    /// redundant joint.
     ///
     /// `flange` is the pose of the last D-H frame in frame 0.
     pub fn most_travel(&self, flange: &Pose) -> f64 {

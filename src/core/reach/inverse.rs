@@ -162,7 +162,7 @@ impl Inverse {
     ///
     /// If a closed form solves for the full pose of the flange, the search stops at the first attitude with a
     /// usable branch. For a redundant arm, the search stops at the first sampled joint value with a usable
-    /// branch. It does not try values between the samples.
+    /// branch. Joint values between the samples are not tried.
     pub fn reaches(&self, target: &Vector3<f64>, attitudes: &ToolAttitudes, scratch: &mut Posture) -> bool {
         let usable = |posture: &Posture| self.excess(posture, target, attitudes) == 0.0;
         match &self.solver {
@@ -236,7 +236,7 @@ impl Inverse {
     ///
     /// # Errors
     /// If the branch does not exist, returns the distance, m, by which the target is out of reach in the
-    /// attitude of the branch. The distance is 0 if other branches exist. It is infinite for the numeric
+    /// attitude of the branch. The distance is 0 if other branches exist, and infinite for the numeric
     /// solver.
     pub fn branch_beyond_limits(
         &self,
@@ -400,8 +400,8 @@ impl Inverse {
         })
     }
 
-    /// Calls `found` with the posture of the solved attitude `first`, and with every posture that follows
-    /// from this posture by a rotation of the last joint.
+    /// Calls `found` with the posture of the solved attitude `first`. Also calls it with every posture that
+    /// follows by a rotation of the last joint.
     #[inline]
     pub(super) fn spin(
         &self,

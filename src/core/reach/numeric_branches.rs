@@ -3,7 +3,7 @@
 //! All solutions of a goal keep the joint limits.
 //!
 //! The numeric solver has two more uses. It moves a posture to a neighbouring target if the branches of the
-//! arm do not keep their indices. It also finds the reason why a scan has no solution.
+//! arm do not keep their indices. The solver also finds the reason why a scan has no solution.
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;
@@ -23,7 +23,7 @@ pub const CONTINUED: u64 = u64::MAX;
 const START_BITS: u32 = 16;
 
 impl Inverse {
-    /// Returns whether a branch index denotes the same branch at a neighbouring target. If not,
+    /// Returns whether a branch index denotes the same branch at a neighbouring target. For other arms,
     /// [`Self::continued`] moves a posture to another target.
     pub fn keeps_branches(&self) -> bool {
         self.numeric_solver().is_none()

@@ -53,8 +53,8 @@ impl Inverse {
     /// Solves attitude `first` with the redundant joint held at one value. Also derives the attitudes that
     /// follow from attitude `first` by a rotation of the last joint.
     ///
-    /// Returns the distance by which the target is out of reach, m, or a lower bound of this distance; 0 if
-    /// there is a solution.
+    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a
+    /// solution.
     pub(super) fn solve_held_spins(
         &self,
         sample: &HeldSample<'_>,
@@ -70,8 +70,8 @@ impl Inverse {
 
     /// Solves attitude `first` with the redundant joint held at one value.
     ///
-    /// Returns the distance by which the target is out of reach, m, or a lower bound of this distance; 0 if
-    /// there is a solution.
+    /// Returns the distance by which the target is out of reach, m, or a lower bound of it; 0 if there is a
+    /// solution.
     pub(super) fn solve_held_one(
         &self,
         sample: &HeldSample<'_>,

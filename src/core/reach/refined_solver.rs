@@ -214,8 +214,8 @@ impl RefinedSolver {
         before < REACHED
     }
 
-    /// Returns whether the solver finds the sampled postures of the chain from their poses, except a few
-    /// nearly singular ones.
+    /// Returns whether the solver finds the sampled postures of the chain from their poses. A few nearly
+    /// singular postures may be missed.
     fn finds_samples(&self) -> bool {
         let mut scratch = self.template;
         let found = (0..TRIALS).filter(|&k| {

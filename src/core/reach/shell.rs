@@ -17,8 +17,8 @@ use crate::cell::{Attitude, JointKind};
 use crate::robot::{Chain, Link};
 use nalgebra::Vector3;
 
-/// Length, m, by which the shell is enlarged on both sides. It exceeds the tolerance of every solver of the
-/// inverse kinematics.
+/// Length, m, by which the shell is enlarged on both sides. This length exceeds the tolerance of every solver
+/// of the inverse kinematics.
 const MARGIN: f64 = 1e-6;
 
 /// Spherical shell that contains every reachable TCP position, base frame, m.

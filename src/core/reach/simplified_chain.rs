@@ -28,7 +28,7 @@ const SAMPLES: usize = 24;
 /// Simplified chain, and its relation to the original chain.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SimplifiedChain {
-    /// Simplified chain, without mount and tool. It starts at frame 0 of the original chain.
+    /// Simplified chain without mount and tool, which starts at frame 0 of the original chain.
     pub chain: Chain,
     /// Pose of the last frame of the simplified chain in the last frame of the original chain.
     from_flange: Pose,

@@ -1,7 +1,7 @@
 //! Choice of the inverse kinematics for a chain.
 //!
-//! The solvers are a closed form, a scan of one joint, a closed form refined by Newton's method, an
-//! elimination for six general axes, and a numeric solver.
+//! The solvers are a closed form, a scan of one joint, a refined closed form, an elimination for six axes,
+//! and a numeric solver.
 
 use super::closed_form::planar::PlanarArm;
 use super::held_joint::HeldJoint;

@@ -1,7 +1,8 @@
 //! Tool task of a posture: the components of the TCP motion that the inverse kinematics controls.
 //!
-//! If a target moves a little, the arm follows it in the same branch. The motion of its joints then solves a
-//! square system: three rows for the position of the TCP, and one row for each controlled rotation.
+//! If a target moves a little, the arm follows the target in the same branch. The joint motion then solves a
+//! square system of equations. The system has three rows for the position of the TCP, and one row for each
+//! controlled rotation.
 
 use super::inverse::Inverse;
 use super::numeric::jacobian;

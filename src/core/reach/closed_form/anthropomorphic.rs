@@ -145,8 +145,8 @@ impl Anthropomorphic {
         if asks_inner { outer.min(self.distance_from_circle(least, radius, height)) } else { outer }
     }
 
-    /// Returns the distance (m) from a target to the nearest position of the wrist centre that is at the
-    /// distance `size` (m) from axis 2.
+    /// Returns the distance (m) from a target to the nearest position of the wrist centre. Only positions at
+    /// the distance `size` (m) from axis 2 count.
     ///
     /// A scan over the angle about axis 2 brackets the local minima, and Newton's method refines each of
     /// them. A bracket always contains a minimum, because the derivative has different signs at its ends.

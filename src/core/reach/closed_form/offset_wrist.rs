@@ -140,8 +140,8 @@ impl OffsetWrist {
         PlacedAxis { z4, x5, centre: axis.origin - z4 * e.r - x5 * e.l }
     }
 
-    /// Returns, for each branch of the first three joints, the cosine of the angle between axes 4 and 5 minus
-    /// its required value.
+    /// Returns the cosine of the angle between axes 4 and 5 minus its required value, for each branch of the
+    /// first three joints.
     fn misses(&self, axis: &FixedAxis, turn: Angle, scratch: &mut Posture) -> CircleValues {
         let placed = self.placed_axis(axis, turn);
         let mut values = CircleValues::NONE;

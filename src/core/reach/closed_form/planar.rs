@@ -31,7 +31,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 /// target from this axis, and `lateral` is the lateral offset of the arm.
 pub(in crate::reach) const STRETCHED: f64 = 1e-12;
 
-/// Largest deviation of a unit vector (no unit) or of a point (m) that counts as rounding.
+/// Largest deviation of a unit vector (no unit) or of a point (m) that counts as a rounding error.
 const IN_PLACE: f64 = 1e-9;
 
 /// Closed form of the planar arm; lengths in m.

@@ -61,7 +61,7 @@ impl ReachSection {
         }
         let nearest = nearest_filled(&samples, section.count);
         // A point of the cell may be half a diagonal away from the centre. The distance of a reachable point
-        // from the nearest sampled point is at most the motion that half a step of both angles causes.
+        // from the nearest sample is at most the motion that half a step of both angles causes.
         let slack = side / 2f64.sqrt() + point.travel() * TAU / ANGLES as f64 / 2.0;
         for (k, &from) in nearest.iter().enumerate() {
             let apart = section.centre(k).0 - section.centre(from).0;
@@ -96,8 +96,7 @@ impl ReachSection {
         (0..samples.len()).filter(is_new).map(move |k| at(point, samples[k]))
     }
 
-    /// Returns the index of the cell that contains a place (radius, height), or of the nearest cell if no
-    /// cell contains the place.
+    /// Returns the index of the cell that contains a place (radius, height), or else of the nearest cell.
     fn cell_at(&self, place: (f64, f64)) -> usize {
         let along = |at: f64, from: f64, count: usize| (((at - from) / self.side) as usize).min(count - 1);
         along(place.0, self.corner.0, self.count.0)
@@ -133,9 +132,8 @@ fn nearest_filled(samples: &[u32], (width, height): (usize, usize)) -> Vec<usize
 /// Computes the distance transform along one line of cells: the lower envelope of the parabolas over the
 /// cells.
 ///
-/// For each cell, `square` holds the squared distance to the nearest filled cell, in units of the cell side,
-/// and `nearest` holds the index of that cell. `cell` returns the index of the cell at a position on the
-/// line.
+/// For each cell, `nearest` holds the index of the nearest filled cell. `square` holds the squared distance
+/// to that cell, in squared cell sides. `cell` returns the index of the cell at a position on the line.
 fn transform(square: &mut [f64], nearest: &mut [usize], cell: impl Fn(usize) -> usize, count: usize) {
     let known: Vec<(f64, usize)> = (0..count).map(|k| (square[cell(k)], nearest[cell(k)])).collect();
     // Parabolas of the envelope: the apex, and the position from which this parabola is the lowest.

@@ -1,9 +1,9 @@
 //! Closed form of the SCARA: three revolute axes and one prismatic axis, all parallel, in any order.
 //!
-//! Seen along the axes, the chain is a polygon of four vectors L_0 to L_3, and their sum is the position of
-//! the flange. Each vector is rotated by the revolute joints before it. The orientation of the flange gives
-//! the direction of L_3. The law of cosines gives two solutions (elbows) for L_1 and L_2. The prismatic joint
-//! sets the height. Vectors in the plane are complex numbers.
+//! Seen along the axes, the chain is a polygon of four vectors L_0 to L_3. The sum of these vectors is the
+//! position of the flange. Each vector is rotated by the revolute joints before it. The orientation of the
+//! flange gives the direction of L_3. The law of cosines gives two solutions (elbows) for L_1 and L_2. The
+//! prismatic joint sets the height. Vectors in the plane are complex numbers.
 
 use crate::cell::JointKind;
 use crate::pose::Pose;

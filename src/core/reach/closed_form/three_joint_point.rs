@@ -187,8 +187,8 @@ impl ThreeJointPoint {
     /// Returns the Hessian matrix of half the squared distance from the point to a target, m^2.
     ///
     /// `moves` is the Jacobian of the point, and `off` is the vector from the target to the point, m. The
-    /// derivative of column i with respect to joint j is `z_j x moves_i` for a revolute joint j <= i, and 0
-    /// for a prismatic joint j.
+    /// derivative of column i with respect to a revolute joint j <= i is `z_j x moves_i`. For a prismatic
+    /// joint j, it is 0.
     fn hessian(&self, joints: &ThreeJointState, moves: &Matrix3<f64>, off: &Vector3<f64>) -> Matrix3<f64> {
         let mut hessian = moves.tr_mul(moves);
         let mut axis = Vector3::z();

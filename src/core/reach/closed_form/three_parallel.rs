@@ -1,4 +1,4 @@
-//! Six-axis arms with parallel axes 2, 3 and 4 and intersecting axes 5 and 6, such as those of Universal
+//! Six-axis arms with parallel axes 2, 3 and 4 and intersecting axes 5 and 6, such as the arms of Universal
 //! Robots.
 //!
 //! K. P. Hawkins, "Analytic inverse kinematics for the Universal Robots UR-5/UR-10 arms", 2013. IK-Geo (A.
@@ -67,8 +67,7 @@ impl ThreeParallel {
     /// Returns the closed form of an arm with three parallel axes.
     ///
     /// # Errors
-    /// Returns the reason if the chain is not of this family: six revolute joints, axes 2 to 4 parallel, axes
-    /// 5 and 6 intersecting.
+    /// Returns the reason if the chain does not belong to this family.
     pub fn new(chain: &Chain) -> Result<Self, String> {
         let [a, b, c, d, e, f] = chain.links[..] else {
             return Err(format!("the chain has {} axes, not 6", chain.axes()));
@@ -268,8 +267,8 @@ impl ThreeParallel {
         0.0
     }
 
-    /// Solves for a target with axis 6 parallel to axis 2, where theta_6 is free and rotates axis 4 about
-    /// the wrist centre. Returns the distance (m) by which the target is out of reach.
+    /// Solves for a target with axis 6 parallel to axis 2. In this case, theta_6 is free and rotates axis 4
+    /// about the wrist centre. Returns the distance (m) by which the target is out of reach.
     #[cold]
     fn in_line(
         &self,

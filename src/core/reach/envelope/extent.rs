@@ -27,7 +27,7 @@ pub struct EnvelopeExtent {
     /// Least and greatest height of the envelope, m.
     pub height: (f64, f64),
     /// Height, m, at which the distance from the base axis is greatest. The error of this height can be as
-    /// large as the distance between sampled points, because the envelope is often rounded at this height.
+    /// large as the distance between sampled points, because the envelope is often rounded there.
     pub widest: f64,
     /// Bound of the error of radius and height, m. Parts of the envelope that are narrower than the distance
     /// between sampled points may be missed.
@@ -66,7 +66,7 @@ impl<const N: usize> SampledEnvelope<'_, N> {
         let goals: [&SoughtLength<'_, N>; 4] = [&|p| -of(p).0, &|p| of(p).0, &|p| -of(p).1, &|p| of(p).1];
         let found: Vec<[f64; N]> = goals.par_iter().map(|goal| self.farthest(goal)).collect::<Option<_>>()?;
         let [inner, outer, low, high] = [0, 1, 2, 3].map(|k| of(&found[k]));
-        // Within the accuracy, an envelope that comes so near to the base axis touches the axis.
+        // An envelope that is nearer to the base axis than the accuracy counts as touching the axis.
         let least = if inner.0 < ACCURACY { 0.0 } else { inner.0 };
         Some(EnvelopeExtent {
             radius: (least, outer.0),
@@ -96,8 +96,8 @@ impl<const N: usize> SampledEnvelope<'_, N> {
 
     /// Returns the point to which a compass search for a greater value of `goal` leads from `start`.
     fn climbed(&self, start: [f64; N], goal: &SoughtLength<'_, N>) -> [f64; N] {
-        // A point on the sampled boundary may lie just outside the envelope. Then any polled point inside the
-        // envelope counts as a gain.
+        // A point on the sampled boundary may lie just outside the envelope. For such a start, any polled
+        // point inside the envelope counts as a gain.
         let mut best = start;
         let mut most = if (self.contains)(&start) { goal(&start) } else { f64::NEG_INFINITY };
         let (mut step, mut failures) = (self.step / 2.0, 0);

@@ -6,7 +6,7 @@
 /// Brings the greatest entry of the first `count` columns, in the rows from `k` on, to the diagonal.
 ///
 /// The columns before `k` must be 0 in these rows. Returns the former column of this entry, or `None` if all
-/// entries in question are 0.
+/// these entries are 0.
 #[inline(always)]
 fn pivot<const ROWS: usize, const WIDTH: usize>(
     rows: &mut [[f64; WIDTH]; ROWS],

@@ -14,8 +14,8 @@ const NEARLY_DEPENDENT: f64 = 1e-12;
 
 /// Axis of place 5 in the frame after joint 1, as a function of the angles 2, 3 and 4.
 ///
-/// The terms are the coefficients of 1, of the cosine and of the sine of angle 2, times the nine products of
-/// half-angle terms of the angles 3 and 4.
+/// The terms are coefficients of 1, of the cosine and of the sine of angle 2. There is one term for each of
+/// the nine products of half-angle terms of the angles 3 and 4.
 #[derive(Clone, Debug)]
 pub(super) struct InnerSide {
     terms: [[LineCoordinates; 9]; 3],

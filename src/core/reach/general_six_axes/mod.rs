@@ -18,11 +18,12 @@
 //!    this line in one frame in two ways: `G_1 Rz(t_2) G_2 Rz(t_3) G_3 Rz(t_4) G_4` and
 //!    `Rz(-t_1) G_0^-1 Rz(-t_0) G_5^-1` place the same line. A rigid transformation maps the 14 numbers l, p,
 //!    l x p, (p.p) l - 2 (l.p) p, p.p and l.p linearly (`line_coordinates`). This gives 14 equations.
-//! 2. The products of cosines and sines of t_0 and t_1 occur linearly. Their elimination leaves six equations
-//!    (`loop_equations`). They are linear in 1, cosine and sine of t_2, and in the nine products of `cc`,
-//!    `cs`, `ss` of t_3 with those of t_4. Here c and s are cosine and sine of half an angle.
+//! 2. The products of cosines and sines of t_0 and t_1 occur linearly. The elimination of these products
+//!    leaves six equations (`loop_equations`). These equations are linear in 1, cosine and sine of t_2. They
+//!    are also linear in the nine products of `cc`, `cs`, `ss` of t_3 with `cc`, `cs`, `ss` of t_4. Here c
+//!    and s are cosine and sine of half an angle.
 //! 3. These equations, alone and times the half tangent of t_3, are twelve linear equations for twelve
-//!    products. Their determinant is a trigonometric polynomial of degree 8 in t_2 (`half_angle_equations`).
+//!    products. The determinant is a trigonometric polynomial of degree 8 in t_2 (`half_angle_equations`).
 //!    The coefficients come from 24 samples on the circle, which also show the rounding error
 //!    (`circle_polynomial`).
 //! 4. The real roots are isolated by bounds of the Taylor series (`polynomial_roots`).
@@ -30,10 +31,10 @@
 //!    equations then give the other angles. Newton's method on the pose of the flange refines each solution,
 //!    and rejects candidates that are not solutions (`scaled_arm`, `pose_problem`).
 //!
-//! The determinant is 0 at every t_2 if the arm is degenerate in an arrangement, for example if axes are
-//! parallel or meet in a point. So the solver chooses the arrangement that finds the most trial postures. A
-//! pose that is degenerate in this arrangement is solved in another arrangement. If solutions are not
-//! isolated (the arm can move while the flange does not), some of them are returned.
+//! The determinant is 0 at every t_2 if the arm is degenerate in an arrangement, for example because of
+//! parallel axes. So the solver chooses the arrangement that finds the most trial postures. A pose that is
+//! degenerate in this arrangement is solved in another arrangement. If solutions are not isolated (the arm
+//! can move while the flange does not), some of them are returned.
 
 mod angle_pairs;
 mod circle_polynomial;

@@ -1,7 +1,7 @@
 //! Real roots of a trigonometric polynomial, with the uncertainty that rounding causes.
 //!
 //! The circle is divided into intervals. The Taylor series at the middle of an interval, with a bound of its
-//! remainder, can show one of three cases: the interval has no root, the value is monotonic, or the second
+//! remainder, can show one of three cases. The interval has no root, or the value is monotonic, or the second
 //! derivative does not change its sign. In the third case, the interval has at most two roots. If none of
 //! these cases is certain, the interval is halved.
 

@@ -51,8 +51,8 @@ impl<'a> DistinctSolutions<'a> {
         }
     }
 
-    /// Returns whether the search can end. The search ends after [`MAX_COLLECTED`] solutions. It also ends
-    /// after [`MAX_IDLE_STARTS`] start postures without a new solution, if at least one solution is known.
+    /// Returns whether the search can end. The search ends after [`MAX_COLLECTED`] solutions. If a solution
+    /// is known, the search also ends after [`MAX_IDLE_STARTS`] start postures without a new solution.
     pub fn is_done(&self) -> bool {
         self.found.len() >= MAX_COLLECTED || !self.found.is_empty() && self.idle >= MAX_IDLE_STARTS
     }

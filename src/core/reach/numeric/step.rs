@@ -42,7 +42,7 @@ pub(super) fn bounded_step(
 /// Returns whether a step of [`bounded_step`] holds a joint at a bound although leaving the bound would lower
 /// the cost.
 ///
-/// The Lagrange multiplier of such a bound has the wrong sign.
+/// In this case, the Lagrange multiplier of the bound has the wrong sign.
 pub(super) fn holds_too_much(
     n: usize,
     h: &NormalMatrix,
