@@ -156,7 +156,7 @@ fn has_macros(text: &str) -> bool {
     ["<xacro:", "\"${", "\"$("].iter().any(|word| text.contains(word))
 }
 
-/// Returns whether the size of a file fits the number of triangles that a binary STL states in its header.
+/// Returns whether the size of a file fits the number of triangles that a binary STL states after its header.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let Some(count) = bytes.get(80..84).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes) else {
         return false;

@@ -184,7 +184,8 @@ impl OutlierRow {
     }
 }
 
-/// Periodic errors of one joint: the sum of `cos_deg[k] cos((k + 1) q)` and `sin_deg[k] sin((k + 1) q)`.
+/// Periodic error of one joint: the sum of `cos_deg[k] cos((k + 1) q)` and `sin_deg[k] sin((k + 1) q)` over
+/// all k.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HarmonicsEntry {

@@ -112,7 +112,7 @@ pub fn outlines(drawing: &PlanDrawing, layers: &BTreeSet<String>, unit: f64, tol
 const CLOSED: &str =
     "draw obstacles as closed polylines, circles, or lines and arcs whose ends meet within 0.01 mm";
 
-/// Returns an open path in m, unless it is shorter than [`JOINT`].
+/// Returns an open path in m; None if the path is not longer than [`JOINT`].
 fn moved(path: &PlanPath, map: &PlaneMap, line: usize) -> Option<OpenPath> {
     let sign = if map.mirrors() { -1.0 } else { 1.0 };
     let vertex = |v: &PathVertex| PathVertex { at: map.of(&v.at), bulge: sign * v.bulge };

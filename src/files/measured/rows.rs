@@ -69,8 +69,8 @@ pub fn read(
     if faults.is_empty() { Ok(reader.finished()) } else { Err(faults) }
 }
 
-/// Returns whether a column has a different name in most rows. Such a column names postures, not
-/// reflectors.
+/// Returns whether a column of a table has more different names than half the number of rows. Such a column
+/// names postures, not reflectors.
 fn identifies_rows(grid: &FieldGrid<'_>, column: usize) -> bool {
     let names: HashSet<_> =
         grid.lines.iter().filter_map(|line| grid.fields(line).get(column).copied()).collect();

@@ -103,7 +103,7 @@ fn read_term(t: &mut Table, ways: &[&'static str]) -> Option<Term> {
     Some(Term { at: t.at, rows, weight: weight?, lever })
 }
 
-/// Reads `mm_per_deg` and returns it in m per rad.
+/// Reads `mm_per_deg` and returns the value in m per rad.
 fn read_lever(node: &Node, turns: bool, t: &mut Table) -> Option<f64> {
     if !turns {
         let message = "`mm_per_deg` applies to a rotation, but this term is a length";

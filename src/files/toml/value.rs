@@ -96,7 +96,7 @@ pub fn text(node: &Node, key: &str, lib: &mut Library) -> Option<String> {
     }
 }
 
-/// Reads one word of a closed set.
+/// Reads one word of a closed set; records a fault for any other word.
 pub fn word<W: Word>(node: &Node, key: &str, lib: &mut Library) -> Option<W> {
     let given = text(node, key, lib)?;
     let found = W::all().iter().copied().find(|value| value.word() == given);

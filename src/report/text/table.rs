@@ -10,12 +10,12 @@ pub struct TextTable {
 }
 
 impl TextTable {
-    /// Makes an empty table.
+    /// Makes an empty table whose first `left` columns are aligned left.
     pub fn new(left: usize) -> Self {
         Self { rows: Vec::new(), left, indent: "" }
     }
 
-    /// Makes an empty table that is indented under a heading.
+    /// Makes an empty table that is indented under a heading; its first `left` columns are aligned left.
     pub fn indented(left: usize) -> Self {
         Self { indent: "  ", ..Self::new(left) }
     }
