@@ -61,7 +61,7 @@ impl Overlap {
         }
         let how = if self.rise > aside { "in height" } else { "along a side" };
         let (near, clearance) = (mm_from_m(self.rise.max(aside)), mm_from_m(self.clearance));
-        // With one decimal, the distance and the clearance could look equal.
+        // The distance and the clearance could look equal with one decimal.
         let near =
             if clearance - near < 0.05 { "just below".into() } else { format!("{near:.1} mm instead of") };
         format!("{a} is nearer to {b} than the clearance: {near} {clearance:.1} mm {how}")

@@ -1,7 +1,7 @@
 //! Time-optimal path parameterisation: the least time along a given path under limits of the joints.
 //!
-//! The path q(s) is given, and s(t) is chosen. With x = (ds/dt)^2 and u = d2s/dt2, the limits of joint j are
-//! linear,
+//! The path q(s) is given, and s(t) is chosen. Let x be (ds/dt)^2 and u be d2s/dt2. The limits of joint j are
+//! then linear,
 //!
 //! ```text
 //! q_j'^2 x <= v_j^2,        |q_j' u + q_j'' x| <= a_j,

@@ -6,7 +6,7 @@ use crate::cell::JointVector;
 /// Returns the least time, s, of a motion over a distance from rest to rest.
 ///
 /// The speed has a trapezoidal profile, or a triangular profile if the distance is too short for the full
-/// speed. With the distance d, the greatest speed v and the greatest acceleration a,
+/// speed. For the distance d, the greatest speed v and the greatest acceleration a,
 ///
 /// ```text
 /// t = d / v + v / a    if d >= v^2 / a,

@@ -53,7 +53,8 @@ pub struct AttitudeSet {
 }
 
 impl AttitudeSet {
-    /// Sets all fields except the rotation matrices, for a surface rotated by `yaw` (rad) in the base frame.
+    /// Sets all fields that do not need the rotation matrices, for a surface rotated by `yaw` (rad) in the
+    /// base frame.
     ///
     /// [`Self::update_columns`] adds the matrices. `fixed_elevation` is the elevation of the tool (rad) if
     /// the arm cannot change the elevation; otherwise None.

@@ -45,8 +45,9 @@ impl HeldTarget<'_> {
     /// Searches for usable postures at values between the samples of the redundant joint.
     ///
     /// A finer scan covers the whole range of the redundant joint. If the scan finds no usable posture, a
-    /// golden-section search follows. It narrows the interval around each value whose [`Gap`] is not larger
-    /// than the gaps of its neighbours. Returns the least gap found, and whether a usable posture was found.
+    /// golden-section search follows. This search narrows the interval around each value whose [`Gap`] is not
+    /// larger than the gaps of its neighbours. Returns the least gap found, and whether a usable posture was
+    /// found.
     pub fn search_between(&self, found: &mut dyn FnMut(u64, &Posture)) -> (Gap, bool) {
         let flange = self.inverse.flange(self.first, self.target, self.attitudes);
         let near = self.joint.most_travel(&flange) * f64::from(SCAN_STEP);

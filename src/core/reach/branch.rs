@@ -96,7 +96,8 @@ pub enum Reach {
     OutOfReach { by: f64 },
     /// The arm reaches the position, but not in the required attitude; `by` is the least angle error (rad).
     ///
-    /// `joint` is the joint whose limit prevents the attitude; None if the geometry prevents it.
+    /// `joint` is the index of the joint whose limit prevents the attitude; None if the geometry prevents the
+    /// attitude.
     Attitude { by: f64, joint: Option<usize> },
     /// The numeric solver did not converge: the errors `position` (m) and `angle` (rad) remain. A posture may
     /// still exist.

@@ -51,7 +51,7 @@ impl HeldJoint {
     /// 2 m.
     pub const LATTICE: u32 = (Self::SAMPLES as u32 - 1) * Self::SAMPLE_STEP;
 
-    /// Prepares the redundancy resolution of a chain with its first joint held constant, or its last if
+    /// Prepares the redundancy resolution of a chain with its first joint held constant, or its last joint if
     /// `first` is false.
     ///
     /// Returns None for fewer than four joints, for a redundant joint that is coupled to another joint, or if
@@ -158,7 +158,7 @@ impl HeldJoint {
         }
     }
 
-    /// Returns a distance, m, that limits the search between the samples of the held joint.
+    /// Returns a distance, m, that limits the search between the samples of the redundant joint.
     ///
     /// A target counts as out of reach if it is farther than this distance from the reachable points of every
     /// sample.

@@ -26,7 +26,7 @@ pub struct Inverse {
     pub(super) solver: ChainSolver,
     /// Joint limits; None if they cannot be checked on the sines and cosines of a posture.
     ///
-    /// If they are None, the numeric solver solves the chain within the limits.
+    /// If this field is None, the numeric solver solves the chain within the limits.
     pub(super) limits: Option<Limits>,
     /// Pose of the base frame in D-H frame 0; None if the two frames coincide.
     pub(super) to_zero: Option<Pose>,

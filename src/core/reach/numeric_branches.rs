@@ -2,8 +2,8 @@
 //!
 //! All solutions of a goal keep the joint limits.
 //!
-//! The numeric solver has two more uses. It moves a posture to a neighbouring target if the branches of the
-//! arm do not keep their indices. The solver also finds the reason why a scan has no solution.
+//! If the branches of an arm do not keep their indices, the numeric solver also moves postures to
+//! neighbouring targets. It also finds the reason why a scan has no solution.
 
 use super::branch::{Branch, Gap, Reach};
 use super::inverse::Inverse;

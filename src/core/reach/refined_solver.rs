@@ -16,7 +16,8 @@ use crate::pose::{Displacement, Pose};
 use crate::robot::{Chain, Frames, Posture};
 use nalgebra::{Matrix6, Vector3, Vector6};
 
-/// Tolerances (rad and m) of the simplified copy. They are tried in turn until the copy has a closed form.
+/// Tolerances (rad and m) of the simplified copy. The solver tries the tolerances in this order until the
+/// copy has a closed form.
 const TOLERANCES: [f64; 9] = [1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02];
 
 /// Number of sampled postures on which the solver is tested.

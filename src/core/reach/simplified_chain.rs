@@ -12,8 +12,8 @@
 //! between two neighbouring axes, and errors do not accumulate.
 //!
 //! The D-H rows of the copy follow from the simplified lines (J. Denavit, R. S. Hartenberg, 1955). Rounding
-//! the D-H rows of the chain would not work. The offset r between nearly parallel axes can be a kilometre
-//! long, because their common normal is far away.
+//! the D-H rows of the chain instead would not work. The offset r between nearly parallel axes can be a
+//! kilometre long, because their common normal is far away.
 
 use super::numeric::least_turn;
 use crate::cell::MAX_JOINTS;
@@ -35,7 +35,7 @@ pub(super) struct SimplifiedChain {
     /// For each joint at coordinate 0: cosine and sine of the difference of theta, and the difference of r
     /// (m).
     ///
-    /// The differences are the value of the original chain minus the value of the simplified chain.
+    /// A difference is the value of the original chain minus the value of the simplified chain.
     offsets: [(f64, f64, f64); MAX_JOINTS],
     /// Largest distance (m) between the flanges of both chains at sampled postures.
     pub distance: f64,
@@ -141,8 +141,9 @@ struct SimpleRow {
     shift: Vector3<f64>,
 }
 
-/// Returns the direction of the next axis, and the rotation vector that leads to it from the direction of
-/// `line`. The new direction is exactly parallel or perpendicular to axis z of `frame` if `line` nearly is.
+/// Returns the direction of the next axis, and the rotation vector from the direction of `line` to this
+/// direction. The new direction is exactly parallel or perpendicular to axis z of `frame` if `line` nearly
+/// is.
 fn simplified_direction(frame: &Pose, line: &Line, tolerance: f64) -> (Vector3<f64>, Vector3<f64>) {
     let (z, w) = (frame.rotation.column(2).into_owned(), line.along);
     let (cosine, sine) = (w.dot(&z), z.cross(&w).norm());

@@ -16,7 +16,7 @@ pub(super) enum ChainSolver {
     Planar(PlanarArm),
     /// Solver for a whole pose of the last D-H frame.
     Pose(PoseSolver),
-    /// Redundant arm: one joint is held, and a closed form solves the other joints.
+    /// Redundant arm: one joint is held constant, and a closed form solves the other joints.
     Redundant(Box<HeldJoint>),
     /// Iterative solver for any other chain.
     Numeric(Box<Numeric>),
@@ -26,7 +26,7 @@ impl ChainSolver {
     /// Returns the solver of a chain.
     ///
     /// `limits_by_posture` is true if the joint limits can be checked from the sines and cosines of a posture
-    /// alone. If it is false, only the numeric solver can be used.
+    /// alone. If this argument is false, only the numeric solver can be used.
     pub fn new(chain: &Chain, limits_by_posture: bool) -> Self {
         if limits_by_posture {
             if let Ok(arm) = PlanarArm::new(chain) {

@@ -111,7 +111,7 @@ impl Inverse {
                 });
             }
             ChainSolver::Pose(_) => {
-                // Without a redundant joint, all bits above the lowest four are the number of the attitude.
+                // Without a redundant joint, all bits above the lowest four hold the index of the attitude.
                 let attitude = (first >> 4) as usize;
                 self.solve_spins(attitude, target, attitudes, scratch, &mut |index, posture: &Posture| {
                     if index & 15 == first & 15 {

@@ -45,10 +45,9 @@ pub struct ToolTask {
 }
 
 impl Inverse {
-    /// Returns the tool task of the posture whose frames are `frames`; None if no square system describes the
-    /// motion.
+    /// Returns the tool task of the posture whose frames are `frames`.
     ///
-    /// Returns None in three cases:
+    /// Returns None in three cases, because no square system describes the motion:
     ///
     /// - A planar arm has to keep a heading or a spin that its joints do not control.
     /// - The numeric solver solves an arm that has neither six nor seven joints. A five-axis arm with a

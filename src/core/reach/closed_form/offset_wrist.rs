@@ -95,7 +95,7 @@ impl OffsetWrist {
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
     /// reach. If the first three joints cannot reach P, the measure is their least distance from P. Otherwise
-    /// it is the least cosine error of the angle between axes 4 and 5, times the forearm length r_4.
+    /// the measure is the least cosine error of the angle between axes 4 and 5, times the forearm length r_4.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         solve_either_direction(self.lead.as_ref(), flange, posture, found, |flange, posture, found| {
             self.reach(flange, posture, found)
@@ -162,7 +162,7 @@ impl OffsetWrist {
         })
     }
 
-    /// Writes theta_4 to theta_6 into a posture that holds the first three joints.
+    /// Writes the angles theta_4, theta_5 and theta_6 into a posture that contains the first three joints.
     fn turn_wrist(&self, placed: &PlacedAxis, theta6: Angle, posture: &mut Posture) {
         let d = &self.links[3];
         let z4 = self.behind_arm(&placed.z4, posture);

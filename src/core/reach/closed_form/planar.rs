@@ -11,11 +11,11 @@
 //! axis 2.
 //!
 //! The law of cosines gives two solutions for the elbow, and theta_4 = phi - theta_2 - theta_3. A given
-//! elevation of the tool (its bending angle) allows two values of phi. With the first value, the tool points
-//! away from the base axis; with the second value, towards it. The two values coincide if the tool is
-//! vertical. A target has up to 2 x 2 x 2 branches: two signs of s, two values of phi and two elbows. The
-//! solver computes sines and cosines by square roots alone; angles are computed only for branches that are
-//! reported.
+//! elevation of the tool (its bending angle) allows two values of phi. For the first value, the tool points
+//! away from the base axis. For the second value, the tool points towards the base axis. The two values
+//! coincide if the tool is vertical. A target has up to 2 x 2 x 2 branches: two signs of s, two values of phi
+//! and two elbows. The solver computes sines and cosines by square roots alone; angles are computed only for
+//! branches that are reported.
 
 use crate::cell::{JointKind, tool_columns};
 use crate::pose::exact_sin_cos;

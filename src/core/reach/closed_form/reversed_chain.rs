@@ -24,7 +24,7 @@ pub(in crate::reach) fn in_either_direction<T>(
     })
 }
 
-/// Calls `solve` with the pose `flange` and the posture of a chain, and `found` with every posture found.
+/// Calls `solve` with the pose `flange` and a posture of the chain. Calls `found` with every posture found.
 ///
 /// If `lead` is given, `solve` solves the reversed chain, and this function converts poses and postures
 /// between the two chains. `lead` is the constant part of the last row of the chain.

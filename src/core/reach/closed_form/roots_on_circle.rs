@@ -14,7 +14,7 @@ const COUNT: usize = PositioningArm::BRANCHES;
 const INTERVALS: usize = 32;
 /// Largest number of roots.
 const MAX_ROOTS: usize = 16;
-/// Width of an interval, rad, below which it is not halved to find pairs of roots.
+/// Width of an interval, rad, below which the interval is not halved to find pairs of roots.
 const LEAST_WIDTH: f64 = 1e-5;
 /// Width of an interval, rad, below which the end of a function is known precisely.
 const LEAST_WIDTH_AT_END: f64 = 1e-9;

@@ -129,8 +129,8 @@ impl SphericalWrist {
         let across2 = z.x * z.x + z.y * z.y;
         let Some((cos5, sin5)) = self.twists.turn(z.z, across2) else { return };
         let ((ca, sa), (cb, sb)) = (self.twists.first, self.twists.second);
-        // In the frame rotated by theta_4, axis 6 has the components x = +-u and y = v; theta_4 rotates it to
-        // z.
+        // In the frame rotated by theta_4, axis 6 has the components x = +-u and y = v; theta_4 rotates axis
+        // 6 to z.
         let (u, v) = (sb * sin5, -(ca * sb * cos5 + sa * cb));
         let size2 = u * u + v * v;
         let in_line = across2.min(size2) < ALIGNED * ALIGNED;

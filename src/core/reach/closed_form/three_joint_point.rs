@@ -220,7 +220,7 @@ impl ThreeJointPoint {
         (0..GRID * GRID).any(|k| {
             let mut joints = self.on_grid([k % GRID, k / GRID], GRID);
             // At coordinate 0 of a prismatic joint, the point may lie on a revolute axis, which then cannot
-            // move it.
+            // move the point.
             joints
                 .r
                 .iter_mut()

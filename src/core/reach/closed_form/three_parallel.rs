@@ -114,12 +114,12 @@ impl ThreeParallel {
     /// and 4 is in the middle of its possible range.
     ///
     /// If the wrist centre is on axis 1 and the arm has no offset along axis 2, theta_1 is free. In that
-    /// case bit 2 is 0, and theta_1 is the first angle of a scan that has a solution.
+    /// case, bit 2 is 0, and theta_1 is the first angle of a scan that has a solution.
     ///
     /// Returns the distance (m) by which the wrist centre is out of reach. If the wrist centre is too near to
-    /// axis 1 for every theta_1, this distance is measured along axis 2. Otherwise it is measured in the
-    /// plane of the arm, normal to axis 2. A distance of 0 does not always mean that a solution exists. If
-    /// alpha_4 or alpha_5 is not a right angle, axes 4 to 6 cannot reach every orientation.
+    /// axis 1 for every theta_1, this distance is measured along axis 2. Otherwise the distance is measured
+    /// in the plane of the arm, normal to axis 2. A distance of 0 does not always mean that a solution
+    /// exists. If alpha_4 or alpha_5 is not a right angle, axes 4 to 6 cannot reach every orientation.
     #[inline]
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let (p, a) = (flange.transform(&self.centre), &self.first);

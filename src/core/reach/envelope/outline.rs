@@ -2,7 +2,7 @@
 //!
 //! The method is the two-dimensional form of marching cubes (W. E. Lorensen, H. E. Cline, 1987). A function
 //! decides whether a point lies in the region. A crossing is a point where an edge of the lattice meets the
-//! outline; it is located by bisection.
+//! outline; bisection locates each crossing.
 
 use rayon::prelude::*;
 
@@ -151,8 +151,8 @@ impl Lattice {
                 let [a, b] = [self.point(corners[0]), self.point(corners[2])];
                 inside([(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0])
             };
-            // A saddle has two opposite corners inside the region. If its middle is outside, the outline
-            // separates them.
+            // A saddle has two opposite corners inside the region. If the middle of the saddle is outside,
+            // the outline separates the two corners.
             let turn = if saddle && !middle() { 3 } else { 1 };
             for k in (0..4).filter(|&k| leaves(k)) {
                 if let Some(to) = (1..4).map(|n| (k + n * turn) % 4).find(|&k| enters(k)) {

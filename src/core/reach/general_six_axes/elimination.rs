@@ -1,7 +1,7 @@
 //! Gaussian elimination of small systems of fixed size, in arrays of rows.
 //!
 //! These functions are faster than the decompositions of nalgebra for the determinants and for Newton's
-//! method. They can also stop after some of the columns.
+//! method. The functions can also stop after some of the columns.
 
 /// Brings the greatest entry of the first `count` columns, in the rows from `k` on, to the diagonal.
 ///

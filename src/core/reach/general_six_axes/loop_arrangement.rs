@@ -41,7 +41,7 @@ impl LoopArrangement {
         })
     }
 
-    /// Returns the joint angles (rad), in the order of the arm, that belong to the angles of the loop.
+    /// Returns the joint angles (rad), in the order of the arm, that correspond to the angles of the loop.
     pub fn joints(self, angles: [f64; 6]) -> [f64; 6] {
         let mut joints = [0.0; 6];
         for (k, angle) in angles.into_iter().enumerate() {

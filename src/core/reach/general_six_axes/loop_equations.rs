@@ -143,8 +143,7 @@ impl OuterSide {
         }
     }
 
-    /// Returns all six angles of the loop (rad). The angles 1 and 5 are those that fit the other four angles
-    /// best.
+    /// Returns all six angles of the loop (rad). The angles 1 and 5 fit the other four angles best.
     fn closed(
         &self,
         links: &[Pose; 6],

@@ -128,8 +128,8 @@ impl GeneralSixAxes {
     ///
     /// Returns 0 if there is a solution. Otherwise returns a measure, in m, of how far the target is out of
     /// reach. If the origin of frame 5 is outside its sphere of reach, the measure is the distance from this
-    /// sphere. Otherwise it is the length of the arm times the ratio of the least to the greatest determinant
-    /// of a coarse scan. The measure is `f64::MAX` if the pose is not finite.
+    /// sphere. Otherwise the measure is the length of the arm times the ratio of the least to the greatest
+    /// determinant of a coarse scan. The measure is `f64::MAX` if the pose is not finite.
     pub fn solve(&self, flange: &Pose, posture: &mut Posture, found: &mut dyn FnMut(u8, &Posture)) -> f64 {
         let target = self.arm.scaled(flange);
         let beyond = self.arm.beyond_reach(&target);

@@ -62,8 +62,8 @@ impl TaylorSeries {
 
     /// Returns an upper bound of the absolute value of the terms from `from` on, each times its weight.
     ///
-    /// With the weight n of term n, the bound applies to the first derivative. With n (n - 1) / 2, it applies
-    /// to half of the second derivative.
+    /// If term n has the weight n, the bound applies to the first derivative. If the weight is n (n - 1) / 2,
+    /// the bound applies to half of the second derivative.
     #[inline]
     fn bound(&self, weight: fn(f64) -> f64, from: usize) -> f64 {
         let terms = self.terms.iter().enumerate().skip(from);

@@ -88,14 +88,15 @@ impl<'a> PoseProblem<'a> {
         self.polynomial.is_regular()
     }
 
-    /// Returns the least absolute value of the determinant in a coarse scan, as a share of the greatest.
+    /// Returns the least absolute value of the determinant in a coarse scan, as a share of the greatest
+    /// absolute value.
     pub fn least_determinant(&self) -> f64 {
         self.polynomial.least_sample()
     }
 
     /// Adds the solutions to `all`.
     ///
-    /// In a degenerate arrangement, the polynomial is only noise. Its roots then serve only as starts of
+    /// In a degenerate arrangement, the polynomial is only noise. The roots then serve only as starts of
     /// Newton's method.
     pub fn solve(&self, all: &mut JointSolutions) {
         if !self.is_regular() {

@@ -152,7 +152,7 @@ fn newton_step(
     solve_six(rows)
 }
 
-/// Returns a frame after a rotation about its own axis z by an angle (rad).
+/// Returns a frame after a rotation about the z axis of this frame by an angle (rad).
 pub(super) fn turned(frame: &Pose, angle: f64) -> Pose {
     let (s, c) = angle.sin_cos();
     let (x, y, z) = (frame.rotation.column(0), frame.rotation.column(1), frame.rotation.column(2));

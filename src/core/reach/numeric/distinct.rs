@@ -34,7 +34,7 @@ pub(super) struct DistinctSolutions<'a> {
 }
 
 impl<'a> DistinctSolutions<'a> {
-    /// Returns an empty set of solutions for a goal that states `rows` scalar conditions.
+    /// Returns an empty set of solutions for a goal with `rows` scalar conditions.
     pub fn new(joints: &'a JointRanges, rows: usize) -> Self {
         let apart = if rows < joints.ranges().len() { CONTINUUM_SPACING } else { SAME_SOLUTION };
         Self { found: Vec::new(), joints, apart, idle: 0 }

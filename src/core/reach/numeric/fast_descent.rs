@@ -61,8 +61,8 @@ impl Numeric {
             let damping = DAMPING * cost + if redundant { SINGULAR_DAMPING } else { MIN_DAMPING };
             self.joints.damp(&mut h, damping, self.scale);
             if redundant {
-                // Damping alone pulls the step towards 0; this term pulls it towards the middle of the
-                // ranges. The null-space motion of the joints follows this pull alone.
+                // Damping alone pulls the step towards 0. This term pulls the joints towards the middle of
+                // their ranges. The null-space motion of the joints follows this pull alone.
                 self.joints.pull(&mut b, &q, damping * PULL * cost.min(1.0), self.scale);
             }
             let bounds = self.joints.bounds(&q, MAX_STRIDE, 1.0 / self.scale);

@@ -69,8 +69,8 @@ impl Numeric {
     /// Minimizes the cost by the Levenberg-Marquardt method within the limits.
     ///
     /// The factor `scale` (1/m) multiplies lengths in the cost. Every accepted step lowers the cost. A trial
-    /// step can fail to lower the cost because it holds a joint at a bound that the joint should leave. In
-    /// this case, a quadratic program computes the step. For a goal without attitude, the method uses the
+    /// step can fail to lower the cost because the step fixes a joint at a bound that the joint should leave.
+    /// In this case, a quadratic program computes the step. For a goal without attitude, the method uses the
     /// exact Hessian. The method then converges quadratically even if the goal is out of reach.
     pub(super) fn descend_to_rest(
         &self,

@@ -9,10 +9,10 @@ use nalgebra::Vector3;
 
 /// Returns the geometric Jacobian: column j is the motion of the TCP per unit of actuator j, base frame.
 ///
-/// Let z_i be the axis of joint i, o_i a point on it and p the position of the TCP. A revolute joint moves
-/// the TCP by `z_i x (p - o_i)` and rotates it by `z_i`; a prismatic joint moves it by `z_i`. The column of
-/// an actuator is the sum of these motions for all joints that it drives, times the coupling factors. Columns
-/// beyond the number of joints are 0.
+/// Let z_i be the axis of joint i, o_i a point on this axis and p the position of the TCP. A revolute joint
+/// moves the TCP by `z_i x (p - o_i)` and rotates it by `z_i`; a prismatic joint moves it by `z_i`. The
+/// column of an actuator is the sum of these motions for all joints that it drives, times the coupling
+/// factors. Columns beyond the number of joints are 0.
 pub fn jacobian(chain: &Chain, frames: &Frames) -> [Displacement; MAX_JOINTS] {
     let mut columns = dh_jacobian(chain, frames);
     // The coupling matrix is lower triangular: the columns after j still refer to the D-H coordinates.
@@ -68,9 +68,9 @@ pub(super) fn normal_equations(
 ///
 /// Let e be the vector from the TCP position p to the goal and q_i the joint coordinates. The second-order
 /// part is `-e . d2p / dq_i dq_j`. For i <= j, the second derivative of p is `w_i x J_j`. Here w_i is the
-/// rotation of the TCP per unit of joint i, and J_j its translation per unit of joint j. Only the lower
-/// triangle is changed, and `scale` (1/m) multiplies lengths. With this part, Newton's method converges
-/// quadratically even if the goal is out of reach.
+/// rotation of the TCP per unit of joint i, and J_j is the translation of the TCP per unit of joint j. Only
+/// the lower triangle is changed, and `scale` (1/m) multiplies lengths. This part makes Newton's method
+/// converge quadratically even if the goal is out of reach.
 pub(super) fn add_curvature(
     chain: &Chain,
     frames: &Frames,

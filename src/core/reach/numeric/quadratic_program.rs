@@ -8,8 +8,8 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeCone
 /// Returns the step d that minimizes `d^T H d / 2 - b . d` within `bounds`; None if the solver fails.
 ///
 /// The matrix H is given by its lower triangle `h`. This function takes a hundred times as long as
-/// [`super::step::bounded_step`]. Unlike `bounded_step`, it frees every joint that would lower the cost by
-/// leaving its bound.
+/// [`super::step::bounded_step`]. Unlike `bounded_step`, this function frees every joint that would lower the
+/// cost by leaving its bound.
 pub(super) fn exact_step(
     n: usize,
     h: &NormalMatrix,

@@ -34,8 +34,8 @@ pub enum Shortfall {
     Attitude { by: f64, joint: Option<usize> },
     /// The search found neither a solution nor a reason why there is none.
     ///
-    /// `position` (m) and `angle` (rad) are the errors of the best attempt. Both are infinite if the goal is
-    /// not valid, or if no attempt came near the position of the goal.
+    /// `position` (m) and `angle` (rad) are the errors of the best attempt. Both errors are infinite if the
+    /// goal is not valid, or if no attempt came near the position of the goal.
     NotConverged { position: f64, angle: f64 },
 }
 

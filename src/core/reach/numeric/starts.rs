@@ -60,7 +60,7 @@ impl Starts {
 }
 
 /// Iterator over the start postures in the order of [`Starts::ranked`]. The next posture is found on demand,
-/// because most goals need only one or two.
+/// because most goals need only one or two postures.
 pub(super) struct Ranked<'a> {
     starts: &'a Starts,
     far: [f64; STARTS],
