@@ -69,8 +69,8 @@ impl NotCertified {
     /// Returns the reason as a clause about the operation, with the names that the cell gives to its parts.
     pub fn in_words(&self, cell: &Cell) -> String {
         match self {
-            Self::NoTask => "no bound of its joint coordinates is known for this attitude and arm".into(),
-            Self::NearlySingular => "its posture is too near to a singular posture".into(),
+            Self::NoTask => "no bound of the joint coordinates is known for this attitude and arm".into(),
+            Self::NearlySingular => "the posture is too near to a singular posture".into(),
             Self::JointLimit { joint, by } => {
                 let joint = &cell.robot.joints[*joint];
                 let (by, unit) = match joint.kind {

@@ -55,14 +55,14 @@ impl NoValueBound {
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Registered => "a registration removes part of its error",
-            Self::Relative => "its error is relative to the pick of the part",
-            Self::Rotation => "its sense has rotations",
-            Self::ToolAxes => "its sense is in axes of the tool",
-            Self::Share => "its value is a share of failures",
-            Self::NotNormal => "not all of its parameters are normally distributed",
-            Self::ManyRows => "its sense has more than three rows",
-            Self::Elastic => "its elastic errors change with the posture",
-            Self::Mean => "its errors vary about measured means",
+            Self::Relative => "the error is measured relative to the pick of the part",
+            Self::Rotation => "the sense has rotations",
+            Self::ToolAxes => "the sense is in axes of the tool",
+            Self::Share => "the value is a share of failures",
+            Self::NotNormal => "not all parameters are normally distributed",
+            Self::ManyRows => "the sense has more than three rows",
+            Self::Elastic => "the elastic errors change with the posture",
+            Self::Mean => "the errors vary about measured means",
         }
     }
 }
